@@ -1,0 +1,31 @@
+"""Resistance of a phase mixture from resistivities: R = [ρ_A + ξ (ρ_M - ρ_A)] l/A.
+
+Both resistivities are parameters: published tables and measurements disagree on the sign of
+their difference, so none is assumed.
+"""
+
+from __future__ import annotations
+
+from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@RESISTANCES.register("mixture")
+class MixtureResistance(AbstractResistance):
+    """Linear mixture of two resistivities; geometry at its nominal size."""
+
+    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4)
+    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4)
+
+    def resistance(
+        self,
+        xp: Namespace,
+        fraction: Scalar,
+        strain: Scalar,
+        temperature: Scalar,
+        area: Scalar,
+        length: Scalar,
+    ) -> Scalar:
+        """R [ohm]."""
+        return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (length / area)

@@ -1,0 +1,27 @@
+"""Resistance of a phase mixture from values per metre, as wire tables give them."""
+
+from __future__ import annotations
+
+from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@RESISTANCES.register("per-length")
+class PerLengthResistance(AbstractResistance):
+    """Linear mixture of two resistances per metre; independent of the diameter."""
+
+    r_A: Scalar = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6)
+    r_M: Scalar = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6)
+
+    def resistance(
+        self,
+        xp: Namespace,
+        fraction: Scalar,
+        strain: Scalar,
+        temperature: Scalar,
+        area: Scalar,
+        length: Scalar,
+    ) -> Scalar:
+        """R [ohm]."""
+        return (self.r_A + fraction * (self.r_M - self.r_A)) * length

@@ -1,0 +1,84 @@
+"""Straight wire: stress = force/section, strain = elongation/length.
+
+Geometry enters at its nominal size (no lateral contraction). The lateral surface π d l
+loses heat; the ends are adiabatic.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.elements.base import ELEMENTS, AbstractElement, Spring
+from martensite.elements.limits import Limits
+from martensite.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.parameters import param, part
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.base import Environment
+
+
+@ELEMENTS.register("wire")
+class Wire(AbstractElement):
+    """A straight wire that transforms uniformly along its length."""
+
+    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02)
+    length: Scalar = param("m", "length at zero strain", above=0.0, high=1e3)
+    density: Scalar = param("kg/m^3", "density", above=0.0, high=3e4)
+    heat_capacity: Scalar = param("J/kg/K", "specific heat capacity", above=0.0, high=1e4)
+    latent_heat: Scalar = param(
+        "J/kg", "latent heat of the whole transformation", low=0.0, high=1e6, default=0.0
+    )
+    initial_fraction: Scalar = param(
+        "1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0
+    )
+    law: AbstractLaw = part("stress–strain–temperature law", LAWS)
+    resistance: AbstractResistance = part("resistance model", RESISTANCES)
+    limits: Limits = part("safety limits", default=Limits())
+
+    def section(self) -> Scalar:
+        """Cross-section [m²]."""
+        return 0.25 * math.pi * self.diameter * self.diameter
+
+    def surface(self) -> Scalar:
+        """Lateral surface [m²]."""
+        return math.pi * self.diameter * self.length
+
+    def mass(self) -> Scalar:
+        """Mass [kg]."""
+        return self.density * self.section() * self.length
+
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity without transformation [J/K]."""
+        return self.mass() * self.heat_capacity
+
+    def latent_heat_total(self) -> Scalar:
+        """Heat released by the whole forward transformation [J]."""
+        return self.mass() * self.latent_heat
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """h(T) S (T - T_a) [W]."""
+        ambient = environment.temperature
+        film = environment.cooling.film(xp, temperature, ambient, self.diameter, self.length)
+        return film * self.surface() * (temperature - ambient)
+
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Spring:
+        """The wire as a linear spring at frozen fractions and temperature [K]."""
+        free = self.law.free_strain(xp, fractions, temperature)
+        compliance = self.law.compliance(xp, fractions)
+        return Spring(free * self.length, compliance * (self.length / self.section()))
+
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Axial stress [Pa]."""
+        return force * (1.0 / self.section())
+
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Axial strain [-]."""
+        return elongation * (1.0 / self.length)
+
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Resistance [ohm]."""
+        return self.resistance.resistance(
+            xp, fraction, strain, temperature, self.section(), self.length
+        )

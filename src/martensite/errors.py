@@ -1,0 +1,57 @@
+"""Errors: every one is a sentence a user can act on.
+
+Form: what was given, what is allowed, the nearest valid name. `InputError` and its
+children mean bad input (exit code 2 on the command line); `SolveError` means that a run
+was started and failed (exit code 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class MartensiteError(Exception):
+    """Base of all errors raised on purpose by this package."""
+
+    exit_code = 1
+
+
+class InputError(MartensiteError):
+    """Something the user gave is wrong; nothing was changed or written."""
+
+    exit_code = 2
+
+
+class UnknownNameError(InputError):
+    """A name is not one of the valid ones."""
+
+    def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
+        super().__init__(f"No {kind} named `{name}`. {suggestion(name, valid)}")
+
+
+class UnitError(InputError):
+    """A quantity cannot be read, or has the wrong unit."""
+
+
+class ParameterError(InputError):
+    """A parameter is missing, unknown or out of range."""
+
+
+class DataError(InputError):
+    """A data file is missing, malformed or does not hold what is needed."""
+
+
+class SolveError(MartensiteError):
+    """A simulation could not be completed; the sentence says where and what to try."""
+
+
+def suggestion(name: str, valid: Iterable[str]) -> str:
+    """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
+    names = sorted(valid)
+    near = get_close_matches(name.lower(), [n.lower() for n in names], n=1, cutoff=0.6)
+    listed = ", ".join(f"`{n}`" for n in names) or "none"
+    if not near:
+        return f"Valid: {listed}."
+    best = next(n for n in names if n.lower() == near[0])
+    return f"Did you mean `{best}`? Valid: {listed}."

@@ -1,0 +1,226 @@
+"""From tables of text to objects: one walk over the declarations builds every component.
+
+A table holds a `kind` and the parameters of that kind; a component below it is another
+table, or just its kind. Quantities with a dimension are text with a unit. What the table
+leaves out comes from the material (by canonical name, where the part may draw on one), then
+from the default; what is missing everywhere is an error that says where to write it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+from martensite import units
+from martensite.errors import InputError, ParameterError, UnitError, suggestion
+from martensite.materials.base import Material
+from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.registry import Registry
+from martensite.signals.base import DRIVE
+
+Table = Mapping[str, Any]
+ASSUMED_KINDS = {"resistance": "mixture"}
+"""Component -> kind that is meant when a scenario does not name one."""
+
+
+@dataclass(frozen=True)
+class Builder:
+    """Builds components from tables; notes in `origins` where each number came from."""
+
+    material: Material | None = None
+    """Fills numbers that the tables leave out, in components built with `draws`."""
+    drive_unit: str = "1"
+    """Unit of the source, in which the levels of a waveform are declared."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path -> scenario, default, or the kind and name of the material."""
+    extra: tuple[str, ...] = ()
+    """Keys of the outermost table that are read elsewhere."""
+
+    def choose(
+        self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False
+    ) -> Any:
+        """Build the component of `registry` that the table (or bare kind) describes."""
+        full = as_table(table, path)
+        if "kind" not in full:
+            raise ParameterError(f"[{path}] needs `kind`. {suggestion('', registry.names())}")
+        return self.build(chosen(registry, full, path), full, path, draws=draws)
+
+    def build(
+        self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
+    ) -> Any:
+        """Build a component of a known class from its table."""
+        children = {name: self._child(cls, name, table, path) for name in _parts(cls)}
+        self._refuse_unknown(cls, table, path, children)
+        values: dict[str, Any] = {}
+        missing: list[str] = []
+        for name, declared in cls.declarations.items():
+            if declared.kind == "part":
+                self._part(values, name, declared, children[name], path, draws)
+            elif name in table:
+                values[name] = self._given(cls, name, declared, table[name], path)
+                self.origins[f"{path}.{name}"] = "scenario"
+            elif draws and self.material and name in self.material.values:
+                number = self.material.values[name]
+                values[name] = number.text
+                self.origins[f"{path}.{name}"] = f"{number.kind}, {self.material.name}"
+            elif declared.default is REQUIRED:
+                missing.append(name)
+            else:
+                self.origins[f"{path}.{name}"] = "default"
+        if missing:
+            raise ParameterError(self._needs(cls, missing, path, draws))
+        with section(path):
+            return cls(**values)
+
+    def _child(
+        self, cls: type[Parametrised], name: str, table: Table, path: str
+    ) -> tuple[type[Parametrised], Table] | None:
+        """Class and table of a component, or None if its default is meant."""
+        declared = cls.declarations[name]
+        given = table.get(name, ASSUMED_KINDS.get(name))
+        if declared.registry is None:
+            known = cast("type[Parametrised]", type(declared.default))
+            return known, (as_table(given, f"{path}.{name}") if given is not None else {})
+        if given is None:
+            return None
+        full = as_table(given, f"{path}.{name}")
+        if name in ASSUMED_KINDS:
+            full = {"kind": ASSUMED_KINDS[name], **full}
+        if "kind" not in full:
+            valid = suggestion("", declared.registry.names())
+            raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
+        return chosen(declared.registry, full, f"{path}.{name}"), full
+
+    def _part(
+        self,
+        values: dict[str, Any],
+        name: str,
+        declared: Declared,
+        child: tuple[type[Parametrised], Table] | None,
+        path: str,
+        draws: bool,
+    ) -> None:
+        if child is not None:
+            below = replace(self, extra=())
+            values[name] = below.build(*child, f"{path}.{name}", draws=draws)
+        elif declared.default is REQUIRED and declared.registry is not None:
+            valid = suggestion("", declared.registry.names())
+            raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
+
+    def _given(
+        self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str
+    ) -> Any:
+        """The value as the constructor takes it; text keeps its unit for the messages."""
+        if declared.kind == "option":
+            return value
+        unit = self.drive_unit if declared.unit == DRIVE else declared.unit
+        if not isinstance(value, str):
+            return _plain(value, name, unit, path)
+        if declared.unit != DRIVE:
+            return value
+        with section(path):
+            try:
+                return units.parse(value, unit)
+            except UnitError as error:
+                raise UnitError(f"Parameter `{name}` of `{_name(cls)}`: {error}") from None
+
+    def _refuse_unknown(
+        self,
+        cls: type[Parametrised],
+        table: Table,
+        path: str,
+        children: Mapping[str, tuple[type[Parametrised], Table] | None],
+    ) -> None:
+        kind = ("kind",) if cls.registered_name else ()
+        valid = [*cls.declarations, *kind, *self.extra]
+        unknown = next((key for key in table if key not in valid), None)
+        if unknown is None:
+            return
+        for name, child in children.items():
+            if child is not None and unknown in child[0].declarations:
+                raise ParameterError(
+                    f"[{path}] `{_name(cls)}` has no `{unknown}`; it belongs to the {name}: "
+                    f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
+                )
+        raise ParameterError(
+            f"[{path}] `{_name(cls)}` has no `{unknown}`. {suggestion(unknown, valid)}"
+        )
+
+    def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
+        """What is missing, in which unit, who does not have it, where to write it."""
+        listed = ", ".join(_describe(cls.declarations[name], name) for name in missing)
+        unit = self._unit_label(cls.declarations[missing[0]])
+        sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
+        lacking = ""
+        if draws and self.material:
+            lacking = f", which material `{self.material.name}` does not hold"
+        elif draws:
+            lacking = ", and no `material` is named"
+        return f"[{path}] `{_name(cls)}` needs {listed}{lacking}; write `{sample}` in [{path}]."
+
+    def _unit_label(self, declared: Declared) -> str:
+        unit = units.readable(self.drive_unit if declared.unit == DRIVE else declared.unit)
+        return "" if unit == "1" else unit
+
+
+def _plain(value: Any, name: str, unit: str, path: str) -> float:
+    """A number without text: only where there is no dimension."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
+    if unit != "1":
+        label = units.readable(unit)
+        raise UnitError(
+            f"[{path}] `{name}` is {value} without a unit; "
+            f'write for example `{name} = "{value} {label}"`.'
+        )
+    return float(value)
+
+
+def _describe(declared: Declared, name: str) -> str:
+    if declared.kind == "option":
+        return f"`{name}` ({declared.doc})"
+    unit = "" if declared.unit in ("1", DRIVE) else f" [{units.readable(declared.unit)}]"
+    return f"`{name}`{unit} ({declared.doc})"
+
+
+def _parts(cls: type[Parametrised]) -> Iterator[str]:
+    return (name for name, declared in cls.declarations.items() if declared.kind == "part")
+
+
+def _name(cls: type[Parametrised]) -> str:
+    return cls.registered_name or cls.__name__
+
+
+def chosen(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
+    """The class that `kind` names."""
+    with section(path):
+        return registry[str(table["kind"])]
+
+
+def as_table(value: Any, path: str) -> dict[str, Any]:
+    """A table; a bare text is its kind."""
+    if isinstance(value, str):
+        return {"kind": value}
+    if not isinstance(value, dict):
+        raise ParameterError(f"[{path}] must be a table or the name of a kind, but is {value!r}.")
+    return cast("dict[str, Any]", value)
+
+
+def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> None:
+    """Raise a sentence with the nearest valid name if a key is not one of the valid ones."""
+    names = list(valid)
+    unknown = next((key for key in keys if key not in names), None)
+    if unknown is not None:
+        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, names)}")
+
+
+@contextmanager
+def section(path: str) -> Iterator[None]:
+    """Put the section in front of the sentence of an error."""
+    try:
+        yield
+    except InputError as error:
+        error.args = (f"[{path}] {error}", *error.args[1:])
+        raise

@@ -1,0 +1,1 @@
+"""Stress–strain–temperature laws: one file per law, no law imports another."""

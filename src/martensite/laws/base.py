@@ -1,0 +1,100 @@
+"""The contract of every one-dimensional law, explicit in stress and temperature.
+
+A law remembers (`memory`), decides which process a move of stress and temperature sets off
+(`select`), says how far that process gets (`follow`), and stores what happened (`commit`).
+`kinetics` is the three in a row. Strain follows in closed form, affine in stress at frozen
+fractions. The split lets a solver ask `follow` many times at the price of one `select`.
+
+Sign convention: tension and elongation positive; strain counted from unloaded austenite at
+the reference temperature.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from martensite.parameters import Parametrised
+from martensite.registry import Registry
+from martensite.runtimes.namespace import Namespace, Scalar
+
+LAWS: Registry[AbstractLaw] = Registry("law", "martensite.laws")
+
+
+class Fractions(NamedTuple):
+    """Phase state as every law reports it, both in [0, 1] (oriented may be negative)."""
+
+    martensite: Scalar
+    """Total martensite fraction ξ: resistance, latent heat and modulus depend on it."""
+    oriented: Scalar
+    """Net oriented (detwinned) fraction: transformation strain depends on it."""
+
+
+class AbstractLaw(Parametrised):
+    """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
+
+    Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted
+    point; every move holds `direction`: +1 towards martensite, -1 towards austenite, 0 none.
+    """
+
+    def init(self, xp: Namespace, fraction: Scalar, stress: Scalar, temperature: Scalar) -> Any:
+        """Memory of a wire with martensite `fraction` that has no history."""
+        raise NotImplementedError
+
+    def fractions(self, memory: Any) -> Fractions:
+        """The phase state stored in a memory."""
+        raise NotImplementedError
+
+    def at_fraction(self, fraction: Scalar) -> Fractions:
+        """The phase state of a law with one fraction ξ."""
+        raise NotImplementedError
+
+    def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
+        """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
+        raise NotImplementedError
+
+    def follow(
+        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions at the end of the move if it ends at (stress, temperature)."""
+        raise NotImplementedError
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Any,
+        move: Any,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+    ) -> Any:
+        """The memory after the accepted move."""
+        raise NotImplementedError
+
+    def kinetics(
+        self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Any, Fractions]:
+        """Advance along a straight leg to (stress, temperature); one process at most."""
+        move = self.select(xp, memory, stress, temperature)
+        fractions = self.follow(xp, move, stress, temperature, dt)
+        return self.commit(xp, memory, move, fractions, stress, temperature), fractions
+
+    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+        """Strain [-] at zero stress: transformation + thermal."""
+        raise NotImplementedError
+
+    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """Elastic strain per stress [1/Pa]."""
+        raise NotImplementedError
+
+    def strain(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Total strain [-], affine in stress [Pa] at frozen fractions."""
+        free = self.free_strain(xp, fractions, temperature)
+        return free + self.compliance(xp, fractions) * stress
+
+    def crossing(
+        self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Share of a transformation strip that a move crosses [-]: for the step control."""
+        raise NotImplementedError

@@ -1,0 +1,186 @@
+"""History of transformations with two strips: who acts, from where, and what is remembered.
+
+A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the
+distance to its finish line as a share of the strip (1 at the start line, 0 at the finish
+line) of the coordinate T - σ/C. Forward (austenite → martensite) works on y = 1 - ξ, reverse
+on y = ξ. Two rules say what v₀ is:
+
+- resume: the least v reached since the branch was opened; an interrupted transformation
+  waits until the path passes the point where it stopped. Opening the opposite branch, by an
+  actual opposite move inside its strip, forgets it. One memory level, not return-point
+  memory: inner loops do not close as in a Preisach model.
+- restart: v at the start of every increment, the literal reading of the papers; small cycles
+  inside one strip ratchet.
+
+Where both processes could act (strips overlap when C_A and C_M differ) the branch in
+progress goes on, else the one met first, else reverse. The result does not depend on how a
+straight leg is cut into increments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from martensite.runtimes.namespace import Flag, Namespace, Scalar
+
+EPS = 2.220446049250313e-16
+RESUME, RESTART = "resume", "restart"
+
+Left = Callable[[Namespace, Scalar], Scalar]
+
+
+class Strip(NamedTuple):
+    """One process: coordinate T - σ·per_slope runs from its start to its finish line."""
+
+    finish: Scalar
+    """Finish temperature at zero stress [K]."""
+    per_width: Scalar
+    """1/(start - finish) [1/K]; negative for the reverse process."""
+    per_slope: Scalar
+    """1/C [K/Pa]."""
+
+    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Distance to the finish line in widths of the strip [-]; unlimited."""
+        return (temperature - stress * self.per_slope - self.finish) * self.per_width
+
+
+class Memory(NamedTuple):
+    """All that a one-fraction law remembers."""
+
+    fraction: Scalar
+    branch: Scalar
+    """+1 forward, -1 reverse in progress, 0 none yet."""
+    scale: Scalar
+    """What would be left to transform at the start line of this branch [-]."""
+    reach: Scalar
+    """Least distance to the finish line reached on this branch, in [0, 1]."""
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """The process selected for an increment, and all that `follow` needs of it."""
+
+    direction: Scalar
+    scale: Scalar
+    reach: Scalar
+    finish: Scalar
+    per_width: Scalar
+    per_slope: Scalar
+    still: Scalar
+    """The fraction if nothing happens."""
+
+
+class Course(NamedTuple):
+    """One strip along one straight leg."""
+
+    begin: Scalar
+    """Distance at the start, limited to [0, 1]."""
+    acts: Flag
+    enters: Scalar
+    """Share of the leg after which the strip is entered."""
+    leaves: Scalar
+    """Share of the leg after which the finish line is reached."""
+
+
+def course(
+    xp: Namespace, strip: Strip, memory: Memory, stress: Scalar, temperature: Scalar, left: Scalar
+) -> Course:
+    """Follow one strip's coordinate along the leg from the memory's point."""
+    first = strip.distance(memory.stress, memory.temperature)
+    last = strip.distance(stress, temperature)
+    begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
+    size = xp.abs(memory.temperature) + xp.abs(temperature)
+    size = size + (xp.abs(memory.stress) + xp.abs(stress)) * strip.per_slope
+    travel = first - last
+    moving = travel > 8.0 * EPS * size * xp.abs(strip.per_width)
+    safe = xp.where(moving, travel, 1.0)
+    acts = xp.both(xp.both(moving, end < begin), left > 0.0)
+    enters = xp.clip((first - 1.0) / safe, 0.0, 1.0)
+    leaves = xp.clip(first / safe, 0.0, 1.0)
+    return Course(begin, acts, enters, leaves)
+
+
+def courses(
+    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    temperature: Scalar,
+) -> tuple[Course, Course, Flag]:  # fmt: skip
+    """Both courses of a leg, and whether the reverse process is the one that acts first."""
+    f = course(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
+    r = course(xp, reverse, memory, stress, temperature, memory.fraction)
+    tie = xp.both(r.enters <= f.enters, memory.branch <= 0.0)
+    earlier = xp.either(r.enters < f.enters, tie)
+    return f, r, xp.both(r.acts, xp.either(xp.negate(f.acts), earlier))
+
+
+def select(
+    xp: Namespace, rule: str, left: Left, forward: Strip, reverse: Strip, memory: Memory,
+    stress: Scalar, temperature: Scalar,
+) -> Move:  # fmt: skip
+    """The process that a straight leg to (stress, temperature) sets off first."""
+    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
+    ahead = direction > 0.0
+    begin = xp.store(xp.where(ahead, f.begin, r.begin))
+    remaining = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
+    share = left(xp, begin)
+    usable = share > 0.0
+    scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
+    reach = begin
+    if rule == RESUME:
+        going_on = memory.branch * direction > 0.0
+        scale = xp.where(going_on, memory.scale, scale)
+        reach = xp.where(going_on, memory.reach, begin)
+    strip = (xp.store(xp.where(ahead, a, b)) for a, b in zip(forward, reverse, strict=True))
+    return Move(direction, xp.store(scale), xp.store(reach), *strip, memory.fraction)
+
+
+def reached(xp: Namespace, move: Move, stress: Scalar, temperature: Scalar) -> Scalar:
+    """Least distance to the finish line if the move ends at (stress, temperature)."""
+    strip = Strip(move.finish, move.per_width, move.per_slope)
+    return xp.minimum(move.reach, xp.clip(strip.distance(stress, temperature), 0.0, 1.0))
+
+
+def follow(
+    xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar
+) -> Scalar:
+    """Martensite fraction if the move ends at (stress, temperature)."""
+    remaining = move.scale * left(xp, reached(xp, move, stress, temperature))
+    fraction = xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
+    return xp.where(xp.abs(move.direction) > 0.0, fraction, move.still)
+
+
+def commit(
+    xp: Namespace, memory: Memory, move: Move, fraction: Scalar, stress: Scalar,
+    temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory after the accepted move."""
+    acted = xp.abs(move.direction) > 0.0
+    return Memory(
+        fraction=fraction,
+        branch=xp.where(acted, move.direction, memory.branch),
+        scale=xp.where(acted, move.scale, memory.scale),
+        reach=xp.where(acted, reached(xp, move, stress, temperature), memory.reach),
+        stress=stress,
+        temperature=temperature,
+    )
+
+
+def handover(
+    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    temperature: Scalar,
+) -> tuple[Scalar, Scalar]:  # fmt: skip
+    """The point of a leg at which its first process is done and a second may begin.
+
+    It lies some roundings beyond the finish line, so that the first process is complete.
+    """
+    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    two = xp.both(f.acts, r.acts)
+    done = xp.where(back, r.leaves, f.leaves)
+    share = xp.where(two, xp.minimum(1.0, done + 64.0 * EPS), 1.0)
+    whole = share >= 1.0
+    return (
+        xp.where(whole, stress, memory.stress + share * (stress - memory.stress)),
+        xp.where(whole, temperature, memory.temperature + share * (temperature - memory.temperature)),
+    )

@@ -1,0 +1,1 @@
+"""Materials: numbers with sources under canonical names, one TOML file per source."""

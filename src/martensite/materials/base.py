@@ -1,0 +1,166 @@
+"""Materials: one TOML file per source, read on demand.
+
+Each number carries its value with a unit, a source, where in the source it stands, and a
+kind that says how far to trust it:
+
+    datasheet   printed by the maker
+    measured    read directly from a measurement
+    fitted      obtained by fitting a model to measurements
+    assumed     chosen, for a stated reason
+    recalled    carried around in the literature; the original was not seen
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from martensite import units
+from martensite.errors import DataError, ParameterError, UnitError, UnknownNameError, suggestion
+from martensite.materials.names import NAMES
+
+KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
+DOUBTFUL = ("assumed", "recalled")
+"""Kinds that no measurement of this material stands behind."""
+_DATA = Path(__file__).parent / "data"
+_KEYS = ("title", "summary", "limits", "sources", "values")
+_FIELDS = ("value", "kind", "source", "where", "note")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where numbers come from."""
+
+    cite: str
+    """Key in the bibliography."""
+    text: str
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of a material."""
+
+    value: float
+    """In the SI `unit`."""
+    text: str
+    """As written in the file, with its unit."""
+    unit: str
+    kind: str
+    source: str
+    """Key of a source of the material."""
+    where: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """The numbers of one material, from one file."""
+
+    name: str
+    title: str
+    summary: str
+    limits: str
+    """What the numbers do not cover."""
+    sources: dict[str, Source]
+    values: dict[str, Number]
+
+    def cites(self) -> list[str]:
+        """Bibliography keys of all sources that stand behind a number, in file order."""
+        used = {number.source for number in self.values.values()}
+        return list(dict.fromkeys(s.cite for key, s in self.sources.items() if key in used))
+
+
+def material_names() -> list[str]:
+    """Names of the materials that come with the package."""
+    return sorted(path.stem for path in _DATA.glob("*.toml"))
+
+
+def load_material(name: str | Path, folder: Path | None = None) -> Material:
+    """Read a material by its name, or from a file of one's own.
+
+    Args:
+        name: a name from `material_names()`, or the path of a TOML file.
+        folder: where a relative path starts; the current folder if not given.
+
+    Raises:
+        InputError: there is no such material, or its file is malformed.
+    """
+    if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
+        path = (folder or Path()) / name
+    else:
+        path = _DATA / f"{name}.toml"
+        if not path.is_file():
+            raise UnknownNameError("material", name, material_names())
+    return _material(path.stem, _read(path), f"Material file `{path.name}`")
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise DataError(f"There is no material file `{path}`.") from None
+    except OSError as error:
+        raise DataError(f"Cannot read material file `{path}`: {error.strerror}.") from None
+    except ValueError as error:
+        raise DataError(f"Material file `{path}` is not valid TOML: {error}.") from None
+
+
+def _material(name: str, document: Mapping[str, Any], file: str) -> Material:
+    _only(_KEYS, document, file)
+    sources = {
+        key: _source(_table(entry, f"{file}, source `{key}`"), f"{file}, source `{key}`")
+        for key, entry in _table(document.get("sources", {}), f"{file}, [sources]").items()
+    }
+    values = {
+        key: _number(key, _table(entry, f"{file}, `{key}`"), sources, file)
+        for key, entry in _table(document.get("values", {}), f"{file}, [values]").items()
+    }
+    title, summary, limits = (str(document.get(key, "")) for key in _KEYS[:3])
+    return Material(name, title or name, summary, limits, sources, values)
+
+
+def _source(entry: Mapping[str, Any], where: str) -> Source:
+    _only(("cite", "text"), entry, where)
+    return Source(_text(entry, "cite", where), _text(entry, "text", where))
+
+
+def _number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> Number:
+    where = f"{file}, `{name}`"
+    if name not in NAMES:
+        raise ParameterError(f"{file}: no canonical number `{name}`. {suggestion(name, NAMES)}")
+    _only(_FIELDS, entry, where)
+    text, kind, source = (_text(entry, key, where) for key in _FIELDS[:3])
+    if kind not in KINDS:
+        raise ParameterError(f"{where}: no kind `{kind}`. {suggestion(kind, KINDS)}")
+    if source not in sources:
+        raise ParameterError(f"{where}: no source `{source}`. {suggestion(source, sources)}")
+    unit = NAMES[name][0]
+    try:
+        value = units.parse(text, unit)
+    except UnitError as error:
+        raise UnitError(f"{where}: {error}") from None
+    more = (str(entry.get(key, "")) for key in _FIELDS[3:])
+    return Number(value, text, unit, kind, source, *more)
+
+
+def _table(entry: Any, where: str) -> dict[str, Any]:
+    if not isinstance(entry, dict):
+        raise ParameterError(f"{where} must be a table, but is {entry!r}.")
+    return cast("dict[str, Any]", entry)
+
+
+def _text(entry: Mapping[str, Any], key: str, where: str) -> str:
+    if key not in entry:
+        raise ParameterError(f"{where} needs `{key}`; none given.")
+    if not isinstance(entry[key], str):
+        raise ParameterError(f"{where}: `{key}` must be text in quotes, but is {entry[key]!r}.")
+    return entry[key]
+
+
+def _only(valid: tuple[str, ...], entry: Mapping[str, Any], where: str) -> None:
+    unknown = next((key for key in entry if key not in valid), None)
+    if unknown is not None:
+        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, valid)}")

@@ -1,0 +1,1 @@
+"""Mechanisms: what the element pulls on. One file each."""

@@ -1,0 +1,32 @@
+"""Dead weight: a constant pull m g, at any length of the element."""
+
+from __future__ import annotations
+
+from martensite.elements.base import Spring
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@MECHANISMS.register("dead-weight")
+class DeadWeight(AbstractMechanism):
+    """A hanging mass; inertia is left out, and the wire is never slack."""
+
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6)
+    gravity: Scalar = param(
+        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
+    )
+
+    def start_force(self, xp: Namespace) -> Scalar:
+        """m g [N]."""
+        return self.mass * self.gravity
+
+    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
+        """m g [N]."""
+        return self.start_force(xp)
+
+    def position(
+        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
+    ) -> Scalar:
+        """Lift of the mass [m]."""
+        return assembly.elongation - elongation

@@ -1,0 +1,223 @@
+"""One declaration per parameter: unit, meaning, bounds and default in one line.
+
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=2e11)
+
+From this line come conversion of text with units, range checks, the command line's
+`params`, the documentation tables, search bounds for identification and the units of saved
+data. `option` declares a choice between words, `part` a component chosen from a registry.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self, dataclass_transform
+
+from martensite import units
+from martensite.errors import ParameterError, UnitError, suggestion
+from martensite.registry import Registry
+
+REQUIRED: Any = object()
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What is declared about one field; `kind` is parameter, option, or part."""
+
+    kind: str
+    doc: str
+    default: Any
+    unit: str = "1"
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    choices: tuple[str, ...] = ()
+    registry: Registry[Any] | None = None
+
+    def convert(self, owner: str, name: str, value: Any) -> Any:
+        """Return the checked value in SI, or raise a sentence naming owner and name."""
+        if self.kind == "parameter":
+            return self._number(owner, name, value)
+        if self.kind == "option" and value not in self.choices:
+            raise ParameterError(
+                f"Option `{name}` of `{owner}` is `{value}`. {suggestion(str(value), self.choices)}"
+            )
+        return value
+
+    def _number(self, owner: str, name: str, value: Any) -> float:
+        try:
+            number = units.parse(value, self.unit) if isinstance(value, str) else float(value)
+        except UnitError as error:
+            raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
+        except (TypeError, ValueError):
+            raise ParameterError(
+                f"Parameter `{name}` of `{owner}` must be a number in {self.unit} "
+                f"or a text with a unit, but is {value!r}."
+            ) from None
+        too_low = number <= self.low if self.open_low else number < self.low
+        if too_low or number > self.high or math.isnan(number):
+            raise ParameterError(
+                f"Parameter `{name}` of `{owner}` must be {self.allowed()}, but is {value}"
+                f"{'' if isinstance(value, str) else ' ' + self.unit}."
+            )
+        return number
+
+    def allowed(self) -> str:
+        """The allowed range in words, in readable units."""
+        unit = units.readable(self.unit)
+        label = "" if unit == "1" else f" {unit}"
+        low, high = (f"{units.from_si(v, unit, self.unit):.6g}{label}" for v in self.bounds)
+        if math.isinf(self.low) and math.isinf(self.high):
+            return "finite"
+        if math.isinf(self.high):
+            return f"above {low}" if self.open_low else f"at least {low}"
+        if math.isinf(self.low):
+            return f"at most {high}"
+        return f"between {low} and {high}"
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest allowed value in SI."""
+        return self.low, self.high
+
+
+def param(
+    unit: str,
+    doc: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    default: float = REQUIRED,
+) -> Any:
+    """Declare a number in the SI `unit`; `above` is an excluded lower bound."""
+    least = low if above is None else above
+    return Declared("parameter", doc, default, unit, least, high, above is not None)
+
+
+def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
+    """Declare a choice between words; another choice is another program."""
+    return Declared("option", doc, default, choices=choices)
+
+
+def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED) -> Any:
+    """Declare a component, chosen by name from `registry` in files."""
+    return Declared("part", doc, default, registry=registry)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One parameter of a tree: dotted path, its declaration, its value, its owner."""
+
+    path: str
+    declared: Declared
+    value: Any
+    owner: str = field(default="")
+
+
+@dataclass_transform(
+    kw_only_default=True, frozen_default=True, field_specifiers=(param, option, part)
+)
+class Parametrised:
+    """A frozen object whose fields are declared by `param`, `option` and `part`."""
+
+    registered_name: ClassVar[str] = ""
+    cites: ClassVar[tuple[str, ...]] = ()
+    declarations: ClassVar[dict[str, Declared]] = {}
+
+    def __init_subclass__(cls) -> None:
+        own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
+        cls.declarations = {**cls.declarations, **own}
+        for name in own:
+            delattr(cls, name)
+
+    def __init__(self, **values: Any) -> None:
+        owner = type(self).registered_name or type(self).__name__
+        unknown = next((name for name in values if name not in self.declarations), None)
+        if unknown is not None:
+            raise ParameterError(
+                f"`{owner}` has no parameter `{unknown}`. {suggestion(unknown, self.declarations)}"
+            )
+        for name, declared in self.declarations.items():
+            value = values.get(name, declared.default)
+            if value is REQUIRED:
+                raise ParameterError(
+                    f"`{owner}` needs `{name}` [{declared.unit}] ({declared.doc}); none given."
+                )
+            self.__dict__[name] = declared.convert(owner, name, value)
+        self.check()
+
+    def check(self) -> None:
+        """Raise `ParameterError` where values contradict each other; override as needed."""
+
+    def cautions(self) -> list[str]:
+        """Sentences about values that are allowed but probably not meant."""
+        return []
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
+
+    def __repr__(self) -> str:
+        inner = ", ".join(f"{name}={self.__dict__[name]!r}" for name in self.declarations)
+        return f"{type(self).__name__}({inner})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(repr(self.__dict__[name]) for name in self.declarations)))
+
+    def children(self) -> Iterator[tuple[str, Parametrised]]:
+        """The components that are parametrised themselves."""
+        for name in self.declarations:
+            value = self.__dict__[name]
+            if isinstance(value, Parametrised):
+                yield name, value
+
+    def leaves(self, prefix: str = "") -> Iterator[Leaf]:
+        """All numbers of the tree with their dotted paths, depth first."""
+        owner = type(self).registered_name or type(self).__name__
+        for name, declared in self.declarations.items():
+            if declared.kind == "parameter":
+                yield Leaf(prefix + name, declared, self.__dict__[name], owner)
+        for name, child in self.children():
+            yield from child.leaves(f"{prefix}{name}.")
+
+    def tree(self) -> Iterator[Parametrised]:
+        """This object and all components below it."""
+        yield self
+        for _, child in self.children():
+            yield from child.tree()
+
+    def rebuilt(self, values: Mapping[str, Any], prefix: str = "") -> Self:
+        """A twin whose numbers are replaced by path, unchecked: for tracing kernels."""
+        twin = object.__new__(type(self))
+        for name, value in self.__dict__.items():
+            if isinstance(value, Parametrised):
+                value = value.rebuilt(values, f"{prefix}{name}.")
+            twin.__dict__[name] = values.get(prefix + name, value)
+        return twin
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """A checked copy with the numbers at the given paths (or unique endings) changed."""
+        full = {self.resolve(path): value for path, value in values.items()}
+        return self._with_paths(full)
+
+    def _with_paths(self, values: Mapping[str, Any]) -> Self:
+        own = dict(self.__dict__)
+        for name, child in self.children():
+            below = {p[len(name) + 1 :]: v for p, v in values.items() if p.startswith(name + ".")}
+            own[name] = child._with_paths(below) if below else child
+        own.update({path: v for path, v in values.items() if "." not in path})
+        return type(self)(**own)
+
+    def resolve(self, name: str) -> str:
+        """The full path of a parameter given by its path or by a unique ending of it."""
+        paths = [leaf.path for leaf in self.leaves()]
+        found = [p for p in paths if p == name] or [p for p in paths if p.endswith("." + name)]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
+        raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")

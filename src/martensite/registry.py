@@ -1,0 +1,66 @@
+"""Registries: a name for every law, heat model, mechanism, … found in one folder.
+
+A registry scans its package, so a new file is a new entry with no list to edit. Packages
+from elsewhere add entries through the entry-point group `martensite.<package>`, and a
+user's own module does so simply by being imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from importlib.metadata import entry_points
+from pkgutil import iter_modules
+from typing import Generic, TypeVar
+
+from martensite.errors import UnknownNameError
+
+T = TypeVar("T")
+
+
+class Registry(Generic[T]):
+    """Named classes of one kind, discovered on first use."""
+
+    def __init__(self, kind: str, package: str) -> None:
+        self.kind = kind
+        self.package = package
+        self._entries: dict[str, type[T]] = {}
+        self._scanned = False
+        self._plugged = False
+
+    def register(self, name: str) -> Callable[[type[T]], type[T]]:
+        """Return a decorator that files a class under `name`."""
+
+        def file_under(cls: type[T]) -> type[T]:
+            self._entries[name] = cls
+            cls.registered_name = name  # type: ignore[attr-defined]
+            return cls
+
+        return file_under
+
+    def __getitem__(self, name: str) -> type[T]:
+        self._scan()
+        if name not in self._entries:
+            self._plug()
+        if name not in self._entries:
+            raise UnknownNameError(self.kind, name, self._entries)
+        return self._entries[name]
+
+    def names(self) -> list[str]:
+        """All names, those from installed plug-ins included."""
+        self._scan()
+        self._plug()
+        return sorted(self._entries)
+
+    def _scan(self) -> None:
+        if not self._scanned:
+            self._scanned = True
+            package = import_module(self.package)
+            for module in iter_modules(package.__path__):
+                import_module(f"{self.package}.{module.name}")
+
+    def _plug(self) -> None:
+        if not self._plugged:
+            self._plugged = True
+            for point in entry_points(group=self.package):
+                point.load()

@@ -1,0 +1,43 @@
+"""Bracketed Newton iteration of fixed count: compiles, batches and differentiates.
+
+For a strictly increasing function. An iterate on an end of the bracket is refused, else flat
+sides make plain clipping cycle between the ends for ever; a correction at round-off level is
+always accepted, since a comparison near the root may round differently in its several uses.
+The slope is exact (dual numbers), so the function needs no derivative of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from martensite.runtimes.dual import value_and_slope
+from martensite.runtimes.namespace import Namespace, Scalar
+
+ITERATIONS = 4
+ROUND_OFF = 1e-14
+
+
+def solve_bracketed(
+    xp: Namespace,
+    function: Callable[[Namespace, Scalar], Scalar],
+    start: Scalar,
+    direction: Scalar,
+    iterations: int = ITERATIONS,
+) -> Scalar:
+    """Root of an increasing `function(xp, x)` in [0, 1], from `start` in `direction`.
+
+    The first bracket reaches beyond 0 and 1, so that a root at the end is hit exactly. With
+    slopes of at least 1, |function(root)| bounds the error of the root.
+    """
+    down = direction < 0.0
+    low, high = xp.where(down, -1.0, start), xp.where(down, start, 2.0)
+    x = start
+    for _ in range(iterations):
+        value, slope = (xp.store(v) for v in value_and_slope(xp, function, x))
+        above = value > 0.0
+        high, low = xp.where(above, x, high), xp.where(above, low, x)
+        newton = x - value / slope
+        inside = xp.both(low < newton, newton < high)
+        accept = xp.either(inside, xp.abs(newton - x) <= ROUND_OFF)
+        x = xp.where(accept, newton, 0.5 * (low + high))
+    return x

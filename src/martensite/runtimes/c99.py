@@ -1,0 +1,150 @@
+"""C99: the traced kernels as C source, compiled on the spot with the system's compiler.
+
+No allocation, no library beyond libm, no second physics: the source is printed from the same
+graph as the Python. Arrays of a batch are laid out [variable][lane], so that the compiler can
+turn the loop over lanes into SIMD instructions.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from martensite.errors import MartensiteError
+from martensite.runtimes.arrays import QUARTER_SINE
+from martensite.runtimes.graph import Expr
+from martensite.runtimes.jax_setup import cache_folder
+from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, Printer
+from martensite.runtimes.program import Function, Program
+
+FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
+         "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
+
+
+def _constant(value: float | bool) -> str:
+    if isinstance(value, bool):
+        return str(int(value))
+    return repr(value).replace("inf", "HUGE_VAL")
+
+
+def _assign(name: str, expression: str, flag: bool) -> str:
+    return f"const {'int' if flag else 'double'} {name} = {expression};"
+
+
+C_DIALECT = Dialect(
+    templates={
+        **PYTHON_OPERATORS,
+        "where": "({0} ? {1} : {2})",
+        "both": "({} & {})",
+        "either": "({} | {})",
+        "negate": "(!{})",
+        "minimum": "({0} < {1} ? {0} : {1})",
+        "maximum": "({0} > {1} ? {0} : {1})",
+        "abs": "fabs({})",
+        "sqrt": "({0} > 0.0 ? sqrt({0}) : 0.0)",
+        "exp": "exp({0} < 700.0 ? {0} : 700.0)",
+        "log": "log({0} > 1e-300 ? {0} : 1e-300)",
+        "sin": "sin({})",
+        "cos": "cos({})",
+        "tanh": "tanh({})",
+        "quarter_sine": "quarter_sine({})",
+        "detach": "{}",
+        "store": "{}",
+    },
+    wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log"}),
+    assign=_assign,
+    constant=_constant,
+)
+
+
+def c_source(program: Program) -> str:
+    """The program as C: `prepare` and one function per traced function, over lanes."""
+    printer = Printer(program.graph, C_DIALECT)
+    for i in range(len(program.parameters)):
+        printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
+    parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
+    printer.share(program.hoisted, lambda i: f"c[{i} * n + l]")
+    parts += [_traced(printer, function) for function in program.functions.values()]
+    return "\n".join(parts)
+
+
+def _traced(printer: Printer, function: Function) -> str:
+    for i, name in enumerate(function.inputs):
+        printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"x[{i} * n + l]")
+    return _function(printer, function.name, "c", ("x",), function.outputs)
+
+
+def _function(
+    printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
+) -> str:
+    lines, values = printer.block(outputs)
+    lines += [f"y[{i} * n + l] = {value};" for i, value in enumerate(values)]
+    arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
+    body = "".join(f"        {line}\n" for line in lines)
+    return (
+        f"static inline void k_{name}(long n, {arguments}, double *restrict y) {{\n"
+        f"    #pragma omp simd\n    for (long l = 0; l < n; l++) {{\n{body}    }}\n}}\n"
+    )
+
+
+def _prelude() -> str:
+    horner = f"{QUARTER_SINE[-1]!r}"
+    for coefficient in reversed(QUARTER_SINE[:-1]):
+        horner = f"({horner} * z + {coefficient!r})"
+    return (
+        "#include <math.h>\n#include <string.h>\n\n"
+        "static inline double quarter_sine(double x) {\n"
+        f"    const double z = x * x;\n    return {horner} * x;\n}}\n"
+    )
+
+
+def compiler() -> str | None:
+    """The C compiler that would be used, or None."""
+    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc")
+
+
+def load_library(source: str) -> Any:
+    """Compile C source to a shared library in the cache (by hash) and load it.
+
+    Raises:
+        MartensiteError: there is no compiler, or it failed.
+    """
+    cc = compiler()
+    if cc is None:
+        raise MartensiteError(
+            "The C runtime needs a C compiler and none was found; install gcc or clang, "
+            "or use the runtime `floats`."
+        )
+    key = hashlib.sha256(" ".join((cc, *FLAGS, _machine(), source)).encode()).hexdigest()[:24]
+    path = cache_folder() / "c" / f"{key}.so"
+    if not path.exists():
+        _compile(cc, source, path)
+    return ctypes.CDLL(str(path))
+
+
+def _machine() -> str:
+    """What -march=native depends on, so that a shared cache folder never misleads."""
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        return ""
+    return next((line for line in text.splitlines() if line.startswith("flags")), "")
+
+
+def _compile(cc: str, source: str, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
+        code.write_text(source)
+        command = [cc, *FLAGS, str(code), "-o", str(library), "-lm"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise MartensiteError(f"The C compiler `{cc}` failed: {done.stderr.strip()[:500]}")
+        library.replace(path)

@@ -1,0 +1,235 @@
+"""Dual numbers over any runtime: exact slopes for the solvers, with no derivative in a law.
+
+`value_and_slope(xp, f, x)` runs `f` once on (value, tangent) pairs. Traced into a graph it
+costs nothing at run time beyond the derivative's own arithmetic. Zero tangents are `None`,
+so constants stay constants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from martensite.runtimes.floats import HALF_PI
+from martensite.runtimes.namespace import Namespace, Scalar
+
+Tangent = Any
+Pair = tuple[Any, Tangent]
+
+
+class Dual:
+    """A value and its derivative with respect to the variable of one level.
+
+    Derivatives may be nested: to a dual number, numbers of a lower level are constants.
+    """
+
+    __slots__ = ("level", "tangent", "value")
+
+    def __init__(self, value: Any, tangent: Tangent, level: int) -> None:
+        self.value = value
+        self.tangent = tangent
+        self.level = level
+
+    def __add__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v + w, plus(t, s), level)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, None if self.tangent is None else -self.tangent, self.level)
+
+    def __sub__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v - w, minus(t, s), level)
+
+    def __rsub__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(w - v, minus(s, t), level)
+
+    def __mul__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v * w, plus(times(t, w), times(s, v)), level)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Dual:
+        level, top, bottom = split(self, other)
+        return quotient(top, bottom, level)
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        level, bottom, top = split(self, other)
+        return quotient(top, bottom, level)
+
+    def __lt__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v < w
+
+    def __le__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v <= w
+
+    def __gt__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v > w
+
+    def __ge__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v >= w
+
+
+def parts(x: Any, level: int) -> Pair:
+    """Value and tangent of a number as seen at a level."""
+    if isinstance(x, Dual) and x.level == level:
+        return x.value, x.tangent
+    return x, None
+
+
+def split(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
+    """The higher level of two numbers, and both as seen at it."""
+    level = max(a.level, b.level) if isinstance(b, Dual) else a.level
+    return level, parts(a, level), parts(b, level)
+
+
+def plus(a: Tangent, b: Tangent) -> Tangent:
+    """Sum of two tangents."""
+    if a is None or b is None:
+        return b if a is None else a
+    return a + b
+
+
+def minus(a: Tangent, b: Tangent) -> Tangent:
+    """Difference of two tangents."""
+    if b is None:
+        return a
+    return -b if a is None else a - b
+
+
+def times(a: Tangent, factor: Any) -> Tangent:
+    """A tangent times a value."""
+    return None if a is None else a * factor
+
+
+def quotient(top: Pair, bottom: Pair, level: int) -> Dual:
+    """Division of two (value, tangent) pairs."""
+    ratio = top[0] / bottom[0]
+    change = minus(top[1], times(bottom[1], ratio))
+    return Dual(ratio, None if change is None else change / bottom[0], level)
+
+
+class DualNamespace:
+    """The kernel operations on dual numbers, built on any other namespace."""
+
+    def __init__(self, base: Namespace) -> None:
+        self.base: Any = base
+        self.level: int = getattr(base, "level", 0) + 1
+
+    def parts(self, x: Any) -> Pair:
+        """Value and tangent at this namespace's level."""
+        return parts(x, self.level)
+
+    def pair(self, value: Any, tangent: Tangent) -> Any:
+        """A dual number, or the bare value if it is constant."""
+        return value if tangent is None else Dual(value, tangent, self.level)
+
+    def where(self, flag: Any, yes: Any, no: Any) -> Any:
+        """Choice of value and tangent."""
+        (yv, yt), (nv, nt) = self.parts(yes), self.parts(no)
+        value = self.base.where(flag, yv, nv)
+        if yt is None and nt is None:
+            return value
+        yt, nt = 0.0 if yt is None else yt, 0.0 if nt is None else nt
+        return self.pair(value, self.base.where(flag, yt, nt))
+
+    def both(self, a: Any, b: Any) -> Any:
+        """Logical and."""
+        return self.base.both(a, b)
+
+    def either(self, a: Any, b: Any) -> Any:
+        """Logical or."""
+        return self.base.either(a, b)
+
+    def negate(self, a: Any) -> Any:
+        """Logical not."""
+        return self.base.negate(a)
+
+    def minimum(self, a: Any, b: Any) -> Any:
+        """The smaller of two."""
+        return self.where(self.parts(a)[0] < self.parts(b)[0], a, b)
+
+    def maximum(self, a: Any, b: Any) -> Any:
+        """The larger of two."""
+        return self.where(self.parts(a)[0] > self.parts(b)[0], a, b)
+
+    def clip(self, x: Any, low: Any, high: Any) -> Any:
+        """`x` limited to [low, high]; slope 0 outside."""
+        return self.minimum(self.maximum(x, low), high)
+
+    def abs(self, x: Any) -> Any:
+        """Absolute value."""
+        return self.where(self.parts(x)[0] < 0.0, -x, x)
+
+    def sqrt(self, x: Any) -> Any:
+        """Square root; slope 0 where the argument is not positive."""
+        v, t = self.parts(x)
+        root = self.base.sqrt(v)
+        if t is None:
+            return root
+        safe = self.base.where(v > 0.0, root, 1.0)
+        return self.pair(root, self.base.where(v > 0.0, t * 0.5 / safe, 0.0))
+
+    def exp(self, x: Any) -> Any:
+        """Exponential."""
+        v, t = self.parts(x)
+        value = self.base.exp(v)
+        return self.pair(value, None if t is None else t * value)
+
+    def log(self, x: Any) -> Any:
+        """Natural logarithm."""
+        v, t = self.parts(x)
+        value = self.base.log(v)
+        return self.pair(value, None if t is None else t / self.base.maximum(v, 1e-300))
+
+    def sin(self, x: Any) -> Any:
+        """Sine."""
+        v, t = self.parts(x)
+        value = self.base.sin(v)
+        return self.pair(value, None if t is None else t * self.base.cos(v))
+
+    def cos(self, x: Any) -> Any:
+        """Cosine."""
+        v, t = self.parts(x)
+        value = self.base.cos(v)
+        return self.pair(value, None if t is None else -(t * self.base.sin(v)))
+
+    def tanh(self, x: Any) -> Any:
+        """Hyperbolic tangent."""
+        v, t = self.parts(x)
+        value = self.base.tanh(v)
+        return self.pair(value, None if t is None else t * (1.0 - value * value))
+
+    def quarter_sine(self, x: Any) -> Any:
+        """sin(πx/2); its slope is another quarter sine."""
+        v, t = self.parts(x)
+        value = self.base.quarter_sine(v)
+        if t is None:
+            return value
+        return self.pair(value, t * (HALF_PI * self.base.quarter_sine(1.0 - v)))
+
+    def store(self, x: Any) -> Any:
+        """`x` itself."""
+        v, t = self.parts(x)
+        return self.pair(self.base.store(v), None if t is None else self.base.store(t))
+
+    def detach(self, x: Any) -> Any:
+        """The value alone."""
+        return self.base.detach(self.parts(x)[0])
+
+
+def value_and_slope(
+    xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Return f(x) and df/dx, where `function(xp, x)` is a kernel in the namespace it is given."""
+    dual: Any = DualNamespace(xp)
+    value, tangent = dual.parts(function(dual, dual.pair(x, 1.0)))
+    return value, (0.0 if tangent is None else tangent)

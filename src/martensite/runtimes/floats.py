@@ -1,0 +1,85 @@
+"""Plain floats: kernels run as ordinary Python, without numpy.
+
+This is the reference meaning of every operation; it never raises on extreme arguments.
+"""
+
+from __future__ import annotations
+
+import math
+
+HALF_PI = math.pi / 2
+
+
+def where(flag: bool, yes: float, no: float) -> float:
+    """`yes` where the flag holds, else `no`."""
+    return yes if flag else no
+
+
+def both(a: bool, b: bool) -> bool:
+    """Logical and."""
+    return a and b
+
+
+def either(a: bool, b: bool) -> bool:
+    """Logical or."""
+    return a or b
+
+
+def negate(a: bool) -> bool:
+    """Logical not."""
+    return not a
+
+
+def minimum(a: float, b: float) -> float:
+    """The smaller of two."""
+    return a if a < b else b
+
+
+def maximum(a: float, b: float) -> float:
+    """The larger of two."""
+    return a if a > b else b
+
+
+def clip(x: float, low: float, high: float) -> float:
+    """`x` limited to [low, high]."""
+    return minimum(maximum(x, low), high)
+
+
+def abs(x: float) -> float:  # noqa: A001
+    """Absolute value."""
+    return -x if x < 0.0 else x
+
+
+def sqrt(x: float) -> float:
+    """Square root; 0 for negative arguments."""
+    return math.sqrt(x) if x > 0.0 else 0.0
+
+
+def exp(x: float) -> float:
+    """Exponential; the argument is limited to 700."""
+    return math.exp(x if x < 700.0 else 700.0)
+
+
+def log(x: float) -> float:
+    """Natural logarithm; the argument is at least 1e-300."""
+    return math.log(x if x > 1e-300 else 1e-300)
+
+
+sin = math.sin
+cos = math.cos
+tanh = math.tanh
+
+
+def quarter_sine(x: float) -> float:
+    """sin(πx/2) for 0 ≤ x ≤ 1."""
+    return math.sin(HALF_PI * x)
+
+
+def detach(x: float) -> float:
+    """`x` itself."""
+    return x
+
+
+def store(x: float) -> float:
+    """`x` itself."""
+    return x

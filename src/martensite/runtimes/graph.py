@@ -1,0 +1,188 @@
+"""Expression graphs: what tracing a kernel produces, free of repetition.
+
+Equal expressions are one node, constants are folded with the meaning of `floats`, and every
+node knows what it depends on: parameters only (computed once per run) or state and input.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from martensite.runtimes import floats
+
+PARAMETER, VARYING = 1, 2
+
+_FOLD: dict[str, Any] = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "neg": lambda a: -a,
+    "lt": lambda a, b: a < b,
+    "le": lambda a, b: a <= b,
+    "gt": lambda a, b: a > b,
+    "ge": lambda a, b: a >= b,
+}
+BINARY = {"add": "+", "sub": "-", "mul": "*", "div": "/", "lt": "<", "le": "<=", "gt": ">", "ge": ">="}
+
+
+class Graph:
+    """Nodes (operation, arguments) in order of creation; arguments come before their users."""
+
+    def __init__(self) -> None:
+        self.operations: list[str] = []
+        self.arguments: list[tuple[Any, ...]] = []
+        self.depends: list[int] = []
+        self._known: dict[tuple[Any, ...], int] = {}
+
+    def input(self, name: str, depends: int) -> Expr:
+        """A named number from outside."""
+        return self._node("input", (name,), depends)
+
+    def constant(self, value: float | bool) -> Expr:
+        """A number known while tracing."""
+        value = value if isinstance(value, bool) else float(value)
+        return self._node("constant", (value,), 0, type(value))
+
+    def apply(self, operation: str, *values: Any) -> Expr:
+        """A new node, or an equal or simpler one that exists."""
+        nodes = [v if isinstance(v, Expr) else self.constant(v) for v in values]
+        simple = self._simplify(operation, nodes)
+        if simple is not None:
+            return simple
+        indices = tuple(node.index for node in nodes)
+        depends = 0
+        for index in indices:
+            depends |= self.depends[index]
+        return self._node(operation, indices, depends)
+
+    def value_of(self, node: Expr) -> float | bool | None:
+        """The value of a constant node, else None."""
+        i = node.index
+        return self.arguments[i][0] if self.operations[i] == "constant" else None
+
+    def _node(self, operation: str, args: tuple[Any, ...], depends: int, extra: Any = None) -> Expr:
+        key = (operation, *args, extra, repr(args[0]) if operation == "constant" else None)
+        index = self._known.get(key)
+        if index is None:
+            index = self._known[key] = len(self.operations)
+            self.operations.append(operation)
+            self.arguments.append(args)
+            self.depends.append(depends)
+        return Expr(self, index)
+
+    def _simplify(self, operation: str, nodes: list[Expr]) -> Expr | None:
+        known = [self.value_of(node) for node in nodes]
+        if operation == "where":
+            return self._simplify_where(nodes, known)
+        if None not in known:
+            fold = _FOLD.get(operation) or getattr(floats, operation)
+            return self.constant(fold(*known))
+        if operation in ("add", "sub", "mul", "div"):
+            return _identities(operation, nodes, known)
+        if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
+            flag, other = (known[0], nodes[1]) if known[0] is not None else (known[1], nodes[0])
+            absorbing = operation == "either"
+            return self.constant(absorbing) if flag is absorbing else other
+        return None
+
+    def _simplify_where(self, nodes: list[Expr], known: list[Any]) -> Expr | None:
+        if known[0] is not None:
+            return nodes[1] if known[0] else nodes[2]
+        return nodes[1] if nodes[1].index == nodes[2].index else None
+
+
+def _identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+    """Rules that are exact in floating point for finite numbers."""
+    a, b = nodes
+    if operation == "add":
+        return b if known[0] == 0.0 else a if known[1] == 0.0 else None
+    if operation == "sub":
+        return a if known[1] == 0.0 else -b if known[0] == 0.0 else None
+    if operation == "mul":
+        if known[0] == 0.0 or known[1] == 0.0:
+            return a.graph.constant(0.0)
+        return b if known[0] == 1.0 else a if known[1] == 1.0 else None
+    if known[0] == 0.0:
+        return a.graph.constant(0.0)
+    return a if known[1] == 1.0 else None
+
+
+class Expr:
+    """A node of a graph; operators build further nodes."""
+
+    __slots__ = ("graph", "index")
+
+    def __init__(self, graph: Graph, index: int) -> None:
+        self.graph = graph
+        self.index = index
+
+    def __add__(self, other: Any) -> Any:
+        return _operate("add", self, other, "__radd__")
+
+    def __radd__(self, other: Any) -> Expr:
+        return self.graph.apply("add", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return _operate("sub", self, other, "__rsub__")
+
+    def __rsub__(self, other: Any) -> Expr:
+        return self.graph.apply("sub", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        return _operate("mul", self, other, "__rmul__")
+
+    def __rmul__(self, other: Any) -> Expr:
+        return self.graph.apply("mul", other, self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return _operate("div", self, other, "__rtruediv__")
+
+    def __rtruediv__(self, other: Any) -> Expr:
+        return self.graph.apply("div", other, self)
+
+    def __neg__(self) -> Expr:
+        return self.graph.apply("neg", self)
+
+    def __lt__(self, other: Any) -> Any:
+        return _operate("lt", self, other, "__gt__")
+
+    def __le__(self, other: Any) -> Any:
+        return _operate("le", self, other, "__ge__")
+
+    def __gt__(self, other: Any) -> Any:
+        return _operate("gt", self, other, "__lt__")
+
+    def __ge__(self, other: Any) -> Any:
+        return _operate("ge", self, other, "__le__")
+
+    def __bool__(self) -> bool:
+        raise TypeError("A kernel must not branch on a value; use `xp.where`.")
+
+
+def _operate(operation: str, a: Expr, b: Any, reflected: str) -> Any:
+    """Apply, unless the other side is richer (a dual number): then let it answer."""
+    if isinstance(b, Expr | float | int):
+        return a.graph.apply(operation, a, b)
+    return getattr(b, reflected)(a)
+
+
+class GraphNamespace:
+    """The kernel operations as nodes of one graph."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+
+    def __getattr__(self, operation: str) -> Any:
+        if operation.startswith("_") or not hasattr(floats, operation):
+            raise AttributeError(f"Kernels have no operation `{operation}`.")
+
+        def build(*values: Any) -> Expr:
+            return self.graph.apply(operation, *values)
+
+        setattr(self, operation, build)
+        return build
+
+    def clip(self, x: Any, low: Any, high: Any) -> Any:
+        """`x` limited to [low, high]."""
+        return self.graph.apply("minimum", self.graph.apply("maximum", x, low), high)

@@ -1,0 +1,178 @@
+"""Printing a graph as straight-line code: order, naming and inlining, for any language.
+
+A node used once is written where it is used; the rest get names. A dialect says how each
+operation looks and which operations need plain names as operands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from martensite.runtimes.graph import PARAMETER, Expr, Graph
+
+DEEPEST = 24
+FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How one language writes expressions and assignments."""
+
+    templates: Mapping[str, str]
+    wants_names: frozenset[str]
+    assign: Callable[[str, str, bool], str]
+    constant: Callable[[float | bool], str]
+
+
+class Printer:
+    """Writes parts of one graph in one dialect, remembering what already has a name."""
+
+    def __init__(self, graph: Graph, dialect: Dialect) -> None:
+        self.graph = graph
+        self.dialect = dialect
+        self.shared: dict[int, str] = {}
+
+    def block(self, outputs: Iterable[Expr], assigned: str = "v") -> tuple[list[str], list[str]]:
+        """Return the assignments that compute `outputs`, and the outputs as expressions."""
+        wanted = [node.index for node in outputs]
+        uses = self._uses(wanted)
+        text: dict[int, str] = {}
+        depth: dict[int, int] = {}
+        lines: list[str] = []
+        for index in sorted(uses):
+            expression = self._expression(index, text)
+            arguments = self._children(index)
+            depth[index] = 1 + max((depth.get(a, 0) for a in arguments), default=0)
+            atomic = not arguments
+            if atomic or (uses[index] == 1 and depth[index] < DEEPEST):
+                text[index] = expression
+                continue
+            name = f"{assigned}{index}"
+            lines.append(self.dialect.assign(name, expression, self.is_flag(index)))
+            text[index], depth[index] = name, 0
+        return lines, [text[i] for i in wanted]
+
+    def share(self, nodes: Iterable[Expr], name: Callable[[int], str]) -> None:
+        """Declare that these nodes are available under a name from now on."""
+        for position, node in enumerate(nodes):
+            self.shared[node.index] = name(position)
+
+    def is_flag(self, index: int) -> bool:
+        """True for nodes that are true or false."""
+        operation, args = self.graph.operations[index], self.graph.arguments[index]
+        if operation == "constant":
+            return isinstance(args[0], bool)
+        return operation in FLAGS or (operation == "where" and self.is_flag(args[1]))
+
+    def _children(self, index: int) -> tuple[int, ...]:
+        if index in self.shared or self.graph.operations[index] in ("input", "constant"):
+            return ()
+        return self.graph.arguments[index]
+
+    def _uses(self, wanted: list[int]) -> dict[int, int]:
+        """How often each needed node is used; names wanted by an operation count double."""
+        uses: dict[int, int] = {}
+        stack = list(wanted)
+        for index in wanted:
+            uses[index] = uses.get(index, 0) + 1
+        seen: set[int] = set()
+        while stack:
+            index = stack.pop()
+            if index in seen:
+                continue
+            seen.add(index)
+            weight = 2 if self.graph.operations[index] in self.dialect.wants_names else 1
+            for child in self._children(index):
+                uses[child] = uses.get(child, 0) + weight
+                stack.append(child)
+        return uses
+
+    def _expression(self, index: int, text: dict[int, str]) -> str:
+        if index in self.shared:
+            return self.shared[index]
+        operation, args = self.graph.operations[index], self.graph.arguments[index]
+        if operation == "input":
+            return str(args[0])
+        if operation == "constant":
+            return self.dialect.constant(args[0])
+        return self.dialect.templates[operation].format(*(text[a] for a in args))
+
+
+def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
+    """The nodes that depend on parameters only and feed nodes that depend on more."""
+    found: dict[int, None] = {}
+    seen: set[int] = set()
+    stack = [node.index for node in outputs]
+    while stack:
+        index = stack.pop()
+        if index in seen:
+            continue
+        seen.add(index)
+        if graph.depends[index] == 0:
+            continue
+        if graph.depends[index] == PARAMETER:
+            found[index] = None
+        elif graph.operations[index] != "input":
+            stack.extend(graph.arguments[index])
+    return [Expr(graph, index) for index in sorted(found)]
+
+
+def python_constant(value: float | bool) -> str:
+    """A literal; infinities are written as numbers that overflow."""
+    return repr(value).replace("inf", "1e999")
+
+
+PYTHON_OPERATORS = {
+    "add": "({} + {})",
+    "sub": "({} - {})",
+    "mul": "({} * {})",
+    "div": "({} / {})",
+    "neg": "(-{})",
+    "lt": "({} < {})",
+    "le": "({} <= {})",
+    "gt": "({} > {})",
+    "ge": "({} >= {})",
+}
+
+FLOAT_DIALECT = Dialect(
+    templates={
+        **PYTHON_OPERATORS,
+        "where": "({1} if {0} else {2})",
+        "both": "({} and {})",
+        "either": "({} or {})",
+        "negate": "(not {})",
+        "minimum": "({0} if {0} < {1} else {1})",
+        "maximum": "({0} if {0} > {1} else {1})",
+        "abs": "(-{0} if {0} < 0.0 else {0})",
+        "sqrt": "(_sqrt({0}) if {0} > 0.0 else 0.0)",
+        "exp": "_exp({0} if {0} < 700.0 else 700.0)",
+        "log": "_log({0} if {0} > 1e-300 else 1e-300)",
+        "sin": "_sin({})",
+        "cos": "_cos({})",
+        "tanh": "_tanh({})",
+        "quarter_sine": "_sin(1.5707963267948966 * {})",
+        "detach": "{}",
+        "store": "{}",
+    },
+    wants_names=frozenset({"minimum", "maximum", "abs", "sqrt", "exp", "log"}),
+    assign=lambda name, expression, flag: f"{name} = {expression}",
+    constant=python_constant,
+)
+
+ARRAY_DIALECT = Dialect(
+    templates={
+        **PYTHON_OPERATORS,
+        **{
+            name: f"xp.{name}({', '.join(['{}'] * arity)})"
+            for name, arity in {
+                "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
+                "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
+                "quarter_sine": 1, "detach": 1, "store": 1,
+            }.items()
+        },
+    },
+    wants_names=frozenset(),
+    assign=lambda name, expression, flag: f"{name} = {expression}",
+    constant=python_constant,
+)  # fmt: skip

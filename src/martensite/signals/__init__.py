@@ -1,0 +1,1 @@
+"""Signals: what drives a system, as a function of time (and, for controllers, measurements)."""

@@ -1,0 +1,55 @@
+"""The drive interface: waveforms and controllers answer the same call.
+
+A drive turns time and measurement into a signal; its memory is passed in and returned. A
+waveform needs neither measurement nor memory, and names its edges: the times at which it
+jumps or bends. The march snaps its steps to them, so nothing is stepped over.
+
+The levels of a waveform are declared in the unit `drive`: volt, ampere, watt or kelvin,
+whatever the source takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from martensite.parameters import Parametrised
+from martensite.registry import Registry
+
+WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals")
+DRIVE = "drive"
+
+
+class AbstractDrive(Parametrised):
+    """Interface of everything that drives a source."""
+
+    def init(self) -> Any:
+        """Memory before the first call."""
+        raise NotImplementedError
+
+    def __call__(
+        self, time: float, measurement: Mapping[str, float], memory: Any
+    ) -> tuple[float, Any]:
+        """Signal at `time` [s] and the new memory."""
+        raise NotImplementedError
+
+
+class AbstractWaveform(AbstractDrive):
+    """A signal that is known beforehand."""
+
+    def init(self) -> None:
+        """A waveform remembers nothing."""
+
+    def __call__(
+        self, time: float, measurement: Mapping[str, float], memory: Any
+    ) -> tuple[float, Any]:
+        """The value at `time` [s], whatever is measured."""
+        return self.value(time), memory
+
+    def value(self, time: float) -> float:
+        """Signal at `time` [s], in the unit of the source; right-continuous at jumps."""
+        raise NotImplementedError
+
+    def edges(self, duration: float) -> list[float]:
+        """Times in (0, duration) at which the signal jumps or bends, ascending [s]."""
+        return []

@@ -1,0 +1,1 @@
+"""The time march, its result and its status."""

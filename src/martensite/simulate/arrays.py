@@ -1,0 +1,131 @@
+"""The march in JAX: one scan over samples, one inside it over steps, any batch shape.
+
+Parameters, drive and step lengths are data: changing them never recompiles. Intervals with
+fewer steps than the longest are padded with steps of no length, which keep the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.runtimes.arrays import ArrayNamespace
+from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace
+from martensite.simulate.compiled import Compiled
+from martensite.simulate.grid import Grid
+
+
+class Schedule(NamedTuple):
+    """A grid as arrays."""
+
+    first: Any
+    """Signal at t = 0."""
+    sampled: Any
+    """Signal at the end of every interval, (intervals,)."""
+    drives: Any
+    """Signal of every step, (intervals, steps)."""
+    lengths: Any
+    """Length of every step [s], 0 for padding, (intervals, steps)."""
+    one: Any
+    """The number 1, unknown to the compiler: dividing by it makes a value worth keeping."""
+
+
+def schedule(grid: Grid, dtype: str = "float64") -> tuple[Schedule, bool]:
+    """The grid as padded arrays, and whether padding was needed."""
+    counts = np.asarray(grid.counts)
+    shape = (len(counts), int(counts.max()))
+    drives, lengths = np.zeros(shape, dtype), np.zeros(shape, dtype)
+    used = np.arange(shape[1]) < counts[:, None]
+    drives[used], lengths[used] = grid.drives, grid.lengths
+    sampled = np.asarray(grid.sampled, dtype)
+    one = np.ones((), dtype)
+    return Schedule(sampled[0], sampled[1:], drives, lengths, one), not bool(used.all())
+
+
+class Rows(NamedTuple):
+    """Outputs at the samples and the worst reports, over a batch."""
+
+    outputs: tuple[Any, ...]
+    """One array (samples, batch…) per output asked for."""
+    residual: Any
+    crossing: Any
+
+
+def march(
+    compiled: Compiled, outputs: Sequence[int], padded: bool
+) -> Callable[[Sequence[Any], Schedule], Rows]:
+    """A pure function of (parameter values, schedule) that marches and observes.
+
+    It may be jitted, mapped and differentiated (forward mode) with JAX.
+    """
+    import jax
+
+    xp = jax_namespace()
+    np_ = xp.np
+
+    def run(values: Sequence[Any], plan: Schedule) -> Rows:
+        xq = ArrayNamespace(np_, detach=jax.lax.stop_gradient, store=lambda x: x / plan.one)
+        functions = compiled.program.bind_arrays(xq, values)
+        shape = np_.broadcast_shapes(*(np_.shape(v) for v in values))
+        zero = np_.zeros(shape, plan.lengths.dtype)
+
+        def observe(state: Any, drive: Any) -> tuple[Any, ...]:
+            row = functions["observe"](*state, drive)
+            return tuple(zero + row[i] for i in outputs)
+
+        def one(carry: Any, now: Any) -> tuple[Any, None]:
+            state, residual, crossing = carry
+            *after, r, c = functions["step"](*state, *now)
+            if padded:
+                after = [xp.where(now[1] > 0.0, a, b) for a, b in zip(after, state, strict=True)]
+                r, c = (xp.where(now[1] > 0.0, v, 0.0) for v in (r, c))
+            worst = np_.where(residual >= r, residual, r), np_.where(crossing >= c, crossing, c)
+            return (tuple(after), *worst), None
+
+        def interval(carry: Any, now: Any) -> tuple[Any, tuple[Any, ...]]:
+            drive, *steps = now
+            carry, _ = jax.lax.scan(one, carry, tuple(steps))
+            return carry, observe(carry[0], drive)
+
+        state = tuple(zero + v for v in functions["init"](plan.first))
+        start = observe(state, plan.first)
+        (_, residual, crossing), rows = jax.lax.scan(
+            interval, (state, zero, zero), (plan.sampled, plan.drives, plan.lengths)
+        )
+        joined = tuple(np_.concatenate([a[None], b]) for a, b in zip(start, rows, strict=True))
+        return Rows(joined, residual, crossing)
+
+    return run
+
+
+@lru_cache(maxsize=64)
+def jitted_march(compiled: Compiled, outputs: tuple[int, ...], padded: bool) -> Any:
+    """The jitted march of a traced system, kept for the next call."""
+    import jax
+
+    return jax.jit(march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
+
+
+@lru_cache(maxsize=64)
+def jitted_jacobian(
+    compiled: Compiled, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool
+) -> Any:
+    """Jitted (values, plan) -> (first output, its Jacobian in the parameters `wrt`, residual)."""
+    import jax
+
+    run = march(compiled, outputs, padded)
+
+    def directions(values: Any, plan: Schedule) -> tuple[Any, Any, Any]:
+        def column(some: Any) -> tuple[Any, Any]:
+            everything = values.at[np.asarray(wrt)].set(some)
+            rows = run(list(everything), plan)
+            return rows.outputs[0], (rows.outputs[0], rows.residual)
+
+        some = values[np.asarray(wrt)]
+        jacobian, (value, residual) = jax.jacfwd(column, has_aux=True)(some)
+        return value, jacobian, residual
+
+    return jax.jit(directions, compiler_options=WIDE_VECTORS)

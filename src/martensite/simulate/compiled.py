@@ -1,0 +1,119 @@
+"""Tracing a system: its kernels as a program over flat states, cached by structure.
+
+Numbers never enter the trace: a changed value reuses the program, a changed law, option or
+mechanism makes a new one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from martensite.parameters import Parametrised
+from martensite.runtimes.program import Program
+from martensite.system import OUTPUTS, Report, System
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A traced system; functions `init`, `step` and `observe` over flat states."""
+
+    program: Program
+    paths: tuple[str, ...]
+    """Parameter paths in the order in which the program takes them."""
+    size: int
+    """Number of state variables."""
+    report: tuple[str, ...] = Report._fields
+    outputs: tuple[str, ...] = tuple(OUTPUTS)
+
+    def values(self, system: System) -> list[float]:
+        """Parameter values of a system of this structure, in order."""
+        known = {leaf.path: leaf.value for leaf in system.leaves()}
+        return [known[path] for path in self.paths]
+
+
+class _Shape:
+    """Rebuilds nested NamedTuples from a flat sequence."""
+
+    def __init__(self, example: Any) -> None:
+        self.example = example
+
+    def rebuild(self, flat: Sequence[Any]) -> Any:
+        """The nested tuple with the numbers of `flat` in order."""
+        return self._fill(self.example, iter(flat))
+
+    def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
+        if isinstance(example, tuple):
+            return type(example)(*(self._fill(item, numbers) for item in example))  # type: ignore[call-arg]
+        return next(numbers)
+
+
+def flatten(nested: Any) -> list[Any]:
+    """All numbers of nested tuples, in order."""
+    if isinstance(nested, tuple):
+        return [number for item in nested for number in flatten(item)]  # type: ignore[misc]
+    return [nested]
+
+
+def structure(part: Parametrised) -> tuple[Any, ...]:
+    """A hashable description of everything but the numbers."""
+    options = tuple(
+        (name, getattr(part, name))
+        for name, declared in part.declarations.items()
+        if declared.kind == "option"
+    )
+    return type(part), options, tuple((name, structure(child)) for name, child in part.children())
+
+
+def compile_system(system: System) -> Compiled:
+    """Trace a system, or return the program of an earlier one of the same structure."""
+    return _compile(_Keyed(structure(system), system))
+
+
+@dataclass(frozen=True)
+class _Keyed:
+    key: tuple[Any, ...]
+    system: System
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Keyed) and self.key == other.key
+
+
+@lru_cache(maxsize=64)
+def _compile(keyed: _Keyed) -> Compiled:
+    program = Program()
+    paths = tuple(leaf.path for leaf in keyed.system.leaves())
+    system = keyed.system.rebuilt({path: program.parameter(path) for path in paths})
+    found: list[_Shape] = []
+
+    def init(xp: Any, drive: Any) -> list[Any]:
+        state = system.init(xp, drive)
+        found.append(_Shape(state))
+        return flatten(state)
+
+    program.add("init", ["u"], init)
+    shape, size = found[0], len(flatten(found[0].example))
+    names = [f"s{i}" for i in range(size)]
+    program.add("step", [*names, "u", "dt"], _step_kernel(system, shape, size))
+    program.add("observe", [*names, "u"], _observe_kernel(system, shape, size))
+    return Compiled(program, paths, size)
+
+
+def _step_kernel(system: System, shape: _Shape, size: int) -> Callable[..., list[Any]]:
+    def step(xp: Any, *arguments: Any) -> list[Any]:
+        state, report = system.step(xp, shape.rebuild(arguments[:size]), *arguments[size:])
+        return flatten(state) + flatten(report)
+
+    return step
+
+
+def _observe_kernel(system: System, shape: _Shape, size: int) -> Callable[..., list[Any]]:
+    def observe(xp: Any, *arguments: Any) -> list[Any]:
+        return flatten(system.observe(xp, shape.rebuild(arguments[:size]), arguments[size]))
+
+    return observe

@@ -1,0 +1,82 @@
+"""The march on plain floats: for single runs, in a process that needs no numpy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from martensite.errors import SolveError
+from martensite.simulate.grid import Grid
+from martensite.status import Status
+
+SOLVED = 1e-4
+COARSE = 0.2
+
+Functions = Mapping[str, Callable[..., tuple[float, ...]]]
+
+
+@dataclass(frozen=True)
+class Track:
+    """What one march returns: rows of outputs at the samples, and how its steps ended."""
+
+    rows: list[tuple[float, ...]]
+    status: Status
+    status_time: float
+
+
+def march_floats(functions: Functions, size: int, grid: Grid) -> Track:
+    """Advance through the grid with traced float functions.
+
+    Raises:
+        SolveError: a step met an arithmetic impossibility such as a division by zero.
+    """
+    step, observe = functions["step"], functions["observe"]
+    state = functions["init"](grid.sampled[0])
+    rows = [observe(*state, grid.sampled[0])]
+    watch = Watch()
+    k = 0
+    try:
+        for count, drive in zip(grid.counts, grid.sampled[1:], strict=True):
+            for u, dt in zip(grid.drives[k : k + count], grid.lengths[k : k + count], strict=True):
+                after = step(*state, u, dt)
+                state = after[:size]
+                if not after[size] <= SOLVED or after[size + 1] > COARSE:
+                    watch.note(after[size], after[size + 1], k)
+                k += 1
+            rows.append(observe(*state, drive))
+    except ArithmeticError as error:
+        raise SolveError(
+            f"The step at t = {math.fsum(grid.lengths[:k]):.6g} s met an impossible operation "
+            f"({error}). {Status.NOT_FINITE.sentence}"
+        ) from None
+    return track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
+
+
+class Watch:
+    """Remembers the worst step and where it was."""
+
+    def __init__(self) -> None:
+        self.worst = Status.OK
+        self.step = 0
+
+    def note(self, residual: float, crossing: float, step: int) -> None:
+        """Classify a suspicious step."""
+        status = classify(residual, crossing)
+        if status > self.worst:
+            self.worst, self.step = status, step
+
+
+def classify(residual: float, crossing: float) -> Status:
+    """Status of a step from its report."""
+    if math.isnan(residual) or math.isinf(residual):
+        return Status.NOT_FINITE
+    if residual > SOLVED:
+        return Status.UNSOLVED
+    return Status.LONG_STEP if crossing > COARSE else Status.OK
+
+
+def track(rows: Sequence[tuple[float, ...]], status: Status, time: float) -> Track:
+    """A track whose rows have been checked for numbers that are none."""
+    finite = all(math.isfinite(value) for row in rows for value in row)
+    return Track(list(rows), status if finite else Status.NOT_FINITE, time)

@@ -1,0 +1,97 @@
+"""The march in C: a loop around the traced kernels, for one run or a batch of lanes."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from martensite.runtimes.c99 import c_source, load_library
+from martensite.simulate.compiled import Compiled
+from martensite.simulate.grid import Grid
+from martensite.simulate.march import Track, classify, track
+
+LANES = 16
+
+_MARCH = """
+void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
+           const double *restrict sampled, const long *restrict counts,
+           const double *restrict drives, const double *restrict lengths,
+           double *restrict rows, double *restrict worst) {{
+    double c[{constants} * {lanes}], x[{inputs} * {lanes}], y[{results} * {lanes}];
+    const long n = {lanes};
+    k_prepare(n, p, c);
+    for (long l = 0; l < n; l++) {{ x[l] = first[0]; worst[l] = 0.0; worst[n + l] = 0.0; }}
+    k_init(n, c, x, y);
+    memcpy(x, y, sizeof(double) * {size} * n);
+    for (long l = 0; l < n; l++) x[{size} * n + l] = first[0];
+    k_observe(n, c, x, rows);
+    for (long i = 0; i < intervals; i++) {{
+        for (long k = 0; k < counts[i]; k++, drives++, lengths++) {{
+            for (long l = 0; l < n; l++) {{
+                x[{size} * n + l] = *drives;
+                x[({size} + 1) * n + l] = *lengths;
+            }}
+            k_step(n, c, x, y);
+            memcpy(x, y, sizeof(double) * {size} * n);
+            for (long l = 0; l < n; l++) {{
+                const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
+                worst[l] = (worst[l] >= r) ? worst[l] : r;
+                worst[n + l] = (worst[n + l] >= s) ? worst[n + l] : s;
+            }}
+        }}
+        for (long l = 0; l < n; l++) x[{size} * n + l] = sampled[i];
+        rows += {outputs} * n;
+        k_observe(n, c, x, rows);
+    }}
+}}
+"""
+
+
+def march_source(compiled: Compiled, lanes: int) -> str:
+    """C source of the kernels and the march for a fixed number of lanes."""
+    loop = _MARCH.format(
+        lanes=lanes,
+        constants=max(1, len(compiled.program.hoisted)),
+        inputs=compiled.size + 2,
+        results=max(compiled.size + len(compiled.report), len(compiled.outputs)),
+        size=compiled.size,
+        outputs=len(compiled.outputs),
+    )
+    return c_source(compiled.program) + loop
+
+
+@lru_cache(maxsize=64)
+def _library(source: str) -> Any:
+    return load_library(source)
+
+
+def march_lanes(
+    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int
+) -> tuple[Any, Any]:
+    """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
+
+    Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
+    """
+    library = _library(march_source(compiled, lanes))
+    parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
+    rows = np.empty((len(grid.times), len(compiled.outputs), lanes))
+    worst = np.empty((2, lanes))
+    sampled = np.asarray(grid.sampled)
+    arrays = (
+        parameters, sampled[:1].copy(), sampled[1:].copy(), np.asarray(grid.counts, np.int_),
+        np.asarray(grid.drives), np.asarray(grid.lengths), rows, worst,
+    )  # fmt: skip
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
+    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
+    return rows, worst
+
+
+def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
+    """One run on the C runtime."""
+    rows, worst = march_lanes(compiled, values, grid, 1)
+    status = classify(float(worst[0, 0]), float(worst[1, 0]))
+    return track([tuple(row) for row in rows[:, :, 0].tolist()], status, 0.0)

@@ -1,0 +1,49 @@
+"""Status of a time step: every way a step can end, as a sentence with a remedy.
+
+Failures are data: the march carries a status per step, and no NaN leaves it unreported.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """How a step ended; larger is worse."""
+
+    OK = 0
+    LONG_STEP = 1
+    UNSOLVED = 2
+    OUT_OF_RANGE = 3
+    NOT_FINITE = 4
+
+    @property
+    def sentence(self) -> str:
+        """What happened and what to try."""
+        return _SENTENCES[self]
+
+    @property
+    def failed(self) -> bool:
+        """True if the results after this step cannot be trusted."""
+        return self >= Status.UNSOLVED
+
+
+_SENTENCES = {
+    Status.OK: "The step was solved.",
+    Status.LONG_STEP: (
+        "The trial step crossed more than a fifth of a transformation strip; "
+        "the result is solved but coarse. Try a smaller tolerance or a shorter step."
+    ),
+    Status.UNSOLVED: (
+        "The coupling of law, heat and mechanism was not solved to its tolerance. "
+        "Try a shorter step, or check the input for a jump far beyond the wire's rating."
+    ),
+    Status.OUT_OF_RANGE: (
+        "A phase fraction left the interval from 0 to 1. "
+        "Try a shorter step; if it stays, the law's parameters contradict each other."
+    ),
+    Status.NOT_FINITE: (
+        "A number became infinite or undefined. "
+        "Try a shorter step, and check the parameters for zero widths or masses."
+    ),
+}

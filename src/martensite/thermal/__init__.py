@@ -1,0 +1,1 @@
+"""Heat loss of an element to its surroundings: one file per model."""

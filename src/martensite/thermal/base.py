@@ -1,0 +1,33 @@
+"""What every heat-loss model answers: the film coefficient h(T) over the lateral surface."""
+
+from __future__ import annotations
+
+from martensite.parameters import Parametrised, param, part
+from martensite.registry import Registry
+from martensite.runtimes.namespace import Namespace, Scalar
+
+COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.thermal")
+
+
+class AbstractCooling(Parametrised):
+    """Interface of a heat-loss model."""
+
+    def film(
+        self,
+        xp: Namespace,
+        temperature: Scalar,
+        ambient: Scalar,
+        diameter: Scalar,
+        length: Scalar,
+    ) -> Scalar:
+        """Film coefficient h [W/(m² K)] of a wire of (diameter, length) [m] at T [K]."""
+        raise NotImplementedError
+
+
+class Environment(Parametrised):
+    """What surrounds the element."""
+
+    temperature: Scalar = param(
+        "K", "ambient temperature", low=100.0, high=1000.0, default=293.15
+    )
+    cooling: AbstractCooling = part("heat-loss model", COOLING)

@@ -1,0 +1,25 @@
+"""Constant film coefficient: Q = h S (T - T_a)."""
+
+from __future__ import annotations
+
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.base import COOLING, AbstractCooling
+
+
+@COOLING.register("constant")
+class ConstantCooling(AbstractCooling):
+    """A film coefficient that depends on nothing."""
+
+    h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5)
+
+    def film(
+        self,
+        xp: Namespace,
+        temperature: Scalar,
+        ambient: Scalar,
+        diameter: Scalar,
+        length: Scalar,
+    ) -> Scalar:
+        """h [W/(m² K)]."""
+        return self.h

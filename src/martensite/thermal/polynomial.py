@@ -1,0 +1,38 @@
+"""Film coefficient as a parabola of temperature: h = h₀ + h₁ θ + h₂ θ².
+
+θ = T - `reference`; the default reference of 0 °C makes θ the temperature in degrees
+Celsius, the form fitted to step responses in the MigaOne paper. A reference at the ambient
+temperature makes θ the overtemperature.
+"""
+
+from __future__ import annotations
+
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.base import COOLING, AbstractCooling
+
+
+@COOLING.register("polynomial")
+class PolynomialCooling(AbstractCooling):
+    """A film coefficient of second degree in temperature."""
+
+    cites = ("migaone",)
+
+    h0: Scalar = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5)
+    h1: Scalar = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0)
+    h2: Scalar = param("W/m^2/K^3", "quadratic coefficient", low=-10.0, high=10.0, default=0.0)
+    reference: Scalar = param(
+        "K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15
+    )
+
+    def film(
+        self,
+        xp: Namespace,
+        temperature: Scalar,
+        ambient: Scalar,
+        diameter: Scalar,
+        length: Scalar,
+    ) -> Scalar:
+        """h(T) [W/(m² K)], never below zero."""
+        theta = temperature - self.reference
+        return xp.maximum(self.h0 + theta * (self.h1 + theta * self.h2), 0.0)

@@ -1,0 +1,136 @@
+"""Units at the edge: text with a unit becomes an SI float, and back for labels.
+
+pint is the authority. The everyday spellings below are a table generated from it (and
+compared with it in the tests), so that a short run need not load pint at all. Inside the
+library there are only SI floats in the declared unit.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import Any
+
+from martensite.errors import UnitError
+
+# spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset
+EVERYDAY: dict[str, tuple[str, float, float]] = {
+    "1": ("1", 1.0, 0.0),
+    "%": ("1", 0.01, 0.0),
+    "K": ("K", 1.0, 0.0),
+    "degC": ("K", 1.0, 273.15),
+    "m": ("m", 1.0, 0.0),
+    "mm": ("m", 1e-3, 0.0),
+    "cm": ("m", 1e-2, 0.0),
+    "um": ("m", 1e-6, 0.0),
+    "m^3": ("m^3", 1.0, 0.0),
+    "s": ("s", 1.0, 0.0),
+    "ms": ("s", 1e-3, 0.0),
+    "min": ("s", 60.0, 0.0),
+    "Hz": ("Hz", 1.0, 0.0),
+    "kg": ("kg", 1.0, 0.0),
+    "g": ("kg", 1e-3, 0.0),
+    "N": ("N", 1.0, 0.0),
+    "N/m": ("N/m", 1.0, 0.0),
+    "N/mm": ("N/m", 1e3, 0.0),
+    "Pa": ("Pa", 1.0, 0.0),
+    "kPa": ("Pa", 1e3, 0.0),
+    "MPa": ("Pa", 1e6, 0.0),
+    "GPa": ("Pa", 1e9, 0.0),
+    "Pa/K": ("Pa/K", 1.0, 0.0),
+    "MPa/K": ("Pa/K", 1e6, 0.0),
+    "V": ("V", 1.0, 0.0),
+    "mV": ("V", 1e-3, 0.0),
+    "A": ("A", 1.0, 0.0),
+    "mA": ("A", 1e-3, 0.0),
+    "W": ("W", 1.0, 0.0),
+    "ohm": ("ohm", 1.0, 0.0),
+    "ohm/m": ("ohm/m", 1.0, 0.0),
+    "ohm*m": ("ohm*m", 1.0, 0.0),
+    "ohm m": ("ohm*m", 1.0, 0.0),
+    "kg/m^3": ("kg/m^3", 1.0, 0.0),
+    "J/kg": ("J/kg", 1.0, 0.0),
+    "kJ/kg": ("J/kg", 1e3, 0.0),
+    "J/kg/K": ("J/kg/K", 1.0, 0.0),
+    "W/m/K": ("W/m/K", 1.0, 0.0),
+    "W/m^2/K": ("W/m^2/K", 1.0, 0.0),
+    "W/m^2/K^2": ("W/m^2/K^2", 1.0, 0.0),
+    "W/m^2/K^3": ("W/m^2/K^3", 1.0, 0.0),
+    "1/K": ("1/K", 1.0, 0.0),
+    "m/s^2": ("m/s^2", 1.0, 0.0),
+}
+
+# declared SI unit -> unit a person would rather read
+READABLE = {"K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g"}
+
+_QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+_SPELLINGS = str.maketrans({"°": "deg", "Ω": "ohm", "Ω": "ohm", "µ": "u", "μ": "u", "·": "*"})
+_SPELLINGS |= str.maketrans({"²": "^2", "³": "^3"})
+
+
+def parse(text: str, unit: str) -> float:
+    """Read a quantity such as `"0.381 mm"` as a float in the SI `unit`.
+
+    Raises:
+        UnitError: the text is no number with a unit, or the unit has another dimension.
+    """
+    match = _QUANTITY.match(text.translate(_SPELLINGS))
+    if match is None:
+        raise UnitError(f"`{text}` is not a number with a unit; write for example `1.5 {unit}`.")
+    if not match[2] and unit != "1":
+        raise UnitError(f"`{text}` has no unit; write for example `{text.strip()} {unit}`.")
+    return to_si(float(match[1]), match[2] or "1", unit)
+
+
+def to_si(value: float, spelling: str, unit: str) -> float:
+    """Convert `value` from the unit `spelling` to the declared SI `unit`."""
+    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    return value * factor + offset
+
+
+def from_si(value: float, spelling: str, unit: str) -> float:
+    """Convert `value` from the declared SI `unit` to the unit `spelling`."""
+    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    return (value - offset) / factor
+
+
+def conversion(spelling: str, unit: str) -> tuple[float, float]:
+    """Return (factor, offset) with value in `unit` = value in `spelling` * factor + offset."""
+    declared, factor, offset = EVERYDAY.get(spelling, ("", 1.0, 0.0))
+    if declared == unit:
+        return factor, offset
+    return _ask_pint(spelling, unit)
+
+
+def readable(unit: str) -> str:
+    """The unit in which a person would rather read a quantity declared in `unit`."""
+    return READABLE.get(unit, unit)
+
+
+@cache
+def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
+    import pint
+
+    ureg = _pint_registry()
+    try:
+        zero = ureg.Quantity(0.0, _delta(spelling)).to(_delta(unit)).magnitude
+        one = ureg.Quantity(1.0, _delta(spelling)).to(_delta(unit)).magnitude
+    except pint.DimensionalityError:
+        raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
+    except (pint.UndefinedUnitError, pint.DefinitionSyntaxError, ValueError, TypeError):
+        raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
+    return float(one - zero), float(zero)
+
+
+def _delta(spelling: str) -> str:
+    """Inside a compound unit a degree Celsius is a difference of temperature."""
+    if spelling in ("degC", "degF"):
+        return spelling
+    return re.sub(r"\bdeg([CF])\b", r"delta_deg\1", spelling)
+
+
+@cache
+def _pint_registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
