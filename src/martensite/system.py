@@ -14,6 +14,7 @@ hotter wire and less stress, both of which mean less martensite: g is strictly i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from martensite.electrical.base import SOURCES, AbstractSource
@@ -25,6 +26,7 @@ from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.dual import value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Environment
+
 
 class State(NamedTuple):
     """All that changes in time."""
@@ -97,9 +99,7 @@ class System(Parametrised):
         spring = element.spring(xp, element.law.fractions(memory), temperature)
         return State(memory, Assembly(spring.free + spring.compliance * force))
 
-    def step(
-        self, xp: Namespace, state: State, drive: Scalar, dt: Scalar
-    ) -> tuple[State, Report]:
+    def step(self, xp: Namespace, state: State, drive: Scalar, dt: Scalar) -> tuple[State, Report]:
         """Advance by `dt` [s] under a constant drive signal."""
         law, memory = self.element.law, state.memory
         fraction = law.fractions(memory).martensite
@@ -123,10 +123,12 @@ class System(Parametrised):
         crossing = law.crossing(xp, memory, move, *trial)
         return State(after, state.assembly), Report(residual, crossing)
 
-    def _heat_line(self, xp: Namespace, state: State, drive: Scalar, dt: Scalar) -> Any:
+    def _heat_line(
+        self, xp: Namespace, state: State, drive: Scalar, dt: Scalar
+    ) -> Callable[[Namespace, Scalar], Scalar]:
         """T at the end of the step as a function of the fraction there."""
         if self.source.sets_temperature:
-            return lambda xp, x: drive
+            return _constant(drive)
         element, environment = self.element, self.environment
         start = state.memory.temperature
         strain = self._strain(xp, state)
@@ -182,3 +184,10 @@ class System(Parametrised):
             power=current * current * ohms,
             heat_loss=element.heat_loss(xp, memory.temperature, self.environment),
         )
+
+
+def _constant(number: Scalar) -> Callable[[Namespace, Scalar], Scalar]:
+    def same(xp: Namespace, x: Scalar) -> Scalar:
+        return number
+
+    return same

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 from martensite.errors import UnitError
@@ -64,8 +65,10 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
 READABLE = {"K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g"}
 
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
-_SPELLINGS = str.maketrans({"°": "deg", "Ω": "ohm", "Ω": "ohm", "µ": "u", "μ": "u", "·": "*"})
-_SPELLINGS |= str.maketrans({"²": "^2", "³": "^3"})
+_SPELLINGS = str.maketrans(
+    {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u"}
+    | {"·": "*", "²": "^2", "³": "^3"}
+)
 
 
 def parse(text: str, unit: str) -> float:
@@ -131,6 +134,5 @@ def _delta(spelling: str) -> str:
 
 @cache
 def _pint_registry() -> Any:
-    import pint
-
+    pint: Any = import_module("pint")
     return pint.UnitRegistry()

@@ -58,8 +58,6 @@ class AbstractElement(Parametrised):
         """Strain [-] of the law, from the elongation [m]."""
         raise NotImplementedError
 
-    def ohms(
-        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
         """Resistance [ohm]."""
         raise NotImplementedError

@@ -75,9 +75,7 @@ class Wire(AbstractElement):
         """Axial strain [-]."""
         return elongation * (1.0 / self.length)
 
-    def ohms(
-        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
         """Resistance [ohm]."""
         return self.resistance.resistance(
             xp, fraction, strain, temperature, self.section(), self.length

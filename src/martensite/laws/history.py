@@ -5,10 +5,10 @@ distance to its finish line as a share of the strip (1 at the start line, 0 at t
 line) of the coordinate T - σ/C. Forward (austenite → martensite) works on y = 1 - ξ, reverse
 on y = ξ. Two rules say what v₀ is:
 
-- resume: the least v reached since the branch was opened; an interrupted transformation
-  waits until the path passes the point where it stopped. Opening the opposite branch, by an
-  actual opposite move inside its strip, forgets it. One memory level, not return-point
-  memory: inner loops do not close as in a Preisach model.
+- resume: the v at which the branch was opened, and y never grows on it; an interrupted
+  transformation waits until the path passes the point where it stopped. Opening the opposite
+  branch, by an actual opposite move inside its strip, forgets it. One memory level, not
+  return-point memory: inner loops do not close as in a Preisach model.
 - restart: v at the start of every increment, the literal reading of the papers; small cycles
   inside one strip ratchet.
 
@@ -53,8 +53,6 @@ class Memory(NamedTuple):
     """+1 forward, -1 reverse in progress, 0 none yet."""
     scale: Scalar
     """What would be left to transform at the start line of this branch [-]."""
-    reach: Scalar
-    """Least distance to the finish line reached on this branch, in [0, 1]."""
     stress: Scalar
     temperature: Scalar
 
@@ -64,12 +62,11 @@ class Move(NamedTuple):
 
     direction: Scalar
     scale: Scalar
-    reach: Scalar
+    remaining: Scalar
+    """What is left to transform before the move [-]."""
     finish: Scalar
     per_width: Scalar
     per_slope: Scalar
-    still: Scalar
-    """The fraction if nothing happens."""
 
 
 class Course(NamedTuple):
@@ -122,46 +119,46 @@ def select(
     f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
     direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
     ahead = direction > 0.0
-    begin = xp.store(xp.where(ahead, f.begin, r.begin))
-    remaining = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
+    begin = xp.where(ahead, f.begin, r.begin)
+    remaining = xp.store(xp.where(ahead, 1.0 - memory.fraction, memory.fraction))
     share = left(xp, begin)
     usable = share > 0.0
     scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
-    reach = begin
     if rule == RESUME:
-        going_on = memory.branch * direction > 0.0
-        scale = xp.where(going_on, memory.scale, scale)
-        reach = xp.where(going_on, memory.reach, begin)
-    strip = (xp.store(xp.where(ahead, a, b)) for a, b in zip(forward, reverse, strict=True))
-    return Move(direction, xp.store(scale), xp.store(reach), *strip, memory.fraction)
+        scale = xp.where(memory.branch * direction > 0.0, memory.scale, scale)
+    return Move(
+        direction=direction,
+        scale=xp.store(scale),
+        remaining=remaining,
+        finish=xp.store(xp.where(ahead, forward.finish, reverse.finish)),
+        per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
+        per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
+    )
 
 
-def reached(xp: Namespace, move: Move, stress: Scalar, temperature: Scalar) -> Scalar:
-    """Least distance to the finish line if the move ends at (stress, temperature)."""
-    strip = Strip(move.finish, move.per_width, move.per_slope)
-    return xp.minimum(move.reach, xp.clip(strip.distance(stress, temperature), 0.0, 1.0))
-
-
-def follow(
-    xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar
-) -> Scalar:
+def follow(xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
-    remaining = move.scale * left(xp, reached(xp, move, stress, temperature))
-    fraction = xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
-    return xp.where(xp.abs(move.direction) > 0.0, fraction, move.still)
+    strip = Strip(move.finish, move.per_width, move.per_slope)
+    distance = xp.clip(strip.distance(stress, temperature), 0.0, 1.0)
+    wanted = xp.minimum(move.scale * left(xp, distance), move.remaining)
+    remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
+    return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
 
 
 def commit(
-    xp: Namespace, memory: Memory, move: Move, fraction: Scalar, stress: Scalar,
+    xp: Namespace,
+    memory: Memory,
+    move: Move,
+    fraction: Scalar,
+    stress: Scalar,
     temperature: Scalar,
-) -> Memory:  # fmt: skip
+) -> Memory:
     """The memory after the accepted move."""
     acted = xp.abs(move.direction) > 0.0
     return Memory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
         scale=xp.where(acted, move.scale, memory.scale),
-        reach=xp.where(acted, reached(xp, move, stress, temperature), memory.reach),
         stress=stress,
         temperature=temperature,
     )
@@ -180,7 +177,9 @@ def handover(
     done = xp.where(back, r.leaves, f.leaves)
     share = xp.where(two, xp.minimum(1.0, done + 64.0 * EPS), 1.0)
     whole = share >= 1.0
+    turn_stress = memory.stress + share * (stress - memory.stress)
+    turn_temperature = memory.temperature + share * (temperature - memory.temperature)
     return (
-        xp.where(whole, stress, memory.stress + share * (stress - memory.stress)),
-        xp.where(whole, temperature, memory.temperature + share * (temperature - memory.temperature)),
+        xp.where(whole, stress, turn_stress),
+        xp.where(whole, temperature, turn_temperature),
     )

@@ -44,12 +44,8 @@ class LiangRogers(AbstractLaw):
     A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
     M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
     M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
-    C_A: Scalar = param(
-        "Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9
-    )
-    C_M: Scalar = param(
-        "Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9
-    )
+    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9)
+    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9)
     Theta: Scalar = param(
         "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
     )
@@ -99,7 +95,7 @@ class LiangRogers(AbstractLaw):
 
     def init(self, xp: Namespace, fraction: Scalar, stress: Scalar, temperature: Scalar) -> Memory:
         """Memory of a wire that has no history."""
-        return Memory(fraction, 0.0, 0.0, 1.0, stress, temperature)
+        return Memory(fraction, 0.0, 0.0, stress, temperature)
 
     def fractions(self, memory: Memory) -> Fractions:
         """All martensite counts as oriented."""

@@ -18,11 +18,11 @@ class DeadWeight(AbstractMechanism):
     )
 
     def start_force(self, xp: Namespace) -> Scalar:
-        """m g [N]."""
+        """The weight m g [N]."""
         return self.mass * self.gravity
 
     def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
-        """m g [N]."""
+        """The weight m g [N]."""
         return self.start_force(xp)
 
     def position(

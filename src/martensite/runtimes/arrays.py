@@ -15,10 +15,14 @@ _TERMS = [(-1.0) ** k / math.factorial(2 * k + 1) for k in range(11)]
 QUARTER_SINE = [c * (math.pi / 2) ** (2 * k + 1) for k, c in enumerate(_TERMS)]
 
 
+def _same(x: Any) -> Any:
+    return x
+
+
 class ArrayNamespace:
     """The operations over an array module `np` (numpy or jax.numpy)."""
 
-    def __init__(self, np: Any, detach: Any = None, store: Any = None) -> None:
+    def __init__(self, np: Any, detach: Any = _same, store: Any = _same) -> None:
         self.np = np
         self.where = np.where
         self.both = np.logical_and
@@ -26,8 +30,8 @@ class ArrayNamespace:
         self.negate = np.logical_not
         self.abs = np.abs
         self.sin, self.cos, self.tanh = np.sin, np.cos, np.tanh
-        self.detach = detach or (lambda x: x)
-        self.store = store or (lambda x: x)
+        self.detach = detach
+        self.store = store
 
     def minimum(self, a: Any, b: Any) -> Any:
         """The smaller of two; as on floats, `b` if they cannot be compared."""

@@ -45,7 +45,7 @@ def clip(x: float, low: float, high: float) -> float:
     return minimum(maximum(x, low), high)
 
 
-def abs(x: float) -> float:  # noqa: A001
+def abs(x: float) -> float:
     """Absolute value."""
     return -x if x < 0.0 else x
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from martensite.runtimes.arrays import ArrayNamespace
 
@@ -12,26 +14,45 @@ from martensite.runtimes.arrays import ArrayNamespace
 WIDE_VECTORS = {"xla_cpu_prefer_vector_width": 512}
 
 
+class JaxNamespace(ArrayNamespace):
+    """The kernel operations over JAX arrays, and the configured `jax` itself."""
+
+    def __init__(self, jax: Any) -> None:
+        super().__init__(jax.numpy, detach=jax.lax.stop_gradient)
+        self.jax = jax
+
+
 @cache
-def jax_namespace() -> ArrayNamespace:
+def jax_namespace() -> JaxNamespace:
     """The kernel operations over JAX arrays; configures JAX on first use.
 
     The compile cache lies in the user's cache folder; `MARTENSITE_JAX_CACHE` moves it, and
     an empty value switches it off.
     """
-    import jax
-
+    jax: Any = import_module("jax")
     jax.config.update("jax_enable_x64", True)
     folder = os.environ.get("MARTENSITE_JAX_CACHE", str(cache_folder() / "jax"))
     if folder:
         jax.config.update("jax_compilation_cache_dir", folder)
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-    return ArrayNamespace(jax.numpy, detach=jax.lax.stop_gradient)
+    return JaxNamespace(jax)
+
+
+def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
+    """The namespace whose `store` divides by a number `one` the compiler does not know.
+
+    XLA repeats cheap arithmetic wherever a value is used, but never a division: this keeps
+    much-used values in memory and halves the time of a batch.
+    """
+
+    def store(x: Any) -> Any:
+        return x / one
+
+    return ArrayNamespace(xp.np, detach=xp.detach, store=store)
 
 
 def cache_folder() -> Path:
     """The user's cache folder for this package."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(base) / "martensite"
-

@@ -17,70 +17,70 @@ Flag: TypeAlias = bool
 class Namespace(Protocol):
     """What a runtime must offer; arithmetic and comparisons are operators."""
 
-    def where(self, flag: Flag, yes: Scalar, no: Scalar) -> Scalar:
+    def where(self, flag: Flag, yes: Scalar, no: Scalar, /) -> Scalar:
         """`yes` where the flag holds, else `no`; both are evaluated."""
         ...
 
-    def both(self, a: Flag, b: Flag) -> Flag:
+    def both(self, a: Flag, b: Flag, /) -> Flag:
         """Logical and."""
         ...
 
-    def either(self, a: Flag, b: Flag) -> Flag:
+    def either(self, a: Flag, b: Flag, /) -> Flag:
         """Logical or."""
         ...
 
-    def negate(self, a: Flag) -> Flag:
+    def negate(self, a: Flag, /) -> Flag:
         """Logical not."""
         ...
 
-    def minimum(self, a: Scalar, b: Scalar) -> Scalar:
+    def minimum(self, a: Scalar, b: Scalar, /) -> Scalar:
         """The smaller of two."""
         ...
 
-    def maximum(self, a: Scalar, b: Scalar) -> Scalar:
+    def maximum(self, a: Scalar, b: Scalar, /) -> Scalar:
         """The larger of two."""
         ...
 
-    def clip(self, x: Scalar, low: Scalar, high: Scalar) -> Scalar:
+    def clip(self, x: Scalar, low: Scalar, high: Scalar, /) -> Scalar:
         """`x` limited to [low, high]."""
         ...
 
-    def abs(self, x: Scalar) -> Scalar:
+    def abs(self, x: Scalar, /) -> Scalar:
         """Absolute value."""
         ...
 
-    def sqrt(self, x: Scalar) -> Scalar:
+    def sqrt(self, x: Scalar, /) -> Scalar:
         """Square root; 0 for negative arguments."""
         ...
 
-    def exp(self, x: Scalar) -> Scalar:
+    def exp(self, x: Scalar, /) -> Scalar:
         """Exponential; the argument is limited to 700."""
         ...
 
-    def log(self, x: Scalar) -> Scalar:
+    def log(self, x: Scalar, /) -> Scalar:
         """Natural logarithm; the argument is at least 1e-300."""
         ...
 
-    def sin(self, x: Scalar) -> Scalar:
+    def sin(self, x: Scalar, /) -> Scalar:
         """Sine."""
         ...
 
-    def cos(self, x: Scalar) -> Scalar:
+    def cos(self, x: Scalar, /) -> Scalar:
         """Cosine."""
         ...
 
-    def tanh(self, x: Scalar) -> Scalar:
+    def tanh(self, x: Scalar, /) -> Scalar:
         """Hyperbolic tangent."""
         ...
 
-    def quarter_sine(self, x: Scalar) -> Scalar:
+    def quarter_sine(self, x: Scalar, /) -> Scalar:
         """sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
         ...
 
-    def detach(self, x: Scalar) -> Scalar:
+    def detach(self, x: Scalar, /) -> Scalar:
         """`x` itself, but a constant to differentiation."""
         ...
 
-    def store(self, x: Scalar) -> Scalar:
+    def store(self, x: Scalar, /) -> Scalar:
         """`x` itself; a hint that it is used often and worth computing once."""
         ...

@@ -45,8 +45,8 @@ class Program:
     """
 
     graph: Graph = field(default_factory=Graph)
-    parameters: list[str] = field(default_factory=list)
-    functions: dict[str, Function] = field(default_factory=dict)
+    parameters: list[str] = field(default_factory=list[str])
+    functions: dict[str, Function] = field(default_factory=dict[str, Function])
 
     @property
     def xp(self) -> GraphNamespace:
@@ -58,9 +58,7 @@ class Program:
         self.parameters.append(name)
         return self.graph.input(f"p{len(self.parameters) - 1}", PARAMETER)
 
-    def add(
-        self, name: str, inputs: Sequence[str], kernel: Callable[..., Sequence[Any]]
-    ) -> None:
+    def add(self, name: str, inputs: Sequence[str], kernel: Callable[..., Sequence[Any]]) -> None:
         """Trace `kernel(xp, *inputs)`, which returns a flat sequence of numbers."""
         nodes = [self.graph.input(f"{name}_{i}", VARYING) for i in inputs]
         results = kernel(self.xp, *nodes)
@@ -113,5 +111,5 @@ def _function_source(printer: Printer, function: Function) -> list[str]:
 
 
 def _compiled(source: str, names: dict[str, Any]) -> Any:
-    exec(compile(source, "<traced kernel>", "exec"), names)  # noqa: S102 - our own printed source
+    exec(compile(source, "<traced kernel>", "exec"), names)
     return names["bind"]

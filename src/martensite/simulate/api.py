@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from martensite.errors import InputError, ParameterError, suggestion
+from martensite.runtimes import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.grid import Grid, build_grid
@@ -12,7 +14,7 @@ from martensite.simulate.march import Track, march_floats
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import warnings_of
 from martensite.status import Status
-from martensite.system import System
+from martensite.system import OUTPUTS, System
 
 RUNTIMES = ("floats", "jax", "c")
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "position": 1e-6}
@@ -49,25 +51,37 @@ def simulate(
         SolveError: the run failed; the sentence says when and what to try.
     """
     _check(duration, tolerance, step, samples, runtime)
-    compiled = compile_system(system)
-
-    def run(longest: float) -> tuple[Grid, Track]:
-        at_end = system.source.sets_temperature
-        grid = build_grid(waveform, duration, samples, longest, at_end)
-        return grid, _march(runtime, compiled, system, grid)
-
+    run = _Runner(system, waveform, duration, samples, runtime)
     if step is not None:
-        grid, result = run(step)
-        accuracy = None
-    else:
-        grid, result, accuracy = _refine(run, first_step(system, duration, samples), tolerance)
-    return _result(system, waveform, grid, result, accuracy).require()
+        grid, track = run(step)
+        return _result(run, grid, track.require(), None)
+    grid, track, accuracy = _refine(run, first_step(system, duration, samples), tolerance)
+    return _result(run, grid, track.require(), accuracy)
+
+
+@dataclass(frozen=True)
+class _Runner:
+    """Everything about a run but its step."""
+
+    system: System
+    waveform: AbstractWaveform
+    duration: float
+    samples: int
+    runtime: str
+
+    def __call__(self, step: float) -> tuple[Grid, Track]:
+        at_end = self.system.source.sets_temperature
+        grid = build_grid(self.waveform, self.duration, self.samples, step, at_end)
+        compiled = compile_system(self.system)
+        values = compiled.values(self.system)
+        track = _march(self.runtime, compiled, values, grid)
+        if track.status.failed and track.status_time is None:
+            track = _march("floats", compiled, values, grid)  # the one that records when
+        return grid, track
 
 
 def first_step(system: System, duration: float, samples: int) -> float:
     """A first guess of the step [s]: a tenth of the thermal time constant, or a sample."""
-    from martensite.runtimes import floats
-
     element, environment = system.element, system.environment
     warm = environment.temperature + 50.0
     lost = element.heat_loss(floats, warm, environment) / 50.0
@@ -75,25 +89,24 @@ def first_step(system: System, duration: float, samples: int) -> float:
     return min(0.1 * constant, duration / (samples - 1))
 
 
-def _refine(run: object, step: float, tolerance: float) -> tuple[Grid, Track, float]:
+def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, float]:
     """Halve the step until halving changes little; return the finest run."""
-    grid, coarse = run(step)  # type: ignore[operator]
+    grid, coarse = run(step)
     accuracy = math.inf
     for _ in range(HALVINGS):
         step = 0.5 * min(step, grid.longest)
-        grid, fine = run(step)  # type: ignore[operator]
+        grid, fine = run(step)
         accuracy = _difference(coarse, fine)
         if accuracy <= tolerance and not fine.status.failed:
-            calm = fine.status if fine.status.failed else Status.OK
-            return grid, Track(fine.rows, calm, fine.status_time), accuracy
+            return grid, Track(fine.rows, Status.OK, 0.0), accuracy
         coarse = fine
     return grid, coarse, accuracy
 
 
 def _difference(coarse: Track, fine: Track) -> float:
     """Largest difference of the judged columns as a share of their range."""
-    from martensite.system import OUTPUTS
-
+    if len(coarse.rows) != len(fine.rows):
+        return math.inf
     worst = 0.0
     for name, least in JUDGED.items():
         i = list(OUTPUTS).index(name)
@@ -103,8 +116,7 @@ def _difference(coarse: Track, fine: Track) -> float:
     return worst if math.isfinite(worst) else math.inf
 
 
-def _march(runtime: str, compiled: Compiled, system: System, grid: Grid) -> Track:
-    values = compiled.values(system)
+def _march(runtime: str, compiled: Compiled, values: list[float], grid: Grid) -> Track:
     if runtime == "floats":
         return march_floats(compiled.program.bind_floats(*values), compiled.size, grid)
     if runtime == "c":
@@ -116,13 +128,10 @@ def _march(runtime: str, compiled: Compiled, system: System, grid: Grid) -> Trac
     return march_jax(compiled, values, grid)
 
 
-def _result(
-    system: System, waveform: AbstractWaveform, grid: Grid, track: Track, accuracy: float | None
-) -> Result:
-    names = compile_system(system).outputs
-    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(names)}
+def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> Result:
+    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(OUTPUTS)}
     result = Result(
-        system, waveform, grid.times, columns, track.status, track.status_time,
+        run.system, run.waveform, grid.times, columns, track.status, track.status_time,
         len(grid.lengths), grid.longest, accuracy,
     )  # fmt: skip
     result.warnings.extend(warnings_of(result))

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace
+from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 
@@ -61,14 +60,11 @@ def march(
 
     It may be jitted, mapped and differentiated (forward mode) with JAX.
     """
-    import jax
-
     xp = jax_namespace()
-    np_ = xp.np
+    jax, np_ = xp.jax, xp.np
 
     def run(values: Sequence[Any], plan: Schedule) -> Rows:
-        xq = ArrayNamespace(np_, detach=jax.lax.stop_gradient, store=lambda x: x / plan.one)
-        functions = compiled.program.bind_arrays(xq, values)
+        functions = compiled.program.bind_arrays(storing(xp, plan.one), values)
         shape = np_.broadcast_shapes(*(np_.shape(v) for v in values))
         zero = np_.zeros(shape, plan.lengths.dtype)
 
@@ -104,9 +100,7 @@ def march(
 @lru_cache(maxsize=64)
 def jitted_march(compiled: Compiled, outputs: tuple[int, ...], padded: bool) -> Any:
     """The jitted march of a traced system, kept for the next call."""
-    import jax
-
-    return jax.jit(march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
+    return jax_namespace().jax.jit(march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
 
 
 @lru_cache(maxsize=64)
@@ -114,8 +108,7 @@ def jitted_jacobian(
     compiled: Compiled, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool
 ) -> Any:
     """Jitted (values, plan) -> (first output, its Jacobian in the parameters `wrt`, residual)."""
-    import jax
-
+    jax = jax_namespace().jax
     run = march(compiled, outputs, padded)
 
     def directions(values: Any, plan: Schedule) -> tuple[Any, Any, Any]:

@@ -64,8 +64,12 @@ def simulate_batch(
     """Run variants of a system that differ in the parameters named in `over`.
 
     Args:
+        system: the system at its nominal parameters.
+        waveform: drive signal, the same for all variants.
+        duration: length of the runs [s].
         over: parameter path (or unique ending) -> one value per variant, in SI.
         step: longest step [s]; choose it by a run of `simulate` with a tolerance.
+        samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
         chunk: variants marched together; 256 keeps the state in a processor's cache.
         precision: float64, or float32 for sweeps (never for finite differences).
@@ -135,7 +139,7 @@ def march_jax(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
     status = classify(float(rows.residual), float(rows.crossing))
-    return track([tuple(row) for row in table.tolist()], status, 0.0)
+    return track([tuple(row) for row in table.tolist()], status)
 
 
 def _plan(

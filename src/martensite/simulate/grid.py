@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from martensite.errors import InputError
 from martensite.signals.base import AbstractWaveform
@@ -51,14 +52,14 @@ def build_grid(
     drives: list[float] = []
     share = 1.0 - 1e-9 if at_end else 0.5
     next_edge, hair = 0, 1e-12 * duration
-    for first, last in zip(times[:-1], times[1:], strict=True):
+    for first, last in pairwise(times):
         cuts = [first]
         while edges[next_edge] < last - hair:
             if edges[next_edge] > cuts[-1] + hair:
                 cuts.append(edges[next_edge])
             next_edge += 1
         before = len(lengths)
-        for a, b in zip(cuts, [*cuts[1:], last], strict=True):
+        for a, b in pairwise([*cuts, last]):
             pieces = max(1, math.ceil((b - a) / step - 1e-9))
             length = (b - a) / pieces
             lengths += [length] * pieces

@@ -22,15 +22,22 @@ class Track:
 
     rows: list[tuple[float, ...]]
     status: Status
-    status_time: float
+    status_time: float | None
+    """Start of the first step with this status [s]; None where it was not recorded."""
+
+    def require(self) -> Track:
+        """Return this track, or raise `SolveError` if it cannot be trusted."""
+        if self.status.failed:
+            when = "during the run" if self.status_time is None else f"{self.status_time:.6g} s"
+            raise SolveError(
+                f"The coupled step of law, heat and mechanism failed at t = {when}. "
+                f"{self.status.sentence}"
+            )
+        return self
 
 
 def march_floats(functions: Functions, size: int, grid: Grid) -> Track:
-    """Advance through the grid with traced float functions.
-
-    Raises:
-        SolveError: a step met an arithmetic impossibility such as a division by zero.
-    """
+    """Advance through the grid with traced float functions; failures are a status."""
     step, observe = functions["step"], functions["observe"]
     state = functions["init"](grid.sampled[0])
     rows = [observe(*state, grid.sampled[0])]
@@ -45,11 +52,8 @@ def march_floats(functions: Functions, size: int, grid: Grid) -> Track:
                     watch.note(after[size], after[size + 1], k)
                 k += 1
             rows.append(observe(*state, drive))
-    except ArithmeticError as error:
-        raise SolveError(
-            f"The step at t = {math.fsum(grid.lengths[:k]):.6g} s met an impossible operation "
-            f"({error}). {Status.NOT_FINITE.sentence}"
-        ) from None
+    except ArithmeticError:  # a division by zero or an overflow
+        watch.note(math.inf, 0.0, k)
     return track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
 
 
@@ -76,7 +80,7 @@ def classify(residual: float, crossing: float) -> Status:
     return Status.LONG_STEP if crossing > COARSE else Status.OK
 
 
-def track(rows: Sequence[tuple[float, ...]], status: Status, time: float) -> Track:
+def track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None) -> Track:
     """A track whose rows have been checked for numbers that are none."""
     finite = all(math.isfinite(value) for row in rows for value in row)
     return Track(list(rows), status if finite else Status.NOT_FINITE, time)

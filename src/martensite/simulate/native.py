@@ -94,4 +94,4 @@ def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
     """One run on the C runtime."""
     rows, worst = march_lanes(compiled, values, grid, 1)
     status = classify(float(worst[0, 0]), float(worst[1, 0]))
-    return track([tuple(row) for row in rows[:, :, 0].tolist()], status, 0.0)
+    return track([tuple(row) for row in rows[:, :, 0].tolist()], status)

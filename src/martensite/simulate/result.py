@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from martensite.errors import SolveError
 from martensite.signals.base import AbstractWaveform
 from martensite.status import Status
 from martensite.system import OUTPUTS, System
@@ -21,9 +20,9 @@ class Result:
     columns: dict[str, list[float]]
     """One list per output named in `martensite.system.OUTPUTS`, in SI units."""
     status: Status
-    """The worst status of all steps."""
-    status_time: float
-    """Start of the first step with the worst status [s]."""
+    """The worst status of all steps; a failed run has no result but raises."""
+    status_time: float | None
+    """Start of the first step with the worst status [s], where recorded."""
     steps: int
     step: float
     """Longest step taken [s]."""
@@ -51,15 +50,6 @@ class Result:
     def stroke(self) -> float:
         """Largest position less smallest [m]."""
         return self.range("position")
-
-    def require(self) -> Result:
-        """Return this result, or raise `SolveError` if it cannot be trusted."""
-        if self.status.failed:
-            raise SolveError(
-                f"The step of the coupled element at t = {self.status_time:.6g} s failed. "
-                f"{self.status.sentence}"
-            )
-        return self
 
     def __str__(self) -> str:
         """A summary of a few lines."""

@@ -16,7 +16,7 @@ def warnings_of(result: Result) -> list[str]:
         _slack(result),
     ]
     if result.status is Status.LONG_STEP:
-        found.append(f"At t = {result.status_time:.6g} s: {result.status.sentence}")
+        found.append(f"Warning: {result.status.sentence}")
     return [sentence for sentence in found if sentence]
 
 

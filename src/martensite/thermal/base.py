@@ -27,7 +27,5 @@ class AbstractCooling(Parametrised):
 class Environment(Parametrised):
     """What surrounds the element."""
 
-    temperature: Scalar = param(
-        "K", "ambient temperature", low=100.0, high=1000.0, default=293.15
-    )
+    temperature: Scalar = param("K", "ambient temperature", low=100.0, high=1000.0, default=293.15)
     cooling: AbstractCooling = part("heat-loss model", COOLING)

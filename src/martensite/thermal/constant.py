@@ -21,5 +21,5 @@ class ConstantCooling(AbstractCooling):
         diameter: Scalar,
         length: Scalar,
     ) -> Scalar:
-        """h [W/(m² K)]."""
+        """The constant h [W/(m² K)]."""
         return self.h

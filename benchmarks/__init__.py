@@ -1,0 +1,1 @@
+"""Speed and accuracy of martensite beside other solvers; run `python -m benchmarks`."""

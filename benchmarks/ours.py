@@ -1,0 +1,226 @@
+"""martensite on problem A: the same system, on every runtime.
+
+What: the wire, drive and spring of `problem_a` as a `System`, marched over exactly the steps of
+`inputs.aligned`. `c` and `simd` are the limit the JAX engine is compared with: C99 printed from
+the same traced kernels, compiled with all optimisation, for one run or 256 lanes at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from benchmarks.engines import Engine
+from benchmarks.inputs import Drive, aligned
+from benchmarks.problem_a import THETA, Wire, lumped
+from martensite.electrical.per_length import PerLengthResistance
+from martensite.electrical.voltage import VoltageSource
+from martensite.elements.wire import Wire as Element
+from martensite.laws.liang_rogers import LiangRogers
+from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.grid import Grid
+from martensite.simulate.march import march_floats
+from martensite.system import System
+from martensite.thermal.base import Environment
+from martensite.thermal.polynomial import PolynomialCooling
+
+LANES = 256
+ZERO = 273.15
+PATHS = {
+    "h0": "environment.cooling.h0",
+    **{n: f"element.law.{n}" for n in ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "eps_L")},
+    "latent": "element.latent_heat",
+    "c": "element.heat_capacity",
+}
+
+
+def system(p: Wire) -> System:
+    """Problem A at one parameter set."""
+    law = LiangRogers(
+        E_A=p.E_A, E_M=p.E_M, eps_L=p.eps_L, C_A=p.C_A, C_M=p.C_M, Theta=p.Theta,
+        A_s=p.A_s + ZERO, A_f=p.A_f + ZERO, M_s=p.M_s + ZERO, M_f=p.M_f + ZERO,
+        T_ref=p.T_a + ZERO, modulus="mixture",
+    )  # fmt: skip
+    warm = (1 + p.kappa) * p.resistance
+    wire = Element(
+        diameter=p.diameter, length=p.length, density=p.density, heat_capacity=p.c,
+        latent_heat=p.latent, law=law,
+        resistance=PerLengthResistance(r_A=p.resistance, r_M=warm),
+    )  # fmt: skip
+    cooling = PolynomialCooling(h0=p.h0, h1=p.h1, reference=p.T_a + ZERO)
+    return System(
+        element=wire,
+        environment=Environment(temperature=p.T_a + ZERO, cooling=cooling),
+        source=VoltageSource(),
+        mechanism=BiasSpring(stiffness=p.rate, preload=p.preload),
+    )
+
+
+def grid(drive: Drive, longest: float) -> Grid:
+    """The steps of `aligned` as a grid of voltages."""
+    rows = aligned(drive, longest)
+    volts = [[math.sqrt(U) for U, _ in row] for row in rows]
+    return Grid(
+        times=[k / 10 for k in range(len(rows) + 1)],
+        sampled=[volts[0][0], *(row[-1] for row in volts)],
+        counts=[len(row) for row in rows],
+        lengths=[dt for row in rows for _, dt in row],
+        drives=[v for row in volts for v in row],
+    )
+
+
+def traced(p: Wire) -> tuple[Compiled, list[float]]:
+    """The traced system and its parameter values."""
+    whole = system(p)
+    compiled = compile_system(whole)
+    return compiled, compiled.values(whole)
+
+
+def position(compiled: Compiled) -> int:
+    """Column of the displacement."""
+    return compiled.outputs.index("position")
+
+
+def floats(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+    """One run on plain floats."""
+    (compiled, values), steps = traced(p), grid(drive, dt)
+    functions, column = compiled.program.bind_floats(*values), position(compiled)
+    return lambda: [
+        1e3 * row[column] for row in march_floats(functions, compiled.size, steps).rows
+    ]
+
+
+def latency(p: Wire, dt: float) -> tuple[Any, Callable[[Any, float], Any]]:
+    """One step at a time on plain floats, as a control loop would call it."""
+    compiled, values = traced(p)
+    functions, size = compiled.program.bind_floats(*values), compiled.size
+    step = functions["step"]
+
+    def advance(state: Any, U: float) -> Any:
+        return step(*state, math.sqrt(U), dt)[:size]
+
+    return functions["init"](0.0), advance
+
+
+def varied(sets: Wire) -> tuple[Compiled, list[Any]]:
+    """The traced system with arrays where the sets have arrays."""
+    first = sets._replace(**{name: float(getattr(sets, name)[0]) for name in THETA})
+    compiled, values = traced(first)
+    for name, path in PATHS.items():
+        array = getattr(sets, name)
+        values[compiled.paths.index(path)] = array + (ZERO if name in THETA[1:5] else 0.0)
+    return compiled, values
+
+
+def chunked(values: list[Any], lanes: int) -> list[list[Any]]:
+    """Values in chunks of exactly `lanes` variants (the last padded by its last variant)."""
+    import numpy as np
+
+    size = max(np.size(v) for v in values)
+    lanes = min(lanes, size)
+
+    def cut(v: Any, first: int) -> Any:
+        if np.ndim(v) == 0:
+            return v
+        part = v[first : first + lanes]
+        return np.pad(part, (0, lanes - part.size), mode="edge")
+
+    return [[cut(v, first) for v in values] for first in range(0, size, lanes)]
+
+
+def jax_batch(precision: str) -> Callable[..., Callable[[], Any]]:
+    """All sets on JAX, 256 at a time."""
+
+    def batch(sets: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+        import numpy as np
+
+        from martensite.simulate.arrays import jitted_march, schedule
+
+        compiled, values = varied(sets)
+        plan, padded = schedule(grid(drive, dt), precision)
+        run = jitted_march(compiled, (position(compiled),), padded)
+        pieces = [[np.asarray(v, precision) for v in piece] for piece in chunked(values, LANES)]
+        size = np.size(sets.h0)
+
+        def go() -> Any:
+            return 1e3 * np.concatenate([run(v, plan).outputs[0].T for v in pieces])[:size]
+
+        return go
+
+    return batch
+
+
+def jax_single(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+    """One run on JAX."""
+    import numpy as np
+
+    from martensite.simulate.arrays import jitted_march, schedule
+
+    compiled, values = traced(p)
+    plan, padded = schedule(grid(drive, dt))
+    run = jitted_march(compiled, (position(compiled),), padded)
+    return lambda: 1e3 * np.asarray(run(values, plan).outputs[0])
+
+
+def jax_gradient(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+    """dJ/dq by forward mode through the march."""
+    import numpy as np
+
+    from benchmarks.problem_a import scaled, target_factors
+    from martensite.simulate.arrays import jitted_jacobian, schedule
+
+    compiled, values = traced(p)
+    wrt = tuple(compiled.paths.index(PATHS[name]) for name in THETA)
+    plan, padded = schedule(grid(drive, dt))
+    run = jitted_jacobian(compiled, (position(compiled),), wrt, padded)
+    wanted = np.asarray(jax_single(scaled(p, target_factors()), drive, dt)())
+    theta = np.array([getattr(p, name) for name in THETA])
+    point = np.asarray(values)
+
+    def go() -> Any:
+        x, slopes, _ = (np.asarray(a) for a in run(point, plan))
+        gap = 1e3 * x - wanted
+        return 2e3 * np.mean(gap[:, None] * slopes * theta, axis=0) / np.ptp(wanted) ** 2
+
+    return go
+
+
+def native(lanes: int) -> Callable[..., Callable[[], Any]]:
+    """The traced C: one run, or all sets `lanes` at a time."""
+
+    def prepare(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+        import numpy as np
+
+        from martensite.simulate.native import march_lanes
+
+        (compiled, values), steps = traced(p) if lanes == 1 else varied(p), grid(drive, dt)
+        pieces, column = chunked(values, lanes), position(compiled)
+        size = np.size(p.h0)
+        width = min(lanes, size)
+
+        def go() -> Any:
+            rows = [march_lanes(compiled, v, steps, width)[0][:, column].T for v in pieces]
+            return 1e3 * (rows[0][0] if lanes == 1 else np.concatenate(rows)[:size])
+
+        return go
+
+    return prepare
+
+
+STEPS = {f"dt {ms:g} ms": ms * 1e-3 for ms in (50, 20, 10, 5)}
+USUAL = "dt 20 ms"
+
+ENGINES = (
+    Engine("ours", "P", STEPS, USUAL, single=floats, step=latency),
+    Engine(
+        "ours-jax", "P", STEPS, USUAL,
+        single=jax_single, batch=jax_batch("float64"), gradient=jax_gradient,
+        environments={"cache": {"MARTENSITE_JAX_CACHE": "CACHE"},
+                      "no cache": {"MARTENSITE_JAX_CACHE": ""}},
+    ),
+    Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
+    Engine("ours-c", "P", STEPS, USUAL, single=native(1)),
+    Engine("ours-simd", "P", STEPS, USUAL, batch=native(LANES)),
+)  # fmt: skip

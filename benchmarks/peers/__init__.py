@@ -1,0 +1,1 @@
+"""Solvers that martensite is compared with; each stands on its own."""

@@ -1,0 +1,5 @@
+"""`python -m martensite` is the `martensite` command."""
+
+from martensite.cli import main
+
+main()

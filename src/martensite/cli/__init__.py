@@ -1,0 +1,17 @@
+"""Command line: one file per group of commands, and nothing heavy before it is needed.
+
+Every command takes `--json`, never prompts, and exits with 0, with 1 if something was
+started and failed, or with 2 on bad input. An error is one sentence on standard error.
+"""
+
+from __future__ import annotations
+
+from martensite.cli import check, cite, data, demo, listings, run, study
+from martensite.cli.app import app
+
+__all__ = ["app", "check", "cite", "data", "demo", "listings", "main", "run", "study"]
+
+
+def main() -> None:
+    """Entry point of the `martensite` command."""
+    app(prog_name="martensite")

@@ -1,0 +1,61 @@
+"""The application: global options, and errors as one sentence with an exit code."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from martensite.errors import MartensiteError
+
+
+class Commands(TyperGroup):
+    """Commands that answer errors made on purpose with a sentence, not a traceback."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+        """Accept `--debug` before or after the name of the command."""
+        ctx.obj = {"debug": "--debug" in args}
+        return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
+
+    def invoke(self, ctx: typer.Context) -> Any:
+        """Run a command; exit with 1 or 2 on an error."""
+        try:
+            return super().invoke(ctx)
+        except MartensiteError as error:
+            if ctx.obj["debug"]:
+                raise
+            typer.secho(f"error: {error}", fg=typer.colors.RED, err=True)
+            raise typer.Exit(error.exit_code) from None
+
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"martensite {version('martensite')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+    debug: Annotated[
+        bool, typer.Option("--debug", help="Show the traceback of an error (with any command).")
+    ] = False,
+) -> None:
+    """Simulate shape-memory-alloy actuators, and reproduce published results.
+
+    Exit codes: 0 success, 1 a run was started and failed, 2 bad input.
+    """

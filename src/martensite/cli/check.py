@@ -1,0 +1,135 @@
+"""`check` and `params`: what a scenario holds, before anything is run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+
+if TYPE_CHECKING:
+    from martensite.io.scenario import Scenario
+
+
+@app.command()
+def check(
+    scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None
+) -> None:
+    """Build a scenario and report what is doubtful about it, without running it."""
+    import_modules(modules)
+    from martensite.cli import show
+    from martensite.io.overrides import read_settings
+    from martensite.io.scenario import load
+
+    report = _report(load(scenario, read_settings(settings or [])))
+    if json:
+        show.as_json(report)
+        return
+    show.text(report["title"], "bold")
+    for caution in report["cautions"]:
+        show.text(f"Caution: {caution}", "yellow")
+    if report["doubtful"]:
+        names = ", ".join(report["doubtful"])
+        show.text(f"Assumed or recalled numbers of {report['material']}: {names}", "yellow")
+    show.text(
+        f"The scenario is sound: {report['duration']:.6g} s, first step "
+        f"{report['first_step']:.3g} s (at least {report['steps']} steps), "
+        f"tolerance {report['tolerance']:.3g}."
+    )
+
+
+def _report(scenario: Scenario) -> dict[str, Any]:
+    import math
+
+    from martensite.materials.base import DOUBTFUL
+    from martensite.simulate.api import first_step
+
+    step = scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
+    doubtful = [p for p, o in scenario.origins.items() if o.partition(",")[0] in DOUBTFUL]
+    return {
+        "title": scenario.title,
+        "material": scenario.material.name if scenario.material else None,
+        "cautions": [c for part in scenario.system.tree() for c in part.cautions()],
+        "doubtful": doubtful,
+        "duration": scenario.duration,
+        "first_step": step,
+        "steps": max(math.ceil(scenario.duration / step), scenario.samples - 1),
+        "tolerance": scenario.tolerance,
+    }
+
+
+@app.command()
+def params(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME|SCENARIO]", help="A part, or a scenario file.")
+    ] = None,
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """List all parts, the parameters of one, or all values of a scenario with their paths."""
+    import_modules(modules)
+    from martensite.cli import describe, show
+
+    if name is None:
+        _print_parts(json)
+    elif name.endswith(".toml"):
+        _print_values(Path(name), settings, json)
+    else:
+        found = describe.anywhere(name)
+        if json:
+            show.as_json(found)
+        else:
+            for part in found:
+                describe.print_part(part)
+
+
+def _print_parts(json: bool) -> None:
+    from martensite.cli import describe, show
+
+    found = {kind: registry.names() for kind, registry in describe.registries().items()}
+    if json:
+        show.as_json(found)
+    else:
+        show.table(("kind of part", "names"), [(k, ", ".join(v)) for k, v in found.items()])
+
+
+def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:
+    from martensite.cli import show
+    from martensite.io.overrides import read_settings
+    from martensite.io.scenario import load
+
+    rows = _values(load(path, read_settings(settings or [])))
+    if json:
+        show.as_json(rows)
+        return
+    show.table(
+        ("path", "value", "from", "meaning"),
+        [(r["path"], show.quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows],
+    )
+
+
+def _values(scenario: Scenario) -> list[dict[str, Any]]:
+    """Every number of a scenario under the path by which `--set` reaches it."""
+    from martensite.signals.base import DRIVE
+
+    unit = scenario.system.source.unit
+    found = [
+        ("drive." + leaf.path.removeprefix("source.") if leaf.path.startswith("source.")
+         else leaf.path, leaf)
+        for leaf in scenario.system.leaves()
+    ]  # fmt: skip
+    found += [(leaf.path, leaf) for leaf in scenario.waveform.leaves("drive.waveform.")]
+    return [
+        {
+            "path": path,
+            "value": leaf.value,
+            "unit": unit if leaf.declared.unit == DRIVE else leaf.declared.unit,
+            "meaning": leaf.declared.doc,
+            "from": scenario.origins.get(path, "default"),
+        }
+        for path, leaf in found
+    ]

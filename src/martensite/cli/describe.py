@@ -1,0 +1,115 @@
+"""Descriptions of registered parts: what `laws`, `mechanisms` and `params` print."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import sys
+from typing import Any
+
+from martensite.cli import show
+from martensite.errors import UnknownNameError
+from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.registry import Registry
+
+
+def registries() -> dict[str, Registry[Any]]:
+    """Every registry, by the word for one of its entries."""
+    from martensite.electrical.base import RESISTANCES, SOURCES
+    from martensite.elements.base import ELEMENTS
+    from martensite.laws.base import LAWS
+    from martensite.mechanisms.base import MECHANISMS
+    from martensite.signals.base import WAVEFORMS
+    from martensite.thermal.base import COOLING
+
+    found = (ELEMENTS, LAWS, RESISTANCES, COOLING, MECHANISMS, SOURCES, WAVEFORMS)
+    return {registry.kind: registry for registry in found}
+
+
+def summary(cls: type[Parametrised]) -> str:
+    """First line of the class's description."""
+    return (inspect.getdoc(cls) or "").partition("\n")[0]
+
+
+def described(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
+    """Everything about a registered class, ready for JSON."""
+    return {
+        "name": cls.registered_name,
+        "kind": kind,
+        "summary": summary(cls),
+        "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
+        "cites": list(cls.cites),
+        "parameters": [_declared(name, d) for name, d in cls.declarations.items()],
+    }
+
+
+def _declared(name: str, declared: Declared) -> dict[str, Any]:
+    required = declared.default is REQUIRED
+    default = None if required else declared.default
+    if isinstance(default, Parametrised):
+        default = type(default).__name__
+    low, high = (v if math.isfinite(v) else None for v in declared.bounds)
+    return {
+        "name": name,
+        "unit": declared.unit if declared.kind == "parameter" else None,
+        "meaning": declared.doc,
+        "allowed": _allowed(declared),
+        "low": low,
+        "high": high,
+        "required": required,
+        "default": default,
+    }
+
+
+def _allowed(declared: Declared) -> str:
+    if declared.kind == "parameter":
+        return declared.allowed()
+    if declared.kind == "option":
+        return " | ".join(declared.choices)
+    return " | ".join(declared.registry.names()) if declared.registry else "table"
+
+
+def one(registry: Registry[Any], name: str) -> dict[str, Any]:
+    """The description of one entry of a registry."""
+    return described(registry.kind, registry[name])
+
+
+def anywhere(name: str) -> list[dict[str, Any]]:
+    """Descriptions of all entries of that name, in whichever registry; at least one."""
+    known = registries().values()
+    found = [one(registry, name) for registry in known if name in registry.names()]
+    if not found:
+        every = {entry for registry in known for entry in registry.names()}
+        raise UnknownNameError("part", name, every)
+    return found
+
+
+def print_part(part: dict[str, Any]) -> None:
+    """Print a description with its table of parameters and the works it rests on."""
+    from martensite.io import citations
+
+    show.text(f"{part['kind']} {part['name']}: {part['summary']}", "bold")
+    show.text()
+    show.text(str(part["description"]))
+    rows = [_row(entry) for entry in part["parameters"]]
+    show.table(("parameter", "unit", "meaning", "allowed", "default"), rows)
+    for key in part["cites"]:
+        show.text(f"Source: {citations.title(key)} [{key}]")
+
+
+def _row(entry: dict[str, Any]) -> tuple[str, ...]:
+    default = "required" if entry["required"] else str(entry["default"])
+    if isinstance(entry["default"], float):
+        default = show.quantity(entry["default"], entry["unit"])
+    return entry["name"], entry["unit"] or "", entry["meaning"], entry["allowed"], default
+
+
+def print_list(registry: Registry[Any]) -> None:
+    """Print the names of a registry with one line each."""
+    rows = [(name, summary(registry[name])) for name in registry.names()]
+    show.table((registry.kind, "what it is"), rows)
+
+
+def listed(registry: Registry[Any]) -> list[dict[str, str]]:
+    """Names and summaries of a registry, ready for JSON."""
+    return [{"name": name, "summary": summary(registry[name])} for name in registry.names()]

@@ -1,0 +1,94 @@
+"""`laws`, `mechanisms`, `materials`: what there is, and what is known about one of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Imports, Json, import_modules
+
+if TYPE_CHECKING:
+    from martensite.materials.base import Material
+
+Name = Annotated[str | None, typer.Argument(metavar="[NAME]", help="One of them, in detail.")]
+
+
+@app.command()
+def laws(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List the stress-strain-temperature laws, or describe one."""
+    import_modules(modules)
+    _list_or_describe("law", name, json)
+
+
+@app.command()
+def mechanisms(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List what an element can pull on, or describe one mechanism."""
+    import_modules(modules)
+    _list_or_describe("mechanism", name, json)
+
+
+@app.command()
+def materials(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME|FILE]", help="One of them, in detail.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """List the materials, or show every number of one with its source and kind."""
+    if name is None:
+        _list_materials(json)
+        return
+    from martensite.cli import show
+    from martensite.materials.base import load_material
+
+    material = load_material(name)
+    if json:
+        from dataclasses import asdict
+
+        show.as_json(asdict(material))
+    else:
+        _print_material(material)
+
+
+def _list_or_describe(kind: str, name: str | None, json: bool) -> None:
+    from martensite.cli import describe, show
+
+    registry = describe.registries()[kind]
+    if name is None:
+        show.as_json(describe.listed(registry)) if json else describe.print_list(registry)
+        return
+    part = describe.one(registry, name)
+    show.as_json(part) if json else describe.print_part(part)
+
+
+def _list_materials(json: bool) -> None:
+    from martensite.cli import show
+    from martensite.materials.base import load_material, material_names
+
+    found = [load_material(name) for name in material_names()]
+    if json:
+        show.as_json([{"name": m.name, "title": m.title, "summary": m.summary} for m in found])
+    else:
+        show.table(("material", "what it is"), [(m.name, m.title) for m in found])
+
+
+def _print_material(material: Material) -> None:
+    from martensite.cli import show
+    from martensite.materials.base import DOUBTFUL
+    from martensite.materials.names import NAMES
+
+    show.text(f"{material.name}: {material.title}", "bold")
+    show.text(material.summary)
+    show.text(f"Limits: {material.limits}")
+    rows = [
+        (name, n.text, ("! " if n.kind in DOUBTFUL else "") + n.kind, NAMES[name][1],
+         ", ".join(part for part in (material.sources[n.source].cite, n.where) if part), n.note)
+        for name, n in material.values.items()
+    ]  # fmt: skip
+    show.table(("name", "value", "kind", "meaning", "source", "note"), rows)
+    if any(n.kind in DOUBTFUL for n in material.values.values()):
+        show.text("! assumed or recalled: no measurement of this material stands behind it", "yellow")
+    for source in material.sources.values():
+        show.text(f"[{source.cite}] {source.text}")

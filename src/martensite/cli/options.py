@@ -1,0 +1,47 @@
+"""Options that several commands share, and what they do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from martensite.errors import InputError
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help='Change a value of the scenario, e.g. --set element.diameter="0.25 mm"; repeatable.',
+    ),
+]
+Imports = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--import",
+        metavar="MODULE",
+        help="Import a module, or a .py file, that registers parts of your own; repeatable.",
+    ),
+]
+
+
+def import_modules(names: list[str] | None) -> None:
+    """Import modules by dotted name (the current folder included) or by file."""
+    import sys
+    from importlib import import_module
+
+    for name in names or []:
+        path = Path(name)
+        is_file = path.suffix == ".py"
+        folder, module = (path.parent, path.stem) if is_file else (Path(), name)
+        sys.path.insert(0, str(folder.resolve()))
+        try:
+            import_module(module)
+        except ImportError as error:
+            raise InputError(f"Cannot import `{name}`: {error}.") from None
+        finally:
+            sys.path.pop(0)

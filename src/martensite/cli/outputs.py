@@ -1,0 +1,64 @@
+"""Files that a run writes: checked before it starts, complete or absent afterwards."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.errors import DataError
+
+DATA = (".nc",)
+FIGURE = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Where a run goes; None for what is not wanted."""
+
+    data: Path | None
+    figure: Path | None
+
+    def paths(self) -> list[Path]:
+        """The files that will be written."""
+        return [path for path in (self.data, self.figure) if path is not None]
+
+    def check(self, force: bool) -> Outputs:
+        """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
+        _ending(self.data, DATA)
+        _ending(self.figure, FIGURE)
+        for path in self.paths():
+            if not path.parent.is_dir():
+                raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
+            if not os.access(path.parent, os.W_OK):
+                raise DataError(f"The folder `{path.parent}` cannot be written to.")
+            if path.exists() and not force:
+                raise DataError(
+                    f"`{path}` is there already; use --force to replace it, "
+                    "or --out and --figure to write elsewhere."
+                )
+        return self
+
+
+def _ending(path: Path | None, endings: tuple[str, ...]) -> None:
+    if path is not None and path.suffix.lower() not in endings:
+        raise DataError(f"`{path}` must end in {' or '.join(endings)}.")
+
+
+@contextmanager
+def parts(outputs: Outputs) -> Iterator[Outputs]:
+    """Names to write to; the files take their places together once all are complete."""
+    beside = {path: path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}") for path in outputs.paths()}
+
+    def part(path: Path | None) -> Path | None:
+        return None if path is None else beside[path]
+
+    try:
+        yield Outputs(part(outputs.data), part(outputs.figure))
+        for path, written in beside.items():
+            written.replace(path)
+    finally:
+        for written in beside.values():
+            written.unlink(missing_ok=True)

@@ -1,0 +1,56 @@
+"""`run`: simulate a scenario, print a summary, write data and figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+
+
+@app.command()
+def run(
+    scenario: ScenarioFile,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(help="netCDF file to write [default: ./SCENARIO.nc].")
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(help="Figure to write: .png, .svg or .pdf [default: ./SCENARIO.png]."),
+    ] = None,
+    no_figure: Annotated[bool, typer.Option("--no-figure", help="Draw nothing.")] = False,
+    compare: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE", help="A record to compare with [default: the scenario's own]."
+        ),
+    ] = None,
+    columns: Annotated[
+        str | None, typer.Option(help="What the columns of that record are, comma-separated.")
+    ] = None,
+    no_compare: Annotated[bool, typer.Option("--no-compare", help="Compare with nothing.")] = False,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Replaces the tolerance of the scenario.")
+    ] = None,
+    runtime: Annotated[str, typer.Option(help="floats, jax, or c.")] = "floats",
+    modules: Imports = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    json: Json = False,
+) -> None:
+    """Simulate a scenario: a summary, a netCDF file and a figure."""
+    import_modules(modules)
+    from martensite.cli.execute import Wanted, execute
+    from martensite.cli.outputs import Outputs
+    from martensite.io.overrides import read_settings
+    from martensite.io.scenario import load
+
+    loaded = load(scenario, read_settings(settings or []))
+    drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
+    outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn).check(force)
+    names = [name.strip() for name in columns.split(",")] if columns else None
+    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare)
+    execute(loaded, wanted).show(json)

@@ -1,0 +1,72 @@
+"""What commands print: text and tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDTH_OF_A_PIPE = 150
+
+
+def console() -> Console:
+    """A console on standard output; wide where there is no terminal to fit."""
+    from rich.console import Console
+
+    found = Console(highlight=False, markup=False, emoji=False)
+    return found if found.is_terminal else Console(
+        highlight=False, markup=False, emoji=False, width=WIDTH_OF_A_PIPE
+    )
+
+
+def text(line: str = "", style: str = "") -> None:
+    """Print a line that a terminal may wrap but nothing else does."""
+    from rich.text import Text
+
+    console().print(Text(line, style=style), soft_wrap=True)
+
+
+def table(
+    columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: str = ""
+) -> None:
+    """Print a table; columns named in `right` (comma-separated) are aligned to the right."""
+    from rich import box
+    from rich.table import Table
+
+    aligned = right.split(",")
+    made = Table(box=box.SIMPLE, title=title or None, title_justify="left", pad_edge=False)
+    for name in columns:
+        made.add_column(name, justify="right" if name in aligned else "left", overflow="fold")
+    for row in rows:
+        made.add_row(*row)
+    console().print(made)
+
+
+def as_json(value: Any) -> None:
+    """Print JSON; numbers that JSON does not have become null."""
+    typer.echo(json.dumps(_plain(value), indent=2, ensure_ascii=False))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in cast("dict[Any, Any]", value).items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in cast("Sequence[Any]", value)]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (str, int)) else str(value)
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number declared in the SI `unit`, in a readable unit."""
+    from martensite import units
+
+    shown = units.readable(unit)
+    number = f"{units.from_si(value, shown, unit):.6g}"
+    return number if shown == "1" else f"{number} {shown}"

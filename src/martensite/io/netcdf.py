@@ -1,0 +1,213 @@
+"""Results as labelled data: an xarray dataset in memory, netCDF-4 on disk.
+
+A result is described once, as variables with dimensions, unit, long name and symbol and as
+attributes of the whole. `to_dataset` and `save` only carry this description over, so that a
+file that is opened again equals the dataset that would have been made. `save` writes with
+h5netcdf directly: importing xarray takes longer than a run.
+
+Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which
+is that of UDUNITS. An accuracy that was not estimated is NaN.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.errors import DataError
+from martensite.materials.base import Material
+from martensite.simulate.result import Result
+from martensite.system import OUTPUTS, System
+
+if TYPE_CHECKING:
+    import xarray
+
+CONVENTIONS = "CF-1.10"
+ENGINE = "h5netcdf"
+TIME = "time"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One labelled column."""
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    """SI unit, as UDUNITS spells it."""
+    long_name: str
+    symbol: str
+    data: Any
+    """Values in `unit`, one axis per dimension."""
+    attrs: dict[str, str] = field(default_factory=dict[str, str])
+    """What else is known of the column."""
+
+    def attributes(self) -> dict[str, str]:
+        """All attributes, under their CF names."""
+        own = {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
+        return {**own, **self.attrs}
+
+
+@dataclass(frozen=True)
+class Description:
+    """A result as variables and attributes; the time axis is the first variable."""
+
+    variables: list[Variable]
+    attributes: dict[str, str | int | float]
+
+
+def describe(
+    result: Result,
+    scenario_text: str = "",
+    material: Material | None = None,
+    citations: Iterable[str] = (),
+) -> Description:
+    """Describe a result as variables and attributes, whatever they are written to."""
+    time = Variable(TIME, (TIME,), "s", "time", "t", _array(result.times), {"axis": "T"})
+    columns = [_column(result, name) for name in OUTPUTS]
+    attributes = _attributes(result)
+    attributes["scenario"] = scenario_text
+    attributes["material"] = material.name if material else ""
+    attributes["citations"] = ", ".join(citations)
+    return Description([time, *columns], attributes)
+
+
+def to_dataset(
+    result: Result,
+    scenario_text: str = "",
+    material: Material | None = None,
+    citations: Iterable[str] = (),
+) -> xarray.Dataset:
+    """The result as a dataset over time [s], with units and provenance as attributes.
+
+    Args:
+        result: what to describe.
+        scenario_text: the whole scenario file, kept verbatim.
+        material: the material whose numbers were used.
+        citations: BibTeX keys of the models and numbers used.
+    """
+    import xarray
+
+    description = describe(result, scenario_text, material, citations)
+    arrays = {v.name: (v.dims, v.data, v.attributes()) for v in description.variables}
+    time = arrays.pop(TIME)
+    return xarray.Dataset(arrays, coords={TIME: time}, attrs=description.attributes)
+
+
+def save(
+    result: Result,
+    path: str | os.PathLike[str],
+    scenario_text: str = "",
+    citations: Iterable[str] = (),
+    material: Material | None = None,
+) -> None:
+    """Write the result as netCDF-4; the file is replaced as a whole or not at all.
+
+    Args:
+        result: what to save.
+        path: file to write; its folder must exist.
+        scenario_text: the whole scenario file, kept verbatim.
+        citations: BibTeX keys of the models and numbers used.
+        material: the material whose numbers were used.
+
+    Raises:
+        DataError: the file cannot be written.
+    """
+    import h5netcdf
+
+    description = describe(result, scenario_text, material, citations)
+    with _replacing(Path(path)) as part, h5netcdf.File(part, "w") as file:
+        file.attrs.update(description.attributes)
+        for variable in description.variables:
+            for name, size in zip(variable.dims, variable.data.shape, strict=True):
+                if name not in file.dimensions:
+                    file.dimensions[name] = size
+            written = file.create_variable(variable.name, variable.dims, data=variable.data)
+            written.attrs.update(variable.attributes())
+
+
+def open_result(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """Read a saved result into memory; the file is closed again.
+
+    Raises:
+        DataError: there is no such file, or it holds no result.
+    """
+    import xarray
+
+    path = Path(path)
+    if not path.is_file():
+        raise DataError(f"There is no file `{path}`; give a netCDF file written by `save`.")
+    try:
+        dataset = xarray.load_dataset(path, engine=ENGINE)
+    except (OSError, ValueError) as error:
+        raise DataError(f"The file `{path}` cannot be read as netCDF-4: {error}.") from None
+    missing = [name for name in (TIME, *OUTPUTS) if name not in dataset.variables]
+    if missing:
+        raise DataError(f"The file `{path}` is no saved result: it lacks `{missing[0]}`.")
+    return dataset
+
+
+def _column(result: Result, name: str) -> Variable:
+    _, long_name, symbol = OUTPUTS[name]
+    data = _array(result.columns[name])
+    return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
+
+
+def _array(values: Iterable[float]) -> Any:
+    return np.asarray(list(values), dtype=np.float64)
+
+
+def _attributes(result: Result) -> dict[str, str | int | float]:
+    return {
+        "Conventions": CONVENTIONS,
+        "title": _title(result.system),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "status": result.status.name,
+        "status_meaning": result.status.sentence,
+        "status_time": float(result.status_time),
+        "accuracy": float("nan") if result.accuracy is None else float(result.accuracy),
+        "steps": int(result.steps),
+        "step": float(result.step),
+        "warnings": "\n".join(result.warnings),
+        "martensite_version": _version("martensite"),
+        "numpy_version": np.__version__,
+        "h5netcdf_version": _version("h5netcdf"),
+    }
+
+
+def _title(system: System) -> str:
+    element = system.element
+    names = element.registered_name, element.law.registered_name
+    load, drive = system.mechanism.registered_name, system.source.registered_name
+    return f"Simulated shape-memory {names[0]} ({names[1]}) on {load}, driven by {drive}"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    """A new file beside `path` that takes its place once it is complete."""
+    if not path.parent.is_dir():
+        raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
+    try:
+        yield part
+        part.replace(path)
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,86 @@
+"""Records: named columns over time in SI units, as measured or as computed elsewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.errors import DataError, suggestion
+from martensite.signals.table import Table
+
+
+@dataclass(frozen=True)
+class Record:
+    """Columns of equal length, one of them `time` [s]."""
+
+    name: str
+    columns: dict[str, list[float]]
+    """One list per column, in SI units."""
+    units: dict[str, str]
+    """SI unit of every column."""
+    source: Path | None = None
+    """The file it was read from."""
+    dropped: int = 0
+    """Rows of the file that were left out because they could not be read."""
+    interval: float | None = None
+    """Assumed time between rows [s], where the file has no time; else None."""
+
+    def __post_init__(self) -> None:
+        lengths = {name: len(column) for name, column in self.columns.items()}
+        if "time" not in lengths:
+            raise DataError(f"Record `{self.name}` needs a column `time` [s].")
+        if set(lengths) != set(self.units):
+            raise DataError(f"Record `{self.name}` needs one unit for each of its columns.")
+        wrong = next((name for name, n in lengths.items() if n != lengths["time"]), None)
+        if wrong is not None:
+            raise DataError(
+                f"Columns of record `{self.name}` must be equally long, but `{wrong}` holds "
+                f"{lengths[wrong]} numbers and `time` {lengths['time']}."
+            )
+        if not lengths["time"]:
+            raise DataError(f"Record `{self.name}` holds no rows.")
+
+    def __getitem__(self, name: str) -> list[float]:
+        """A column by name, in SI.
+
+        Raises:
+            DataError: there is none of that name.
+        """
+        if name not in self.columns:
+            raise DataError(
+                f"Record `{self.name}` has no column `{name}`. {suggestion(name, self.columns)}"
+            )
+        return self.columns[name]
+
+    @property
+    def times(self) -> list[float]:
+        """Times of the rows [s]."""
+        return self.columns["time"]
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.times)
+
+
+def out_of_order(times: list[float]) -> int | None:
+    """Index of the first time that is not above the one before; None if all are."""
+    pairs = enumerate(zip(times[:-1], times[1:], strict=True), start=1)
+    return next((i for i, (before, time) in pairs if not time > before), None)
+
+
+def not_finite(numbers: list[float]) -> int | None:
+    """Index of the first number that is NaN or infinite; None if all are finite."""
+    if all(map(math.isfinite, numbers)):
+        return None
+    return next(i for i, number in enumerate(numbers) if not math.isfinite(number))
+
+
+def table_waveform(record: Record, column: str) -> Table:
+    """The waveform that follows a column of a record: linear between rows, held outside.
+
+    Raises:
+        DataError: the record has no such column.
+        ParameterError: the record has one row only, or its times do not increase.
+    """
+    return Table(times=tuple(record.times), values=tuple(record[column]))

@@ -1,0 +1,225 @@
+"""Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
+
+Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
+optionally `title` and [measured], a record to compare with. Quantities are text with a
+unit. Unknown names are refused with the nearest valid one; nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.electrical.base import SOURCES
+from martensite.elements.base import ELEMENTS
+from martensite.errors import DataError, ParameterError, suggestion
+from martensite.io.build import Builder, Table, as_table, chosen, refuse_unknown, section
+from martensite.io.overrides import as_toml, changed
+from martensite.io.recorded import Recorded, read_recorded
+from martensite.materials.base import Material, load_material
+from martensite.mechanisms.base import MECHANISMS
+from martensite.parameters import Parametrised, param
+from martensite.runtimes.namespace import Scalar
+from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.system import System
+from martensite.thermal.base import Environment
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
+
+SECTIONS = ("title", "element", "environment", "mechanism", "drive", "run", "measured")
+RECORDED_KIND = "table"
+"""Kind of a waveform that is a column of a data file."""
+
+
+class Run(Parametrised):
+    """How long, how accurately, and with how many samples."""
+
+    duration: Scalar = param("s", "length of the run", above=0.0, default=math.inf)
+    tolerance: Scalar = param(
+        "1", "accepted change on halving the step, as a share of range",
+        above=0.0, high=0.5, default=1e-4,
+    )  # fmt: skip
+    samples: Scalar = param("1", "number of samples", low=2.0, high=1e7, default=1001)
+    step: Scalar = param(
+        "s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the number of samples is no whole number."""
+        if self.samples != int(self.samples):
+            raise ParameterError(
+                f"Parameter `samples` of `Run` must be a whole number, but is {self.samples}."
+            )
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything that a run needs, and where it came from."""
+
+    system: System
+    waveform: AbstractWaveform
+    duration: float
+    """[s]"""
+    tolerance: float
+    samples: int
+    step: float | None
+    """Longest step [s], or None if the tolerance chooses it."""
+    title: str
+    text: str
+    """The document that was built, overrides included."""
+    path: Path | None
+    material: Material | None
+    measured: Recorded | None = None
+    """A record to compare with."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path of each number -> scenario, default, or kind and name of the material."""
+
+    def run(self, *, tolerance: float | None = None, runtime: str = "floats") -> Result:
+        """Simulate; `tolerance` replaces that of the scenario."""
+        from martensite.simulate.api import simulate
+
+        return simulate(
+            self.system, self.waveform, self.duration,
+            tolerance=tolerance or self.tolerance,
+            step=None if tolerance else self.step,
+            samples=self.samples, runtime=runtime,
+        )  # fmt: skip
+
+
+def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scenario:
+    """Read a scenario file and build what it describes.
+
+    Args:
+        path: a TOML file; files it names are found relative to it.
+        overrides: values by dotted path, such as `{"element.diameter": "0.25 mm"}`.
+
+    Raises:
+        InputError: the file is missing or malformed, or a value is.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
+        raise DataError(
+            f"There is no scenario file `{path}`. {suggestion(path.name, beside)}"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None
+    return read(text, path, overrides)
+
+
+def read(
+    text: str, path: Path | None = None, overrides: Mapping[str, Any] | None = None
+) -> Scenario:
+    """Build what the text of a scenario describes; `path` is where it came from."""
+    document = _parsed(text, path)
+    if overrides:
+        document = changed(document, overrides)
+        text = as_toml(document)
+    refuse_unknown(document, SECTIONS, "The scenario")
+    return _built(document, text, path)
+
+
+def _parsed(text: str, path: Path | None) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        name = f"`{path}`" if path else "The scenario"
+        raise DataError(
+            f"{name} is not valid TOML: {error}; "
+            'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
+        ) from None
+
+
+def _built(document: dict[str, Any], text: str, path: Path | None) -> Scenario:
+    folder = path.parent if path else Path()
+    element = _section(document, "element")
+    material = _material(element, folder)
+    drive = _section(document, "drive")
+    origins: dict[str, str] = {}
+    builder = Builder(material, origins=origins)
+    source = Builder(origins=origins, extra=("waveform",)).choose(
+        SOURCES, {key: value for key, value in drive.items() if key != "waveform"}, "drive"
+    )
+    system = System(
+        element=Builder(material, origins=origins, extra=("material",)).choose(
+            ELEMENTS, element, "element", draws=True
+        ),
+        environment=_environment(builder, document, source.sets_temperature),
+        source=source,
+        mechanism=builder.choose(MECHANISMS, _section(document, "mechanism"), "mechanism"),
+    )
+    waveform, end = _waveform(drive, source.unit, folder, origins)
+    run = builder.build(Run, _section(document, "run", {}), "run")
+    return Scenario(
+        system=system,
+        waveform=waveform,
+        duration=_duration(run, end),
+        tolerance=run.tolerance,
+        samples=int(run.samples),
+        step=run.step if math.isfinite(run.step) else None,
+        title=str(document.get("title", path.stem if path else "scenario")),
+        text=text,
+        path=path,
+        material=material,
+        measured=_measured(document, folder),
+        origins=origins,
+    )
+
+
+def _section(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:
+    if name not in document and default is None:
+        raise ParameterError(f"The scenario needs a section [{name}]; none given.")
+    return as_table(document.get(name, default), name)
+
+
+def _material(element: Table, folder: Path) -> Material | None:
+    name = element.get("material")
+    if name is None:
+        return None
+    if not isinstance(name, str):
+        raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
+    with section("element"):
+        return load_material(name, folder)
+
+
+def _environment(builder: Builder, document: Table, sets_temperature: bool) -> Environment:
+    """The surroundings; where the drive sets the temperature no heat balance is solved."""
+    table = _section(document, "environment", {})
+    if sets_temperature and "cooling" not in table:
+        table = {**table, "cooling": {"kind": "constant", "h": "0 W/m^2/K"}}
+    return builder.build(Environment, table, "environment")
+
+
+def _waveform(
+    drive: Table, unit: str, folder: Path, origins: dict[str, str]
+) -> tuple[AbstractWaveform, float]:
+    """The waveform, and its end [s]: infinite unless it is a record."""
+    if "waveform" not in drive:
+        kinds = suggestion("", {*WAVEFORMS.names(), RECORDED_KIND})
+        raise ParameterError(f"[drive] needs `waveform`; none given. {kinds}")
+    table = as_table(drive["waveform"], "drive.waveform")
+    if table.get("kind") == RECORDED_KIND:
+        recorded = read_recorded(table, "drive.waveform", folder, waveform=True)
+        return recorded.waveform(unit)
+    builder = Builder(drive_unit=unit, origins=origins)
+    return builder.choose(WAVEFORMS, table, "drive.waveform"), math.inf
+
+
+def _duration(run: Run, end: float) -> float:
+    duration = min(run.duration, end)
+    if not math.isfinite(duration):
+        raise ParameterError('[run] needs `duration`; write for example `duration = "60 s"`.')
+    return duration
+
+
+def _measured(document: Table, folder: Path) -> Recorded | None:
+    if "measured" not in document:
+        return None
+    return read_recorded(_section(document, "measured"), "measured", folder)

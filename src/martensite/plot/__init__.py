@@ -1,0 +1,1 @@
+"""Figures of results: time series, hysteresis loops, measured records beside them."""

@@ -1,0 +1,133 @@
+"""The standard figure of a result: time series on the left, hysteresis loops on the right.
+
+Figures are made with matplotlib's objects alone, without pyplot: nothing global is touched,
+and no window or figure manager has to be closed.
+"""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.errors import DataError
+from martensite.plot.hysteresis import LOOPS, draw_loops
+from martensite.plot.measured import Record, check_records
+from martensite.plot.style import HEATING, QUIET, styled
+from martensite.plot.timeseries import draw_timeseries, panel_names
+from martensite.simulate.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg", "pdf")
+WIDTH, PANEL_HEIGHT = 12.0, 1.22
+"""Width of the figure and height of one panel over time [inch]."""
+HEAD, FOOT, LINE = 0.85, 0.55, 0.18
+"""Room for the title, for the time axis, and for each line of warnings [inch]."""
+
+
+def plot_result(
+    result: Result, records: Iterable[Record] | None = None, title: str | None = None
+) -> Figure:
+    """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
+
+    Args:
+        result: the run to show.
+        records: measured records, drawn over the simulation wherever they have the same
+            quantity, with the RMS difference in the legend.
+        title: first line of the figure; by default what was simulated.
+
+    Raises:
+        DataError: a record holds nothing that can be compared with the result.
+    """
+    measured = check_records(result, records)
+    with styled():
+        return _figure(result, measured, title)
+
+
+def save_figure(
+    result: Result,
+    path: str | os.PathLike[str],
+    records: Iterable[Record] | None = None,
+    title: str | None = None,
+) -> None:
+    """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all.
+
+    Raises:
+        DataError: the suffix is another one, the file cannot be written, or a record holds
+            nothing that can be compared.
+    """
+    path = Path(path)
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        allowed = ", ".join(f"`.{name}`" for name in FORMATS)
+        raise DataError(f"The figure `{path}` has no suffix that can be drawn; use {allowed}.")
+    if not path.parent.is_dir():
+        raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    _write(plot_result(result, records, title), path, kind)
+
+
+def _figure(result: Result, records: Sequence[Record], title: str | None) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    names = panel_names(result, records)
+    warnings = [line for text in result.warnings for line in textwrap.wrap(text, 165)]
+    height = HEAD + FOOT + LINE * len(warnings) + PANEL_HEIGHT * len(names)
+    figure = Figure(figsize=(WIDTH, height))
+    FigureCanvasAgg(figure)
+    foot = FOOT + LINE * len(warnings)
+    left, right = figure.add_gridspec(
+        1, 2, left=0.07, right=0.985, top=1.0 - HEAD / height, bottom=foot / height,
+        width_ratios=(1.15, 1.0), wspace=0.17,
+    )  # fmt: skip
+    over_time = left.subgridspec(len(names), 1, hspace=0.42).subplots(sharex=True)
+    loops = right.subgridspec(len(LOOPS), 1, hspace=0.3).subplots()
+    draw_timeseries(list(over_time), result, names, records)
+    draw_loops(list(loops), result, records)
+    figure.align_ylabels(list(over_time))
+    figure.align_ylabels(list(loops))
+    _write_text(figure, result, title, warnings)
+    return figure
+
+
+def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
+    height = figure.get_figheight()
+    top = title if title is not None else _title(result)
+    figure.text(0.02, 1.0 - 0.26 / height, top, fontsize=12.5, fontweight="bold", va="center")
+    figure.text(0.02, 1.0 - 0.49 / height, _summary(result), color=QUIET, va="center")
+    for i, line in enumerate(reversed(warnings)):
+        place = (0.10 + LINE * i) / height
+        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, va="bottom")
+
+
+def _title(result: Result) -> str:
+    system = result.system
+    element, law = system.element.registered_name, system.element.law.registered_name
+    load, drive = system.mechanism.registered_name, system.source.registered_name
+    return f"{element} ({law}) on {load}, driven by {drive}"
+
+
+def _summary(result: Result) -> str:
+    parts = [f"stroke {result.stroke * 1e3:.3g} mm", f"{result.steps:,} steps"]
+    if result.accuracy is not None:
+        parts.append(f"changes by {result.accuracy:.1e} of range on halving the step")
+    if result.status:
+        parts.append(f"status {result.status.name.lower()} at t = {result.status_time:.4g} s")
+    return "  ·  ".join(parts)
+
+
+def _write(figure: Figure, path: Path, kind: str) -> None:
+    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
+    try:
+        with styled():
+            figure.savefig(part, format=kind)
+        part.replace(path)
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,66 @@
+"""The look of all figures: calm, readable in print, safe for the colour-blind.
+
+Colours are from the palette of Okabe and Ito. Heating is vermilion and cooling blue in every
+figure; the same two tints mark the transformation strips. The style holds inside `styled()`
+only and leaves the caller's matplotlib settings alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+INK = "#22303c"
+SIMULATED = "#1f5f8b"
+HEATING = "#d55e00"
+COOLING = "#0072b2"
+MEASURED = ("#6f6f6f", "#b0783c", "#5a8f7b", "#8a6fa8")
+QUIET = "#6b7680"
+FAINT = "#dfe3e6"
+
+STYLE: dict[str, Any] = {
+    "font.size": 9.0,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.labelsize": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4.0,
+    "axes.edgecolor": QUIET,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.use_mathtext": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.6,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "lines.linewidth": 1.3,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 1.4,
+    "figure.facecolor": "white",
+    "figure.dpi": 110.0,
+    "savefig.dpi": 150.0,
+    "savefig.facecolor": "white",
+    "svg.hashsalt": "martensite",
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Figures made (and saved) inside have the style of this package."""
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        yield

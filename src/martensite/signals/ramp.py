@@ -1,0 +1,37 @@
+"""Ramp: from low at `start` to high at `end`, linear in between, held before and after.
+
+    u(t) = low + (high − low) (t − start)/(end − start)
+"""
+
+from __future__ import annotations
+
+from martensite.errors import ParameterError
+from martensite.parameters import param
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import blend, inside
+
+
+@WAVEFORMS.register("ramp")
+class Ramp(AbstractWaveform):
+    """A linear passage from `low` to `high`; downwards where `low` is above `high`."""
+
+    low: float = param(DRIVE, "level up to `start`", default=0.0)
+    high: float = param(DRIVE, "level from `end` on")
+    start: float = param("s", "time at which the ramp begins", low=0.0, default=0.0)
+    end: float = param("s", "time at which the ramp ends", above=0.0)
+
+    def check(self) -> None:
+        """The ramp takes a time above zero."""
+        if self.end <= self.start:
+            raise ParameterError(
+                f"Parameter `end` of `ramp` must be above `start` = {self.start:.6g} s, "
+                f"but is {self.end:.6g} s; for a jump use `step`."
+            )
+
+    def value(self, time: float) -> float:
+        """Level at `time` [s]."""
+        return blend(self.low, self.high, (time - self.start) / (self.end - self.start))
+
+    def edges(self, duration: float) -> list[float]:
+        """Beginning and end of the ramp, where they lie in (0, duration) [s]."""
+        return inside((self.start, self.end), duration)

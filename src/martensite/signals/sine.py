@@ -1,0 +1,38 @@
+"""Sine between two levels, by default from the lower one on (a raised cosine).
+
+    u(t) = low + (high − low)/2 · (1 − cos(2π f t + φ)),  φ = 0, π/2, π for phase low, middle, high
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.parameters import option, param
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import blend, require_order
+
+_TURNS = {"low": 0.0, "middle": 0.25, "high": 0.5}
+"""Phase -> share of a period by which it is ahead of the start at `low`."""
+
+
+@WAVEFORMS.register("sine")
+class Sine(AbstractWaveform):
+    """A smooth oscillation between `low` and `high`; it has no edges."""
+
+    low: float = param(DRIVE, "lowest level", default=0.0)
+    high: float = param(DRIVE, "highest level")
+    frequency: float = param("Hz", "frequency", above=0.0, high=1e9)
+    phase: str = option(
+        "where it starts: at `low`, rising through the `middle`, or at `high`",
+        *_TURNS,
+        default="low",
+    )
+
+    def check(self) -> None:
+        """The levels are in order."""
+        require_order("sine", self.low, self.high)
+
+    def value(self, time: float) -> float:
+        """Level at `time` [s]."""
+        turns = math.fmod(time * self.frequency, 1.0) + _TURNS[self.phase]
+        return blend(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))

@@ -1,0 +1,50 @@
+"""Staircase: level k is first + k·increment, and each of `count` levels lasts `hold`.
+
+Afterwards the last level is held; with direction "up-down" the levels are first gone
+through backwards (the topmost is held once), and then the first one is held.
+"""
+
+from __future__ import annotations
+
+from martensite.errors import ParameterError
+from martensite.parameters import option, param
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import inside, interval
+
+
+@WAVEFORMS.register("staircase")
+class Staircase(AbstractWaveform):
+    """Equal jumps at equal times, up and if wanted down again."""
+
+    first: float = param(DRIVE, "first level", default=0.0)
+    increment: float = param(DRIVE, "jump from one level to the next")
+    hold: float = param("s", "time on each level", low=1e-9, high=1e9)
+    count: float = param("1", "number of levels", low=1.0, high=1e6)
+    direction: str = option("what follows the last level", "up", "up-down", default="up")
+
+    def check(self) -> None:
+        """Levels are counted in whole numbers."""
+        if self.count != int(self.count):
+            raise ParameterError(
+                f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}."
+            )
+
+    def value(self, time: float) -> float:
+        """Level at `time` [s]; the new one at a jump itself."""
+        step = min(max(interval(time, time / self.hold, self._start), 0), self._last)
+        top = int(self.count) - 1
+        return self.first + (step if step <= top else 2 * top - step) * self.increment
+
+    def edges(self, duration: float) -> list[float]:
+        """All jumps in (0, duration) [s]."""
+        jumps = min(self._last, int(duration / self.hold) + 1)
+        return inside((self._start(k) for k in range(1, jumps + 1)), duration)
+
+    def _start(self, k: int) -> float:
+        return k * self.hold
+
+    @property
+    def _last(self) -> int:
+        """Number of jumps."""
+        top = int(self.count) - 1
+        return top if self.direction == "up" else 2 * top

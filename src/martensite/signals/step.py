@@ -1,0 +1,39 @@
+"""Step, or a single pulse: u = high for at ≤ t < until, else low."""
+
+from __future__ import annotations
+
+import math
+
+from martensite.errors import ParameterError
+from martensite.parameters import param
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import inside
+
+
+@WAVEFORMS.register("step")
+class Step(AbstractWaveform):
+    """A jump from `low` to `high`, and back again where `until` is given.
+
+    The names say what is usual; a step downwards has `low` above `high`.
+    """
+
+    low: float = param(DRIVE, "level before the step, and after `until`", default=0.0)
+    high: float = param(DRIVE, "level from the step on")
+    at: float = param("s", "time of the step", low=0.0, default=0.0)
+    until: float = param("s", "time of the step back; none if left out", default=math.inf)
+
+    def check(self) -> None:
+        """The step back comes after the step."""
+        if self.until <= self.at:
+            raise ParameterError(
+                f"Parameter `until` of `step` must be above `at` = {self.at:.6g} s, "
+                f"but is {self.until:.6g} s."
+            )
+
+    def value(self, time: float) -> float:
+        """Level at `time` [s]; the new one at the step itself."""
+        return self.high if self.at <= time < self.until else self.low
+
+    def edges(self, duration: float) -> list[float]:
+        """The step and the step back, where they lie in (0, duration) [s]."""
+        return inside((self.at, self.until), duration)

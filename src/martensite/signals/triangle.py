@@ -1,0 +1,38 @@
+"""Triangle: from low at t = 0 linearly to high after half a period, and back."""
+
+from __future__ import annotations
+
+from martensite.parameters import param
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import blend, inside, interval, require_countable, require_order
+
+
+@WAVEFORMS.register("triangle")
+class Triangle(AbstractWaveform):
+    """A linear oscillation between `low` and `high`, which starts at `low`."""
+
+    low: float = param(DRIVE, "lowest level", default=0.0)
+    high: float = param(DRIVE, "highest level")
+    frequency: float = param("Hz", "frequency", above=0.0, high=1e9)
+
+    def check(self) -> None:
+        """The levels are in order."""
+        require_order("triangle", self.low, self.high)
+
+    def value(self, time: float) -> float:
+        """Level at `time` [s]."""
+        k = interval(time, 2.0 * time * self.frequency, self._bend)
+        begin, end = self._bend(k), self._bend(k + 1)
+        share = (time - begin) / (end - begin)
+        if k % 2:
+            return blend(self.high, self.low, share)
+        return blend(self.low, self.high, share)
+
+    def edges(self, duration: float) -> list[float]:
+        """All bends in (0, duration) [s]: k/(2 f)."""
+        count = 2.0 * self.frequency * duration
+        require_countable("triangle", count, duration)
+        return inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
+
+    def _bend(self, k: int) -> float:
+        return 0.5 * k / self.frequency
