@@ -66,8 +66,7 @@ PEERS = {
     "diffrax": "benchmarks.peers.diffrax_rate",
 }
 OURS = {
-    name: "benchmarks.ours"
-    for name in ("ours", "ours-jax", "ours-jax32", "ours-c", "ours-simd")
+    name: "benchmarks.ours" for name in ("ours", "ours-jax", "ours-jax32", "ours-c", "ours-simd")
 }
 WHERE = OURS | PEERS
 

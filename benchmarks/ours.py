@@ -87,9 +87,7 @@ def floats(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
     """One run on plain floats."""
     (compiled, values), steps = traced(p), grid(drive, dt)
     functions, column = compiled.program.bind_floats(*values), position(compiled)
-    return lambda: [
-        1e3 * row[column] for row in march_floats(functions, compiled.size, steps).rows
-    ]
+    return lambda: [1e3 * row[column] for row in march_floats(functions, compiled.size, steps).rows]
 
 
 def latency(p: Wire, dt: float) -> tuple[Any, Callable[[Any, float], Any]]:
@@ -201,7 +199,7 @@ def native(lanes: int) -> Callable[..., Callable[[], Any]]:
         width = min(lanes, size)
 
         def go() -> Any:
-            rows = [march_lanes(compiled, v, steps, width)[0][:, column].T for v in pieces]
+            rows = [march_lanes(compiled, v, steps, width, [column])[0][:, 0].T for v in pieces]
             return 1e3 * (rows[0][0] if lanes == 1 else np.concatenate(rows)[:size])
 
         return go

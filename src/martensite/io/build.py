@@ -56,8 +56,10 @@ class Builder:
         values: dict[str, Any] = {}
         missing: list[str] = []
         for name, declared in cls.declarations.items():
-            if declared.kind == "part":
+            if name in children:
                 self._part(values, name, declared, children[name], path, draws)
+            elif declared.kind == "part":
+                continue
             elif name in table:
                 values[name] = self._given(cls, name, declared, table[name], path)
                 self.origins[f"{path}.{name}"] = "scenario"
@@ -134,7 +136,8 @@ class Builder:
         children: Mapping[str, tuple[type[Parametrised], Table] | None],
     ) -> None:
         kind = ("kind",) if cls.registered_name else ()
-        valid = [*cls.declarations, *kind, *self.extra]
+        simple = [n for n, d in cls.declarations.items() if d.kind != "part" or n in children]
+        valid = [*simple, *kind, *self.extra]
         unknown = next((key for key in table if key not in valid), None)
         if unknown is None:
             return
@@ -186,7 +189,10 @@ def _describe(declared: Declared, name: str) -> str:
 
 
 def _parts(cls: type[Parametrised]) -> Iterator[str]:
-    return (name for name, declared in cls.declarations.items() if declared.kind == "part")
+    """Components that a table can describe."""
+    for name, declared in cls.declarations.items():
+        if declared.registry is not None or isinstance(declared.default, Parametrised):
+            yield name
 
 
 def _name(cls: type[Parametrised]) -> str:

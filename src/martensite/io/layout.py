@@ -99,7 +99,10 @@ def _heading(heading: str, number: int, where: str) -> Column:
 def _si_unit(name: str, spelling: str, where: str) -> str:
     """The SI unit that a column is read in, if its unit can be converted to that."""
     if name not in CANONICAL:
-        return _first_fitting(spelling, sorted({unit for unit, _, _ in units.EVERYDAY.values()}))
+        declared = {unit for unit, _, _ in units.EVERYDAY.values()}
+        if not spelling.endswith("Hz"):  # rpm and rad/s are no frequencies
+            declared.discard("Hz")
+        return _first_fitting(spelling, sorted(declared))
     wanted = CANONICAL[name]
     if wanted == DRIVE:
         unit = _first_fitting(spelling, DRIVEN_BY)

@@ -6,11 +6,12 @@ file that is opened again equals the dataset that would have been made. `save` w
 h5netcdf directly: importing xarray takes longer than a run.
 
 Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which
-is that of UDUNITS. An accuracy that was not estimated is NaN.
+is that of UDUNITS. Numbers that are not known (an accuracy that was not estimated) are NaN.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -172,8 +173,8 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "status": result.status.name,
         "status_meaning": result.status.sentence,
-        "status_time": float(result.status_time),
-        "accuracy": float("nan") if result.accuracy is None else float(result.accuracy),
+        "status_time": _number(result.status_time),
+        "accuracy": _number(result.accuracy),
         "steps": int(result.steps),
         "step": float(result.step),
         "warnings": "\n".join(result.warnings),
@@ -181,6 +182,10 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "numpy_version": np.__version__,
         "h5netcdf_version": _version("h5netcdf"),
     }
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)
 
 
 def _title(system: System) -> str:

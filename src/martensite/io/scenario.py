@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Any
 from martensite.electrical.base import SOURCES
 from martensite.elements.base import ELEMENTS
 from martensite.errors import DataError, ParameterError, suggestion
-from martensite.io.build import Builder, Table, as_table, chosen, refuse_unknown, section
+from martensite.io import recorded
+from martensite.io.build import Builder, Table, as_table, refuse_unknown, section
 from martensite.io.overrides import as_toml, changed
-from martensite.io.recorded import Recorded, read_recorded
+from martensite.io.recorded import Recorded
 from martensite.materials.base import Material, load_material
 from martensite.mechanisms.base import MECHANISMS
 from martensite.parameters import Parametrised, param
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 SECTIONS = ("title", "element", "environment", "mechanism", "drive", "run", "measured")
-RECORDED_KIND = "table"
-"""Kind of a waveform that is a column of a data file."""
 
 
 class Run(Parametrised):
@@ -200,26 +199,26 @@ def _environment(builder: Builder, document: Table, sets_temperature: bool) -> E
 def _waveform(
     drive: Table, unit: str, folder: Path, origins: dict[str, str]
 ) -> tuple[AbstractWaveform, float]:
-    """The waveform, and its end [s]: infinite unless it is a record."""
+    """The waveform, and its end [s]: infinite unless it is a table."""
     if "waveform" not in drive:
-        kinds = suggestion("", {*WAVEFORMS.names(), RECORDED_KIND})
+        kinds = suggestion("", WAVEFORMS.names())
         raise ParameterError(f"[drive] needs `waveform`; none given. {kinds}")
     table = as_table(drive["waveform"], "drive.waveform")
-    if table.get("kind") == RECORDED_KIND:
-        recorded = read_recorded(table, "drive.waveform", folder, waveform=True)
-        return recorded.waveform(unit)
+    if table.get("kind") == recorded.KIND:
+        return recorded.waveform(table, "drive.waveform", folder, unit)
     builder = Builder(drive_unit=unit, origins=origins)
     return builder.choose(WAVEFORMS, table, "drive.waveform"), math.inf
 
 
 def _duration(run: Run, end: float) -> float:
-    duration = min(run.duration, end)
-    if not math.isfinite(duration):
+    if math.isfinite(run.duration):
+        return run.duration
+    if not math.isfinite(end):
         raise ParameterError('[run] needs `duration`; write for example `duration = "60 s"`.')
-    return duration
+    return end
 
 
 def _measured(document: Table, folder: Path) -> Recorded | None:
     if "measured" not in document:
         return None
-    return read_recorded(_section(document, "measured"), "measured", folder)
+    return recorded.recorded(_section(document, "measured"), "measured", folder)

@@ -74,7 +74,10 @@ class Course(NamedTuple):
 
     begin: Scalar
     """Distance at the start, limited to [0, 1]."""
+    passes: Flag
+    """The leg moves towards the finish line inside the strip."""
     acts: Flag
+    """It does, and there is something left to transform."""
     enters: Scalar
     """Share of the leg after which the strip is entered."""
     leaves: Scalar
@@ -93,10 +96,10 @@ def course(
     travel = first - last
     moving = travel > 8.0 * EPS * size * xp.abs(strip.per_width)
     safe = xp.where(moving, travel, 1.0)
-    acts = xp.both(xp.both(moving, end < begin), left > 0.0)
+    passes = xp.both(moving, end < begin)
     enters = xp.clip((first - 1.0) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
-    return Course(begin, acts, enters, leaves)
+    return Course(begin, passes, xp.both(passes, left > 0.0), enters, leaves)
 
 
 def courses(
@@ -170,10 +173,11 @@ def handover(
 ) -> tuple[Scalar, Scalar]:  # fmt: skip
     """The point of a leg at which its first process is done and a second may begin.
 
-    It lies some roundings beyond the finish line, so that the first process is complete.
+    It lies some roundings beyond the finish line, so that the first process is complete. The
+    second needs nothing to transform before: the first one makes it.
     """
     f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
-    two = xp.both(f.acts, r.acts)
+    two = xp.both(f.passes, r.passes)
     done = xp.where(back, r.leaves, f.leaves)
     share = xp.where(two, xp.minimum(1.0, done + 64.0 * EPS), 1.0)
     whole = share >= 1.0

@@ -14,6 +14,7 @@ from martensite.system import OUTPUTS
 
 PERCENT = ("strain",)
 """Shares that are read more easily in percent."""
+FRACTIONS = ("martensite_fraction",)
 _PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
 _DIFFERENCE = {"degC": "K", "1": ""}
 
@@ -68,8 +69,19 @@ def mathematical(symbol: str) -> str:
     return f"${head}_{{{index}}}$" if index else f"${head}$"
 
 
-def limits(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
-    """Axis limits around all finite values, wide enough for a constant to look like one."""
+def limits(name: str, *columns: Any) -> tuple[float, float]:
+    """Limits of the axis of `name` around all finite values, in its shown unit.
+
+    A fraction is always seen from 0 to 1.
+    """
+    low, high = around(*columns)
+    if name in FRACTIONS:
+        return min(low, -0.06), max(high, 1.06)
+    return low, high
+
+
+def around(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
+    """Limits around all finite values, wide enough for a constant to look like one."""
     values = np.concatenate([np.ravel(c) for c in columns])
     values = values[np.isfinite(values)]
     if not values.size:

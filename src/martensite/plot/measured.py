@@ -14,14 +14,16 @@ import numpy as np
 
 from martensite.errors import DataError
 from martensite.plot.labels import Axis, axis
-from martensite.plot.style import MEASURED
+from martensite.plot.style import MEASURED, SIMULATED
 from martensite.simulate.result import Result
 from martensite.system import OUTPUTS
 
 DOTS = 150
 """Records of more samples than this are drawn as lines."""
 NAMED = 2
-"""More records than this share one entry in the legend."""
+"""Of more records than this the RMS is given for all together."""
+KEYED = 5
+"""Longest key: the simulation and the first records."""
 
 
 class Record(Protocol):
@@ -47,11 +49,12 @@ class Record(Protocol):
 class Overlay:
     """One measured column over time, in the unit of its axis."""
 
-    name: str
     times: Any
     values: Any
     misfit: Any
     """Measured less simulated at the samples inside the simulated time."""
+    line: dict[str, Any]
+    """Line properties of its record."""
 
 
 def check_records(result: Result, records: Iterable[Record] | None) -> list[Record]:
@@ -87,43 +90,55 @@ def recorded(result: Result, records: Iterable[Record]) -> list[str]:
 def overlays(result: Result, records: Iterable[Record], name: str) -> list[Overlay]:
     """The measured columns `name` of all records that have it, ready to draw."""
     shown = axis(result, name)
-    return [_overlay(result, r, shown) for r in records if _holds(result, r, name)]
+    return [
+        _overlay(result, r, shown, look(r, i))
+        for i, r in enumerate(records)
+        if _holds(result, r, name)
+    ]
 
 
 def pairs(
     result: Result, records: Iterable[Record], x: str, y: str
-) -> list[tuple[str, Any, Any]]:
-    """Name, x and y in shown units of all records that have both columns."""
+) -> list[tuple[Any, Any, dict[str, Any]]]:
+    """x, y (in shown units) and line properties of all records that have both columns."""
     horizontal, vertical = axis(result, x), axis(result, y)
     return [
-        (r.name, horizontal.values(r.columns[x]), vertical.values(r.columns[y]))
-        for r in records
+        (horizontal.values(r.columns[x]), vertical.values(r.columns[y]), look(r, i))
+        for i, r in enumerate(records)
         if _holds(result, r, x) and _holds(result, r, y)
     ]
 
 
-def rms(misfits: Iterable[Any]) -> float:
-    """Root mean square over all samples together; NaN if there are none."""
-    joined = np.concatenate([np.zeros(0), *misfits])
-    return float(np.sqrt(np.mean(joined**2))) if joined.size else float("nan")
-
-
 def draw_overlays(axes: Any, shown: Axis, found: Sequence[Overlay]) -> None:
     """Draw measured columns over time, with the RMS difference in their legend entries."""
-    together = len(found) > NAMED
     for i, overlay in enumerate(found):
-        label = _legend(shown, overlay.name, [overlay]) if not together else "_nolegend_"
-        if together and i == 0:
-            label = _legend(shown, f"{len(found)} records", found)
-        axes.plot(
-            overlay.times, overlay.values, label=label, **look(len(overlay.times), i)
-        )
+        if len(found) <= NAMED:
+            label = _rms(shown, [overlay])
+        else:
+            label = _rms(shown, found) if i == 0 else "_nolegend_"
+        axes.plot(overlay.times, overlay.values, label=label, **overlay.line)
 
 
-def look(samples: int, i: int) -> dict[str, Any]:
+def draw_key(figure: Any, left: float, top: float, records: Sequence[Record]) -> None:
+    """Say once which line is simulated and which is which record, from (left, top) on."""
+    from matplotlib.lines import Line2D
+
+    looks = [{"color": SIMULATED}, *(look(r, i) for i, r in enumerate(records))]
+    lines = [Line2D([], [], **line) for line in looks]
+    names = ["simulated", *(_short(r.name) for r in records)]
+    shown = min(len(names), KEYED)
+    key = figure.legend(
+        lines[:shown], names[:shown], loc="upper left", bbox_to_anchor=(left, top),
+        ncols=shown, borderpad=0.0, borderaxespad=0.0, columnspacing=1.4,
+    )  # fmt: skip
+    for text in key.get_texts():
+        text.set_parse_math(False)
+
+
+def look(record: Record, i: int) -> dict[str, Any]:
     """Line properties of the i-th record: dots if it is short, else a thin line."""
     colour = MEASURED[i % len(MEASURED)]
-    if samples > DOTS:
+    if len(record.columns["time"]) > DOTS:
         return {"color": colour, "linewidth": 0.9, "alpha": 0.9, "zorder": 1.8}
     return {
         "color": colour, "linestyle": "none", "marker": "o", "markersize": 2.8,
@@ -131,22 +146,29 @@ def look(samples: int, i: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _legend(shown: Axis, name: str, found: Sequence[Overlay]) -> str:
-    value = f"{rms(o.misfit for o in found):.3g} {shown.difference_unit}".rstrip()
-    name = name if len(name) <= 24 else name[:23] + "…"
-    return f"{name}: RMS {value}"
+def _short(name: str, most: int = 36) -> str:
+    return name if len(name) <= most else name[: most - 1] + "…"
+
+
+def _rms(shown: Axis, found: Sequence[Overlay]) -> str:
+    """The root mean square of all samples together, in words."""
+    misfit = np.concatenate([overlay.misfit for overlay in found])
+    if not misfit.size:
+        return "no sample to compare"
+    value = f"{np.sqrt(np.mean(misfit**2)):.3g} {shown.difference_unit}".rstrip()
+    return f"RMS {value}" if len(found) == 1 else f"RMS {value} ({len(found)} records)"
 
 
 def _holds(result: Result, record: Record, name: str) -> bool:
     return name in record.columns and record.units.get(name) == result.unit(name)
 
 
-def _overlay(result: Result, record: Record, shown: Axis) -> Overlay:
+def _overlay(result: Result, record: Record, shown: Axis, line: dict[str, Any]) -> Overlay:
     times = np.asarray(record.columns["time"], np.float64)
     values = shown.values(record.columns[shown.name])
     use = _inside(result, times) & np.isfinite(values)
     simulated = np.interp(times[use], result.times, shown.values(result[shown.name]))
-    return Overlay(record.name, times, values, values[use] - simulated)
+    return Overlay(times, values, values[use] - simulated, line)
 
 
 def _inside(result: Result, times: Any) -> Any:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.errors import DataError
 from martensite.plot.hysteresis import LOOPS, draw_loops
-from martensite.plot.measured import Record, check_records
+from martensite.plot.measured import Record, check_records, draw_key
 from martensite.plot.style import HEATING, QUIET, styled
 from martensite.plot.timeseries import draw_timeseries, panel_names
 from martensite.simulate.result import Result
@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 FORMATS = ("png", "svg", "pdf")
 WIDTH, PANEL_HEIGHT = 12.0, 1.22
 """Width of the figure and height of one panel over time [inch]."""
-HEAD, FOOT, LINE = 0.85, 0.55, 0.18
-"""Room for the title, for the time axis, and for each line of warnings [inch]."""
+HEAD, KEY, FOOT, LINE = 0.9, 0.22, 0.55, 0.18
+"""Room for title, key of records, time axis, and each line of warnings [inch]."""
+LEFT = 0.07
+"""Left edge of the panels as a share of the width."""
 
 
 def plot_result(
@@ -76,20 +78,25 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
 
     names = panel_names(result, records)
     warnings = [line for text in result.warnings for line in textwrap.wrap(text, 165)]
-    height = HEAD + FOOT + LINE * len(warnings) + PANEL_HEIGHT * len(names)
+    head = HEAD + (KEY if records else 0.0)
+    foot = FOOT + LINE * len(warnings)
+    height = head + foot + PANEL_HEIGHT * len(names)
     figure = Figure(figsize=(WIDTH, height))
     FigureCanvasAgg(figure)
-    foot = FOOT + LINE * len(warnings)
     left, right = figure.add_gridspec(
-        1, 2, left=0.07, right=0.985, top=1.0 - HEAD / height, bottom=foot / height,
+        1, 2, left=LEFT, right=0.985, top=1.0 - head / height, bottom=foot / height,
         width_ratios=(1.15, 1.0), wspace=0.17,
     )  # fmt: skip
-    over_time = left.subgridspec(len(names), 1, hspace=0.42).subplots(sharex=True)
-    loops = right.subgridspec(len(LOOPS), 1, hspace=0.3).subplots()
-    draw_timeseries(list(over_time), result, names, records)
-    draw_loops(list(loops), result, records)
-    figure.align_ylabels(list(over_time))
-    figure.align_ylabels(list(loops))
+    stack = left.subgridspec(len(names), 1, hspace=0.42)
+    over_time = list(stack.subplots(sharex=True, squeeze=False)[:, 0])
+    stack = right.subgridspec(len(LOOPS), 1, hspace=0.3)
+    loops = list(stack.subplots(squeeze=False)[:, 0])
+    draw_timeseries(over_time, result, names, records)
+    draw_loops(loops, result, records)
+    figure.align_ylabels(over_time)
+    figure.align_ylabels(loops)
+    if records:
+        draw_key(figure, 0.02, 1.0 - (HEAD - 0.22) / height, records)
     _write_text(figure, result, title, warnings)
     return figure
 
@@ -97,18 +104,20 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
 def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
     height = figure.get_figheight()
     top = title if title is not None else _title(result)
-    figure.text(0.02, 1.0 - 0.26 / height, top, fontsize=12.5, fontweight="bold", va="center")
-    figure.text(0.02, 1.0 - 0.49 / height, _summary(result), color=QUIET, va="center")
+    plain = {"va": "center", "parse_math": False}
+    figure.text(0.02, 1.0 - 0.26 / height, top, fontsize=12.5, fontweight="bold", **plain)
+    figure.text(0.02, 1.0 - 0.49 / height, _summary(result), color=QUIET, **plain)
     for i, line in enumerate(reversed(warnings)):
-        place = (0.10 + LINE * i) / height
-        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, va="bottom")
+        place = (0.16 + LINE * i) / height
+        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, **plain)
 
 
 def _title(result: Result) -> str:
     system = result.system
     element, law = system.element.registered_name, system.element.law.registered_name
     load, drive = system.mechanism.registered_name, system.source.registered_name
-    return f"{element} ({law}) on {load}, driven by {drive}"
+    text = f"{element} ({law}) on {load}, driven by {drive}"
+    return text[:1].upper() + text[1:]
 
 
 def _summary(result: Result) -> str:
@@ -116,7 +125,8 @@ def _summary(result: Result) -> str:
     if result.accuracy is not None:
         parts.append(f"changes by {result.accuracy:.1e} of range on halving the step")
     if result.status:
-        parts.append(f"status {result.status.name.lower()} at t = {result.status_time:.4g} s")
+        when = "" if result.status_time is None else f" at t = {result.status_time:.4g} s"
+        parts.append(f"status {result.status.name.lower().replace('_', ' ')}{when}")
     return "  ·  ".join(parts)
 
 

@@ -19,7 +19,7 @@ MEASURED = ("#6f6f6f", "#b0783c", "#5a8f7b", "#8a6fa8")
 QUIET = "#6b7680"
 FAINT = "#dfe3e6"
 
-STYLE: dict[str, Any] = {
+STYLE: dict[Any, Any] = {
     "font.size": 9.0,
     "text.color": INK,
     "axes.labelcolor": INK,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.plot.labels import axis, column, limits
-from martensite.plot.measured import Overlay, Record, draw_overlays, overlays, recorded
+from martensite.plot.measured import Record, draw_overlays, overlays, recorded
 from martensite.plot.style import SIMULATED
 from martensite.simulate.result import Result
 
@@ -40,22 +40,15 @@ def draw_panel(axes: Any, result: Result, name: str, records: Sequence[Record] =
     """Draw one quantity over time [s]."""
     shown, values = axis(result, name), column(result, name)
     found = overlays(result, records, name)
-    axes.plot(result.times, values, color=SIMULATED, label="simulated", zorder=2.2)
+    axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
     draw_overlays(axes, shown, found)
     axes.set_title(shown.long_name)
     axes.set_ylabel(shown.label)
     axes.set_xlim(result.times[0], result.times[-1])
-    axes.set_ylim(*_limits(name, values, found))
+    axes.set_ylim(*limits(name, values, *(overlay.values for overlay in found)))
     axes.locator_params(axis="y", nbins=4)
     if found:
         axes.legend(
-            loc="lower right", bbox_to_anchor=(1.0, 0.97), ncols=3, borderpad=0.0,
+            loc="lower right", bbox_to_anchor=(1.0, 1.03), ncols=3, borderpad=0.0,
             borderaxespad=0.0, columnspacing=1.2,
         )  # fmt: skip
-
-
-def _limits(name: str, values: Any, found: Sequence[Overlay]) -> tuple[float, float]:
-    low, high = limits(values, *(overlay.values for overlay in found))
-    if name == "martensite_fraction":
-        return min(low, -0.06), max(high, 1.06)
-    return low, high

@@ -22,9 +22,11 @@ def _same(x: Any) -> Any:
 class ArrayNamespace:
     """The operations over an array module `np` (numpy or jax.numpy)."""
 
-    def __init__(self, np: Any, detach: Any = _same, store: Any = _same) -> None:
+    def __init__(
+        self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64"
+    ) -> None:
         self.np = np
-        self.where = np.where
+        self.precision = precision
         self.both = np.logical_and
         self.either = np.logical_or
         self.negate = np.logical_not
@@ -32,6 +34,12 @@ class ArrayNamespace:
         self.sin, self.cos, self.tanh = np.sin, np.cos, np.tanh
         self.detach = detach
         self.store = store
+
+    def where(self, flag: Any, yes: Any, no: Any) -> Any:
+        """`yes` where the flag holds, else `no`, in the working precision."""
+        if isinstance(yes, float) and isinstance(no, float):
+            yes = self.np.asarray(yes, self.precision)
+        return self.np.where(flag, yes, no)
 
     def minimum(self, a: Any, b: Any) -> Any:
         """The smaller of two; as on floats, `b` if they cannot be compared."""

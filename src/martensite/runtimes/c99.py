@@ -13,7 +13,7 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,7 @@ def _constant(value: float | bool) -> str:
 
 
 def _assign(name: str, expression: str, flag: bool) -> str:
-    return f"const {'int' if flag else 'double'} {name} = {expression};"
+    return f"const {'_Bool' if flag else 'double'} {name} = {expression};"
 
 
 C_DIALECT = Dialect(
@@ -64,14 +64,14 @@ C_DIALECT = Dialect(
 )
 
 
-def c_source(program: Program) -> str:
-    """The program as C: `prepare` and one function per traced function, over lanes."""
+def c_source(program: Program, functions: Iterable[Function]) -> str:
+    """C of `prepare` and of some traced functions of a program, over lanes."""
     printer = Printer(program.graph, C_DIALECT)
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
     parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
     printer.share(program.hoisted, lambda i: f"c[{i} * n + l]")
-    parts += [_traced(printer, function) for function in program.functions.values()]
+    parts += [_traced(printer, function) for function in functions]
     return "\n".join(parts)
 
 

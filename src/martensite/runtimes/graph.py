@@ -13,6 +13,7 @@ from martensite.runtimes import floats
 
 PARAMETER, VARYING = 1, 2
 
+
 def _divide(a: float, b: float) -> float:
     return a / b
 
@@ -102,6 +103,8 @@ def _identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | N
     if operation == "add":
         return b if known[0] == 0.0 else a if known[1] == 0.0 else None
     if operation == "sub":
+        if a.index == b.index:
+            return a.graph.constant(0.0)
         return a if known[1] == 0.0 else -b if known[0] == 0.0 else None
     if operation == "mul":
         if known[0] == 0.0 or known[1] == 0.0:

@@ -49,7 +49,7 @@ def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(xp.np, detach=xp.detach, store=store)
+    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype))
 
 
 def cache_folder() -> Path:

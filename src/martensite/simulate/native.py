@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -13,8 +14,6 @@ from martensite.runtimes.c99 import c_source, load_library
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track
-
-LANES = 16
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
@@ -51,34 +50,37 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
 """
 
 
-def march_source(compiled: Compiled, lanes: int) -> str:
+def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
     """C source of the kernels and the march for a fixed number of lanes."""
+    traced = compiled.program.functions
+    observe = traced["observe"]
+    observe = replace(observe, outputs=tuple(observe.outputs[i] for i in outputs))
     loop = _MARCH.format(
         lanes=lanes,
         constants=max(1, len(compiled.program.hoisted)),
         inputs=compiled.size + 2,
-        results=max(compiled.size + len(compiled.report), len(compiled.outputs)),
+        results=compiled.size + len(compiled.report),
         size=compiled.size,
-        outputs=len(compiled.outputs),
+        outputs=len(outputs),
     )
-    return c_source(compiled.program) + loop
+    return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
 
 
 @lru_cache(maxsize=64)
-def _library(source: str) -> Any:
-    return load_library(source)
+def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...]) -> Any:
+    return load_library(march_source(compiled, lanes, outputs))
 
 
 def march_lanes(
-    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int
+    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int, outputs: Sequence[int]
 ) -> tuple[Any, Any]:
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
     Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
     """
-    library = _library(march_source(compiled, lanes))
+    library = _library(compiled, lanes, tuple(outputs))
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
-    rows = np.empty((len(grid.times), len(compiled.outputs), lanes))
+    rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((2, lanes))
     sampled = np.asarray(grid.sampled)
     arrays = (
@@ -92,6 +94,6 @@ def march_lanes(
 
 def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
     """One run on the C runtime."""
-    rows, worst = march_lanes(compiled, values, grid, 1)
+    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)))
     status = classify(float(worst[0, 0]), float(worst[1, 0]))
     return track([tuple(row) for row in rows[:, :, 0].tolist()], status)

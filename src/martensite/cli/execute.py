@@ -1,0 +1,146 @@
+"""Running a scenario for the command line: simulate, compare, write, show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.cli.outputs import Outputs, parts
+
+if TYPE_CHECKING:
+    from martensite.io.records import Record
+    from martensite.io.scenario import Scenario
+    from martensite.simulate.result import Result
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the command line asks of a run."""
+
+    outputs: Outputs
+    tolerance: float | None = None
+    runtime: str = "floats"
+    compare: str | None = None
+    """A record to compare with, instead of the one that the scenario names."""
+    columns: Sequence[str] | None = None
+    no_compare: bool = False
+
+
+@dataclass(frozen=True)
+class Executed:
+    """A finished run, and everything that is said about it."""
+
+    scenario: Scenario
+    result: Result
+    outputs: Outputs
+    comparison: list[Any]
+
+    def show(self, json: bool) -> None:
+        """Print the run."""
+        from martensite.cli import show
+
+        if json:
+            show.as_json(self.summary())
+        else:
+            self._print()
+
+    def summary(self) -> dict[str, Any]:
+        """The run, ready for JSON; numbers in SI."""
+        result = self.result
+        return {
+            "title": self.scenario.title,
+            "duration": result.times[-1],
+            "steps": result.steps,
+            "step": result.step,
+            "accuracy": result.accuracy,
+            "status": result.status.name,
+            "stroke": result.stroke,
+            "columns": {
+                name: {"lowest": min(c), "highest": max(c), "unit": result.unit(name)}
+                for name, c in result.columns.items()
+            },
+            "warnings": list(result.warnings),
+            "comparison": [vars(difference) for difference in self.comparison],
+            "files": [str(path) for path in self.outputs.paths()],
+        }
+
+    def _print(self) -> None:
+        from martensite.cli import show
+
+        show.text(self.scenario.title, "bold")
+        first, *_ = str(self.result).partition("\n")
+        show.text(f"{first}; stroke {show.quantity(self.result.stroke, 'm')}")
+        show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
+        for warning in self.result.warnings:
+            show.text(warning, "yellow")
+        for path in self.outputs.paths():
+            show.text(f"wrote {path}")
+
+    def _rows(self) -> Iterator[tuple[str, str, str]]:
+        from martensite.cli import show
+        from martensite.system import OUTPUTS
+
+        for name, column in self.result.columns.items():
+            unit = self.result.unit(name)
+            low, high = show.quantity(min(column), unit), show.quantity(max(column), unit)
+            yield OUTPUTS[name][1], low, high
+
+
+def execute(scenario: Scenario, wanted: Wanted) -> Executed:
+    """Run a scenario and write what is wanted; nothing is written if anything fails."""
+    record = _record(scenario, wanted)
+    with _spinner(f"simulating {scenario.title}"):
+        result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
+    comparison = _compared(result, record)
+    with _spinner("writing"), parts(wanted.outputs) as files:
+        _write(files, scenario, result, record)
+    return Executed(scenario, result, wanted.outputs, comparison)
+
+
+def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
+    """The record to compare with, read before anything is run."""
+    if wanted.no_compare:
+        return None
+    if wanted.compare is None:
+        return scenario.measured.read() if scenario.measured else None
+    from martensite.io.tables import read_table
+
+    return read_table(wanted.compare, wanted.columns)
+
+
+def _compared(result: Result, record: Record | None) -> list[Any]:
+    if record is None:
+        return []
+    from martensite.io.compare import compare
+
+    return list(compare(result, record))
+
+
+def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:
+    from martensite.io.citations import citations
+
+    if files.data is not None:
+        from martensite.io.netcdf import save
+
+        cited = citations(scenario.system, scenario.material)
+        save(result, files.data, scenario.text, cited, scenario.material)
+    if files.figure is not None:
+        from martensite.plot.overview import save_figure
+
+        save_figure(result, files.figure, [record] if record else None, scenario.title)
+
+
+@contextmanager
+def _spinner(label: str) -> Iterator[None]:
+    """A moving sign on standard error, if somebody is looking there."""
+    import sys
+
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(label):
+        yield

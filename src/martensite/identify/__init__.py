@@ -1,0 +1,1 @@
+"""Identification: from measurements to parameters, with what the data cannot determine."""

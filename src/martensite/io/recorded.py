@@ -1,0 +1,125 @@
+"""Data files named in a scenario: a waveform to follow, or a record to compare with.
+
+    waveform = { kind = "table", file = "log.csv", column = "voltage" }
+
+`file` is relative to the scenario, or `data:…` for a published data set; `columns` names
+the columns of a file without headings, `interval` the time between rows without a clock.
+A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from martensite import units
+from martensite.errors import DataError, ParameterError, UnitError
+from martensite.io.build import refuse_unknown, section
+from martensite.signals.table import Table
+
+if TYPE_CHECKING:
+    from martensite.io.records import Record
+
+KIND = "table"
+_KEYS = ("file", "columns", "interval")
+_LISTED = ("kind", "times", "values")
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A table of measurements, not read yet."""
+
+    source: str | Path
+    columns: tuple[str, ...] | None = None
+    interval: float | None = None
+    """Time between rows [s] where the file has no time."""
+
+    def read(self) -> Record:
+        """Read the file."""
+        from martensite.io.tables import read_table
+
+        return read_table(self.source, self.columns, interval=self.interval)
+
+
+def recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
+    """Read the keys `file`, `columns` and `interval` of a section."""
+    refuse_unknown(table, _KEYS, f"[{path}]")
+    source = _text(table, "file", path)
+    if not source.startswith("data:"):
+        source = folder / source
+    columns = table.get("columns")
+    interval = table.get("interval")
+    return Recorded(
+        source,
+        None if columns is None else tuple(_texts(columns, "columns", path)),
+        None if interval is None else _quantity(interval, "interval", "s", path),
+    )
+
+
+def waveform(
+    table: Mapping[str, Any], path: str, folder: Path, unit: str
+) -> tuple[Table, float]:
+    """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
+    if "file" not in table and "times" in table:
+        made = _listed(table, path, unit)
+        return made, made.times[-1]
+    refuse_unknown(table, ("kind", *_KEYS, "column"), f"[{path}]")
+    column = _text(table, "column", path)
+    found = {key: value for key, value in table.items() if key in _KEYS}
+    with section(path):
+        from martensite.io.records import table_waveform
+
+        record = recorded(found, path, folder).read()
+        made = table_waveform(record, column)
+        if record.units[column] != unit:
+            raise DataError(
+                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, "
+                f"but the drive takes {unit}."
+            )
+    return made, record.times[-1]
+
+
+def _listed(table: Mapping[str, Any], path: str, unit: str) -> Table:
+    refuse_unknown(table, _LISTED, f"[{path}]")
+    times = [_quantity(t, "times", "s", path) for t in _list(table["times"], "times", path)]
+    levels = _list(table.get("values", []), "values", path)
+    values = [_quantity(value, "values", unit, path) for value in levels]
+    with section(path):
+        return Table(times=tuple(times), values=tuple(values))
+
+
+def _quantity(value: Any, name: str, unit: str, path: str) -> float:
+    if not isinstance(value, str):
+        raise UnitError(
+            f"[{path}] `{name}` must be text with a unit, such as `{value} {unit}`, "
+            f"but is {value!r}."
+        )
+    with section(path):
+        try:
+            return units.parse(value, unit)
+        except UnitError as error:
+            raise UnitError(f"`{name}`: {error}") from None
+
+
+def _text(table: Mapping[str, Any], name: str, path: str) -> Any:
+    if name not in table:
+        raise ParameterError(f"[{path}] needs `{name}`; none given.")
+    if not isinstance(table[name], str):
+        raise ParameterError(f"[{path}] `{name}` must be text, but is {table[name]!r}.")
+    return table[name]
+
+
+def _texts(value: Any, name: str, path: str) -> list[str]:
+    items = _list(value, name, path)
+    wrong = next((item for item in items if not isinstance(item, str)), None)
+    if wrong is not None:
+        raise ParameterError(f"[{path}] `{name}` must hold texts, but holds {wrong!r}.")
+    return items
+
+
+def _list(value: Any, name: str, path: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise ParameterError(f"[{path}] `{name}` must be a list, but is {value!r}.")
+    return cast("list[Any]", value)

@@ -1,0 +1,162 @@
+"""What every study answers: claims with verdicts, and a figure.
+
+A claim sets a published number beside a computed one. Its verdict follows from
+
+    |computed - published| ≤ tolerance    reproduced, otherwise not reproduced
+
+and from nothing else: a claim whose verdict contradicts its numbers cannot be made. Two more
+verdicts stand outside that rule. `calibrated` marks a number that was itself chosen to meet
+the published one, so that agreement says nothing; `not checkable` one for which the source
+prints no number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from martensite.errors import DataError, ParameterError
+from martensite.registry import Registry
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
+STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
+
+
+def compare(published: float, computed: float, tolerance: float) -> Verdict:
+    """The verdict on a number that can be checked; one that is not finite never agrees."""
+    return "reproduced" if abs(computed - published) <= tolerance else "not reproduced"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of a source, with the number it prints and the one computed here."""
+
+    id: str
+    statement: str
+    source: str
+    """Key of the source in the bibliography, and the section, table or equation there."""
+    published: float | None
+    computed: float | None
+    unit: str
+    tolerance: float | None
+    """Largest difference that counts as agreement, in `unit`."""
+    verdict: Verdict
+    why: str
+    """What the verdict rests on, or why the numbers differ."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` if the verdict is not the one the numbers have."""
+        numbers = (self.published, self.computed, self.tolerance)
+        if self.verdict in ("calibrated", "not checkable"):
+            if self.tolerance is not None:
+                raise ParameterError(
+                    f"Claim `{self.id}` is {self.verdict} and must have no tolerance, "
+                    f"but has {self.tolerance:g}."
+                )
+        elif self.published is None or self.computed is None or self.tolerance is None:
+            raise ParameterError(
+                f"Claim `{self.id}` is {self.verdict} and must have a published number, a "
+                f"computed one and a tolerance, but has {numbers}."
+            )
+        elif (right := compare(self.published, self.computed, self.tolerance)) != self.verdict:
+            raise ParameterError(
+                f"Claim `{self.id}` must be {right} by its numbers, but is {self.verdict}."
+            )
+
+    @classmethod
+    def checked(
+        cls, id: str, statement: str, source: str, published: float, computed: float,
+        unit: str, tolerance: float, why: str,
+    ) -> Claim:  # fmt: skip
+        """A claim whose verdict follows from its numbers."""
+        if not tolerance >= 0.0:
+            raise ParameterError(
+                f"Tolerance of claim `{id}` must be at least 0, but is {tolerance:g}."
+            )
+        verdict = compare(published, computed, tolerance)
+        return cls(id, statement, source, published, computed, unit, tolerance, verdict, why)
+
+    @classmethod
+    def calibrated(
+        cls, id: str, statement: str, source: str, published: float | None, computed: float,
+        unit: str, why: str,
+    ) -> Claim:  # fmt: skip
+        """A number chosen so that the published one comes out."""
+        return cls(id, statement, source, published, computed, unit, None, "calibrated", why)
+
+    @classmethod
+    def reported(
+        cls, id: str, statement: str, source: str, computed: float, unit: str, why: str
+    ) -> Claim:
+        """A computed number for which the source prints none."""
+        return cls(id, statement, source, None, computed, unit, None, "not checkable", why)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name, for JSON."""
+        return asdict(self)
+
+
+class AbstractStudy:
+    """Interface of a study; one class per folder, filed with `@STUDIES.register(key)`."""
+
+    registered_name: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    cites: ClassVar[tuple[str, ...]] = ()
+    """Bibliography keys of the paper and of everything that the rebuild rests on."""
+
+    @property
+    def key(self) -> str:
+        """Name of the study."""
+        return self.registered_name
+
+    def claims(self) -> list[Claim]:
+        """Every claim with its verdict, computed now."""
+        raise NotImplementedError
+
+    def figure(self, path: Path) -> None:
+        """Write the figure that a reader of the paper recognises (png, svg or pdf)."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """Key, title, citations and claims, for JSON."""
+        claims = [claim.to_dict() for claim in self.claims()]
+        return {"key": self.key, "title": self.title, "cites": list(self.cites), "claims": claims}
+
+
+def study_names() -> list[str]:
+    """Names of all studies, those from installed plug-ins included."""
+    return STUDIES.names()
+
+
+def load_study(name: str) -> AbstractStudy:
+    """A study by its name.
+
+    Raises:
+        UnknownNameError: there is none of that name.
+    """
+    return STUDIES[name]()
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's suffix.
+
+    Raises:
+        DataError: the suffix names no format that can be drawn, or the file cannot be written.
+    """
+    from martensite.plot.style import styled
+
+    known = ("png", "svg", "pdf")
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in known:
+        allowed = ", ".join(f"`.{name}`" for name in known)
+        raise DataError(f"The figure `{path}` has no suffix that can be drawn; use {allowed}.")
+    try:
+        with styled():
+            figure.savefig(path, format=kind)
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataError(f"The file `{path}` could not be written: {reason}.") from error

@@ -1,0 +1,201 @@
+"""The test bench as simulated: what heats the wire, the variants compared, and their runs.
+
+Table 2 gives for every voltage the heating power P = h S (T_ss - T_a), with S the lateral
+surface of the wire. As voltage and power are to be those of the paper whatever the leads
+take, the sine heats with
+
+    P(t) = V²/R_eq(V),    R_eq(V) = V²/[h S (T_ss - T_a)]
+
+R_eq linear in V between the four voltages of the table and constant outside. Times of the
+sine count from the start of its second period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+from martensite.electrical.power import PowerSource
+from martensite.electrical.voltage import VoltageSource
+from martensite.elements.wire import Wire
+from martensite.io.scenario import Scenario, load
+from martensite.signals.constant import Constant
+from martensite.signals.table import Table
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+from martensite.studies.migaone.printed import Printed, Step
+from martensite.system import System
+from martensite.thermal.base import AbstractCooling, Environment
+from martensite.thermal.constant import ConstantCooling
+from martensite.thermal.polynomial import PolynomialCooling
+
+SCENARIO = Path(__file__).with_name("scenario.toml")
+ZERO = 273.15
+"""0 °C [K]."""
+VARIANTS = {
+    "polynomial": "polynomial h, heat capacity 837 J/(kg K) and latent heat",
+    "constant": "mean constant h, heat capacity 837 J/(kg K) and latent heat",
+    "paper": "polynomial h, heat capacity 320 J/(kg K), no latent heat (as the paper)",
+    "one-curve": "as the paper, and its equation (6) for heating used on cooling too",
+}
+_TOLERANCE = 1e-4
+_SETTLING = 600.0
+"""[s]; more than ten of the longest time constants of a step response."""
+
+
+@cache
+def scenario() -> Scenario:
+    """The scenario of this study."""
+    return load(SCENARIO)
+
+
+def base_wire() -> Wire:
+    """The wire of the scenario."""
+    element = scenario().system.element
+    if not isinstance(element, Wire):
+        raise TypeError(f"The scenario must hold a wire, but holds {type(element).__name__}.")
+    return element
+
+
+def polynomial(printed: Printed) -> PolynomialCooling:
+    """The film coefficient as printed."""
+    return PolynomialCooling(h0=printed.h0, h1=printed.h1, h2=printed.h2)
+
+
+def mean_constant(printed: Printed) -> ConstantCooling:
+    """The mean of the four film coefficients of Table 2."""
+    return ConstantCooling(h=sum(printed.films) / len(printed.films))
+
+
+def heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
+    """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
+    base = scenario().system
+    environment = Environment(temperature=base.environment.temperature, cooling=cooling)
+    system = System(
+        element=base.element,
+        environment=environment,
+        source=PowerSource(),
+        mechanism=base.mechanism,
+    )
+    return system.with_values(values or {})
+
+
+@cache
+def variant(key: str, printed: Printed) -> System:
+    """One of `VARIANTS`."""
+    if key == "constant":
+        return heated(mean_constant(printed))
+    values = {}
+    if key in ("paper", "one-curve"):
+        values = {"heat_capacity": printed.heat_capacity, "latent_heat": 0.0}
+    if key == "one-curve":
+        reverse = base_wire().law.__dict__
+        values |= {"law.M_s": reverse["A_f"], "law.M_f": reverse["A_s"]}
+    return heated(polynomial(printed), values)
+
+
+def heating_power(step: Step, printed: Printed) -> float:
+    """Power in the wire that holds a steady state of Table 2 [W]."""
+    return step.film * base_wire().surface() * (step.temperature - printed.ambient)
+
+
+def equivalent_resistance(voltage: float, printed: Printed) -> float:
+    """R_eq at a voltage [V], such that V²/R_eq is the heating power [ohm]."""
+    known = [(s.voltage, s.voltage**2 / heating_power(s, printed)) for s in printed.steps]
+    if voltage <= known[0][0]:
+        return known[0][1]
+    for (low, first), (high, last) in pairwise(known):
+        if voltage <= high:
+            return first + (last - first) * (voltage - low) / (high - low)
+    return known[-1][1]
+
+
+@cache
+def steady_temperature(cooling: AbstractCooling, power: float) -> float:
+    """Temperature long after switching on a power [W], simulated [°C]."""
+    run = simulate(
+        heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101
+    )
+    return run["temperature"][-1] - ZERO
+
+
+@cache
+def sine_run(key: str, printed: Printed) -> Result:
+    """Two periods of the sine with one of `VARIANTS`."""
+    sine, duration, samples = scenario().waveform, scenario().duration, scenario().samples
+    times = [duration * i / (samples - 1) for i in range(samples)]
+    volts = [sine.value(t) for t in times]
+    powers = [v * v / equivalent_resistance(v, printed) for v in volts]
+    return simulate(
+        variant(key, printed), Table(times=tuple(times), values=tuple(powers)), duration,
+        tolerance=_TOLERANCE, samples=samples,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Response:
+    """What is read off the second period of the sine."""
+
+    hottest: float
+    """[°C]"""
+    rise: float
+    """Time of passing half the quoted stroke on the way up [s]."""
+    fall: float
+    """Time of passing it on the way down [s]."""
+    stroke: float
+    """[m]"""
+
+
+def response(key: str, printed: Printed) -> Response:
+    """Read off the second period of a variant."""
+    run = sine_run(key, printed)
+    half = len(run.times) // 2
+    start, position = run.times[half], run["position"]
+    level = 0.5 * printed.stroke
+    top = max(range(half, len(position)), key=position.__getitem__)
+    return Response(
+        hottest=max(run["temperature"][half:]) - ZERO,
+        rise=_passing(run, level, half, top) - start,
+        fall=_passing(run, level, top, len(position) - 1) - start,
+        stroke=position[top] - min(position[half:]),
+    )
+
+
+def _passing(run: Result, level: float, first: int, last: int) -> float:
+    """Time at which the position passes a level [m] between two samples; NaN if never [s]."""
+    times, position = run.times, run["position"]
+    for i in range(first, last):
+        a, b = position[i] - level, position[i + 1] - level
+        if (a < 0.0) != (b < 0.0):
+            return times[i] + (times[i + 1] - times[i]) * a / (a - b)
+    return math.nan
+
+
+@cache
+def actuation_time(
+    printed: Printed, ambient: float, values: tuple[tuple[str, float], ...] = ()
+) -> float:
+    """Time from switching on the supply to 95 % of the stroke [s].
+
+    Args:
+        printed: supply and resistance are taken from here; nothing is in series.
+        ambient: ambient temperature [°C].
+        values: other numbers to change, by name.
+    """
+    wire, base = base_wire(), scenario().system
+    rho = printed.resistance * wire.section() / wire.length
+    system = System(
+        element=wire,
+        environment=Environment(temperature=ambient + ZERO, cooling=polynomial(printed)),
+        source=VoltageSource(),
+        mechanism=base.mechanism,
+    ).with_values({"rho_A": rho, "rho_M": rho, **dict(values)})
+    run = simulate(
+        system, Constant(level=printed.supply), 3.0 * printed.actuation_time,
+        tolerance=_TOLERANCE, samples=3001,
+    )  # fmt: skip
+    return _passing(run, 0.95 * max(run["position"]), 0, len(run.times) - 1)
