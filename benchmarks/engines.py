@@ -65,9 +65,7 @@ PEERS = {
     "diffrax-forward": "benchmarks.peers.diffrax_rate",
     "diffrax": "benchmarks.peers.diffrax_rate",
 }
-OURS = {
-    name: "benchmarks.ours" for name in ("ours", "ours-jax", "ours-jax32", "ours-c", "ours-simd")
-}
+OURS = dict.fromkeys(("ours", "ours-jax", "ours-jax32", "ours-c", "ours-simd"), "benchmarks.ours")
 WHERE = OURS | PEERS
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks.engines import Engine
 from benchmarks.inputs import Drive, aligned
-from benchmarks.problem_a import THETA, Wire, lumped
+from benchmarks.problem_a import THETA, Wire
 from martensite.electrical.per_length import PerLengthResistance
 from martensite.electrical.voltage import VoltageSource
 from martensite.elements.wire import Wire as Element

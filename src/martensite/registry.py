@@ -11,11 +11,12 @@ from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from martensite.errors import UnknownNameError
 
 T = TypeVar("T")
+C = TypeVar("C")
 
 
 class Registry(Generic[T]):
@@ -28,11 +29,11 @@ class Registry(Generic[T]):
         self._scanned = False
         self._plugged = False
 
-    def register(self, name: str) -> Callable[[type[T]], type[T]]:
+    def register(self, name: str) -> Callable[[type[C]], type[C]]:
         """Return a decorator that files a class under `name`."""
 
-        def file_under(cls: type[T]) -> type[T]:
-            self._entries[name] = cls
+        def file_under(cls: type[C]) -> type[C]:
+            self._entries[name] = cast("type[T]", cls)
             cls.registered_name = name  # type: ignore[attr-defined]
             return cls
 

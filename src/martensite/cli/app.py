@@ -9,9 +9,17 @@ from typer.core import TyperGroup
 
 from martensite.errors import MartensiteError
 
+ORDER = ("run", "demo", "study", "check", "params", "laws", "mechanisms", "materials")
+"""Commands in the order of the help text; others follow."""
+
 
 class Commands(TyperGroup):
     """Commands that answer errors made on purpose with a sentence, not a traceback."""
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:
+        """The commands, the most used first."""
+        found = super().list_commands(ctx)
+        return [*(n for n in ORDER if n in found), *(n for n in found if n not in ORDER)]
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
         """Accept `--debug` before or after the name of the command."""
@@ -34,15 +42,16 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # importing rich for a help text takes longer than all the rest
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
+        from martensite import __version__
 
-        typer.echo(f"martensite {version('martensite')}")
+        typer.echo(f"martensite {__version__}")
         raise typer.Exit
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def check(
     scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None
 ) -> None:
-    """Build a scenario and report what is doubtful about it, without running it."""
+    """Build a scenario and report what is doubtful about it."""
     import_modules(modules)
     from martensite.cli import show
     from martensite.io.overrides import read_settings
@@ -70,7 +70,7 @@ def params(
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """List all parts, the parameters of one, or all values of a scenario with their paths."""
+    """List the parameters of a part, or all values of a scenario."""
     import_modules(modules)
     from martensite.cli import describe, show
 

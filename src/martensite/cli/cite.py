@@ -19,7 +19,7 @@ def cite(
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Print BibTeX of the models, materials and papers behind a scenario or a study."""
+    """Print BibTeX of what a scenario or a study rests on."""
     import_modules(modules)
     from martensite.cli import show
     from martensite.io import citations

@@ -1,1 +1,87 @@
+"""`data`: published measurements, what they are and how to get them."""
 
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Json
+
+data = typer.Typer(help="List, show or fetch published measurements.")
+app.add_typer(data, name="data", invoke_without_command=True)
+
+
+@data.callback()
+def overview(ctx: typer.Context, json: Json = False) -> None:
+    """List, show or fetch published measurements."""
+    if ctx.invoked_subcommand is None:
+        list_all(json)
+
+
+@data.command("list")
+def list_all(json: Json = False) -> None:
+    """List the data sets, their licences, and which are on this machine."""
+    from martensite.cli import show
+    from martensite.io.datasets import dataset_names, describe
+
+    found = [describe(name) for name in dataset_names()]
+    if json:
+        show.as_json([asdict(dataset) | {"here": _here(dataset.name)} for dataset in found])
+        return
+    rows = [(d.name, d.title, d.licence, str(len(d.files)), _here(d.name)) for d in found]
+    show.table(("data set", "what it is", "licence", "files", "on this machine"), rows)
+
+
+def _here(name: str) -> str:
+    from martensite.errors import DataError
+    from martensite.io.datasets import describe, locate
+
+    found = 0
+    files = describe(name).files
+    for file in files:
+        try:
+            locate(f"{name}/{file}")
+        except DataError:
+            continue
+        found += 1
+    return "yes" if found == len(files) else "no" if not found else f"{found} of {len(files)}"
+
+
+@data.command("show")
+def show_one(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False
+) -> None:
+    """Show a data set: what it holds, what it is not, where it comes from, its files."""
+    from martensite.cli import show
+    from martensite.io.datasets import describe
+
+    dataset = describe(name)
+    if json:
+        show.as_json(asdict(dataset))
+        return
+    show.text(f"{dataset.name}: {dataset.title}", "bold")
+    show.text(dataset.summary)
+    show.text(f"Caution: {dataset.caution}", "yellow")
+    show.text(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}")
+    rows = [(f"data:{name}/{f.name}", ", ".join(f.layout.columns)) for f in dataset.files.values()]
+    show.table(("file", "columns"), rows)
+
+
+@data.command()
+def fetch(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")],
+    force: Annotated[bool, typer.Option("--force", help="Download what is there, too.")] = False,
+    json: Json = False,
+) -> None:
+    """Download a data set from its authors, and check every file against its SHA-256."""
+    from martensite.cli import show
+    from martensite.io import datasets
+
+    folder = datasets.fetch(name, force)
+    if json:
+        show.as_json({"name": name, "folder": str(folder)})
+    else:
+        show.text(f"{name} is in {folder}")

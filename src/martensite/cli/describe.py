@@ -11,6 +11,7 @@ from martensite.cli import show
 from martensite.errors import UnknownNameError
 from martensite.parameters import REQUIRED, Declared, Parametrised
 from martensite.registry import Registry
+from martensite.signals.base import DRIVE
 
 
 def registries() -> dict[str, Registry[Any]]:
@@ -62,11 +63,15 @@ def _declared(name: str, declared: Declared) -> dict[str, Any]:
 
 
 def _allowed(declared: Declared) -> str:
+    if declared.unit == DRIVE:
+        return "any level in the unit of the source"
     if declared.kind == "parameter":
         return declared.allowed()
     if declared.kind == "option":
         return " | ".join(declared.choices)
-    return " | ".join(declared.registry.names()) if declared.registry else "table"
+    if declared.registry is None:
+        return "table" if isinstance(declared.default, Parametrised) else "list"
+    return " | ".join(declared.registry.names())
 
 
 def one(registry: Registry[Any], name: str) -> dict[str, Any]:
@@ -94,12 +99,13 @@ def print_part(part: dict[str, Any]) -> None:
     rows = [_row(entry) for entry in part["parameters"]]
     show.table(("parameter", "unit", "meaning", "allowed", "default"), rows)
     for key in part["cites"]:
-        show.text(f"Source: {citations.title(key)} [{key}]")
+        known = key in citations.bibliography()
+        show.text(f"Source: {citations.title(key) if known else 'not in the bibliography'} [{key}]")
 
 
 def _row(entry: dict[str, Any]) -> tuple[str, ...]:
     default = "required" if entry["required"] else str(entry["default"])
-    if isinstance(entry["default"], float):
+    if isinstance(entry["default"], float) and entry["unit"] != DRIVE:
         default = show.quantity(entry["default"], entry["unit"])
     return entry["name"], entry["unit"] or "", entry["meaning"], entry["allowed"], default
 

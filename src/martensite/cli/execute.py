@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.cli.outputs import Outputs, parts
 
 if TYPE_CHECKING:
+    from martensite.io.compare import Agreement
     from martensite.io.records import Record
     from martensite.io.scenario import Scenario
     from martensite.simulate.result import Result
+
+COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,8 @@ class Executed:
     scenario: Scenario
     result: Result
     outputs: Outputs
-    comparison: list[Any]
+    agreements: list[Agreement]
+    """How far the run is from the record it was compared with."""
 
     def show(self, json: bool) -> None:
         """Print the run."""
@@ -62,7 +66,7 @@ class Executed:
                 for name, c in result.columns.items()
             },
             "warnings": list(result.warnings),
-            "comparison": [vars(difference) for difference in self.comparison],
+            "comparison": [asdict(agreement) for agreement in self.agreements],
             "files": [str(path) for path in self.outputs.paths()],
         }
 
@@ -73,6 +77,9 @@ class Executed:
         first, *_ = str(self.result).partition("\n")
         show.text(f"{first}; stroke {show.quantity(self.result.stroke, 'm')}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
+        if self.agreements:
+            rows = [_agreement(agreement) for agreement in self.agreements]
+            show.table(COMPARED, rows, right=",".join(COMPARED[1:]))
         for warning in self.result.warnings:
             show.text(warning, "yellow")
         for path in self.outputs.paths():
@@ -88,15 +95,25 @@ class Executed:
             yield OUTPUTS[name][1], low, high
 
 
+def _agreement(found: Agreement) -> tuple[str, ...]:
+    from martensite.cli import show
+    from martensite.system import OUTPUTS
+
+    sizes = (found.rms, found.maximum)
+    apart = (show.difference(size, found.unit) for size in sizes)
+    spread = show.difference(found.range, found.unit)
+    return OUTPUTS[found.quantity][1], *apart, f"{found.time:.4g} s", spread
+
+
 def execute(scenario: Scenario, wanted: Wanted) -> Executed:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
     record = _record(scenario, wanted)
     with _spinner(f"simulating {scenario.title}"):
         result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
-    comparison = _compared(result, record)
+    agreements = _compared(result, record)
     with _spinner("writing"), parts(wanted.outputs) as files:
         _write(files, scenario, result, record)
-    return Executed(scenario, result, wanted.outputs, comparison)
+    return Executed(scenario, result, wanted.outputs, agreements)
 
 
 def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
@@ -110,12 +127,12 @@ def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
     return read_table(wanted.compare, wanted.columns)
 
 
-def _compared(result: Result, record: Record | None) -> list[Any]:
+def _compared(result: Result, record: Record | None) -> list[Agreement]:
     if record is None:
         return []
     from martensite.io.compare import compare
 
-    return list(compare(result, record))
+    return compare(result, record)
 
 
 def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:

@@ -24,7 +24,7 @@ def laws(name: Name = None, json: Json = False, modules: Imports = None) -> None
 
 @app.command()
 def mechanisms(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List what an element can pull on, or describe one mechanism."""
+    """List what an element can pull on, or describe one."""
     import_modules(modules)
     _list_or_describe("mechanism", name, json)
 
@@ -36,7 +36,7 @@ def materials(
     ] = None,
     json: Json = False,
 ) -> None:
-    """List the materials, or show every number of one with its source and kind."""
+    """List the materials, or show one with all sources."""
     if name is None:
         _list_materials(json)
         return
@@ -89,6 +89,6 @@ def _print_material(material: Material) -> None:
     ]  # fmt: skip
     show.table(("name", "value", "kind", "meaning", "source", "note"), rows)
     if any(n.kind in DOUBTFUL for n in material.values.values()):
-        show.text("! assumed or recalled: no measurement of this material stands behind it", "yellow")
+        show.text("! assumed or recalled: not measured on this material", "yellow")
     for source in material.sources.values():
         show.text(f"[{source.cite}] {source.text}")

@@ -50,7 +50,8 @@ def _ending(path: Path | None, endings: tuple[str, ...]) -> None:
 @contextmanager
 def parts(outputs: Outputs) -> Iterator[Outputs]:
     """Names to write to; the files take their places together once all are complete."""
-    beside = {path: path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}") for path in outputs.paths()}
+    mark = os.getpid()
+    beside = {p: p.with_name(f".{p.stem}.{mark}{p.suffix}") for p in outputs.paths()}
 
     def part(path: Path | None) -> Path | None:
         return None if path is None else beside[path]

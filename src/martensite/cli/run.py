@@ -9,6 +9,7 @@ import typer
 
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.errors import InputError
 
 
 @app.command()
@@ -42,6 +43,9 @@ def run(
     json: Json = False,
 ) -> None:
     """Simulate a scenario: a summary, a netCDF file and a figure."""
+    _refuse_idle("--columns", columns is not None and compare is None, "there is no --compare")
+    _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
+    _refuse_idle("--compare", compare is not None and no_compare, "--no-compare is given")
     import_modules(modules)
     from martensite.cli.execute import Wanted, execute
     from martensite.cli.outputs import Outputs
@@ -54,3 +58,9 @@ def run(
     names = [name.strip() for name in columns.split(",")] if columns else None
     wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare)
     execute(loaded, wanted).show(json)
+
+
+def _refuse_idle(option: str, idle: bool, reason: str) -> None:
+    """An option without effect is a mistake of the caller."""
+    if idle:
+        raise InputError(f"Option `{option}` has no effect, since {reason}.")

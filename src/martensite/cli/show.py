@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import typer
@@ -20,9 +20,9 @@ def console() -> Console:
     from rich.console import Console
 
     found = Console(highlight=False, markup=False, emoji=False)
-    return found if found.is_terminal else Console(
-        highlight=False, markup=False, emoji=False, width=WIDTH_OF_A_PIPE
-    )
+    if not found.is_terminal:
+        found.width = WIDTH_OF_A_PIPE
+    return found
 
 
 def text(line: str = "", style: str = "") -> None:
@@ -33,18 +33,31 @@ def text(line: str = "", style: str = "") -> None:
 
 
 def table(
-    columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: str = ""
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    right: str = "",
+    colours: Mapping[str, Mapping[str, str]] | None = None,
 ) -> None:
-    """Print a table; columns named in `right` (comma-separated) are aligned to the right."""
+    """Print a table.
+
+    Args:
+        columns: headings.
+        rows: cells of each row.
+        right: comma-separated names of columns to be aligned to the right.
+        colours: colour of a cell by its column and its text.
+    """
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
-    aligned = right.split(",")
-    made = Table(box=box.SIMPLE, title=title or None, title_justify="left", pad_edge=False)
+    made = Table(box=box.SIMPLE, pad_edge=False)
     for name in columns:
-        made.add_column(name, justify="right" if name in aligned else "left", overflow="fold")
+        justify = "right" if name in right.split(",") else "left"
+        made.add_column(name, justify=justify, overflow="fold")
+    styles = [(colours or {}).get(name, {}) for name in columns]
     for row in rows:
-        made.add_row(*row)
+        made.add_row(*(Text(c, style=s.get(c, "")) for c, s in zip(row, styles, strict=True)))
     console().print(made)
 
 
@@ -68,5 +81,15 @@ def quantity(value: float, unit: str) -> str:
     from martensite import units
 
     shown = units.readable(unit)
-    number = f"{units.from_si(value, shown, unit):.6g}"
+    number = f"{value if shown == unit else units.from_si(value, shown, unit):.6g}"
     return number if shown == "1" else f"{number} {shown}"
+
+
+def difference(value: float, unit: str) -> str:
+    """A difference of two quantities declared in the SI `unit`, in a readable unit."""
+    from martensite import units
+
+    shown = units.readable(unit)
+    factor, _ = units.conversion(shown, unit)
+    label = {"1": "", "degC": " K"}.get(shown, f" {shown}")
+    return f"{value / factor:.4g}{label}"

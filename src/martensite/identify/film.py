@@ -29,12 +29,12 @@ class FilmFit:
     """Adjusted R²; NaN if there are no more points than terms."""
 
     def film(self, temperature_degC: float) -> float:
-        """h [W/(m² K)] at a temperature [°C]."""
+        """Film coefficient [W/(m² K)] at a temperature [°C]."""
         return film_value(self.coefficients, temperature_degC)
 
 
 def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
-    """h [W/(m² K)] of a polynomial at a temperature [°C]."""
+    """Film coefficient [W/(m² K)] of a polynomial at a temperature [°C]."""
     h = 0.0
     for coefficient in reversed(coefficients):
         h = h * temperature_degC + coefficient

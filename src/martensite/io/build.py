@@ -16,6 +16,7 @@ from typing import Any, cast
 from martensite import units
 from martensite.errors import InputError, ParameterError, UnitError, suggestion
 from martensite.materials.base import Material
+from martensite.materials.names import NAMES
 from martensite.parameters import REQUIRED, Declared, Parametrised
 from martensite.registry import Registry
 from martensite.signals.base import DRIVE
@@ -23,6 +24,9 @@ from martensite.signals.base import DRIVE
 Table = Mapping[str, Any]
 ASSUMED_KINDS = {"resistance": "mixture"}
 """Component -> kind that is meant when a scenario does not name one."""
+
+FULLY_DESCRIBED = 3
+"""More missing numbers than these are listed without their meaning."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +42,7 @@ class Builder:
     extra: tuple[str, ...] = ()
     """Keys of the outermost table that are read elsewhere."""
 
-    def choose(
-        self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False
-    ) -> Any:
+    def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
         """Build the component of `registry` that the table (or bare kind) describes."""
         full = as_table(table, path)
         if "kind" not in full:
@@ -153,15 +155,17 @@ class Builder:
 
     def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
         """What is missing, in which unit, who does not have it, where to write it."""
-        listed = ", ".join(_describe(cls.declarations[name], name) for name in missing)
+        brief = len(missing) > FULLY_DESCRIBED
+        listed = ", ".join(_describe(cls.declarations[name], name, brief) for name in missing)
         unit = self._unit_label(cls.declarations[missing[0]])
         sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
-        lacking = ""
-        if draws and self.material:
-            lacking = f", which material `{self.material.name}` does not hold"
-        elif draws:
-            lacking = ", and no `material` is named"
-        return f"[{path}] `{_name(cls)}` needs {listed}{lacking}; write `{sample}` in [{path}]."
+        remedy = f"write `{sample}` in [{path}]"
+        if draws and any(name in NAMES for name in missing):
+            if self.material is None:
+                remedy = f"name a `material` in [element], or {remedy}"
+            else:
+                remedy = f"material `{self.material.name}` does not hold it: {remedy}"
+        return f"[{path}] `{_name(cls)}` needs {listed}; {remedy}."
 
     def _unit_label(self, declared: Declared) -> str:
         unit = units.readable(self.drive_unit if declared.unit == DRIVE else declared.unit)
@@ -181,11 +185,10 @@ def _plain(value: Any, name: str, unit: str, path: str) -> float:
     return float(value)
 
 
-def _describe(declared: Declared, name: str) -> str:
-    if declared.kind == "option":
-        return f"`{name}` ({declared.doc})"
-    unit = "" if declared.unit in ("1", DRIVE) else f" [{units.readable(declared.unit)}]"
-    return f"`{name}`{unit} ({declared.doc})"
+def _describe(declared: Declared, name: str, brief: bool) -> str:
+    known = declared.kind == "parameter" and declared.unit not in ("1", DRIVE)
+    unit = f" [{units.readable(declared.unit)}]" if known else ""
+    return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")
 
 
 def _parts(cls: type[Parametrised]) -> Iterator[str]:

@@ -54,12 +54,6 @@ def title(key: str) -> str:
 
 
 def citations(system: Parametrised, material: Material | None = None) -> list[str]:
-    """Keys of the works behind the parts of a system and the numbers of its material.
-
-    Raises:
-        UnknownNameError: a part or the material cites a work that is not in the bibliography.
-    """
+    """Keys of the works behind the parts of a system and the numbers of its material."""
     parts = [key for part in system.tree() for key in part.cites]
-    keys = list(dict.fromkeys([*parts, *(material.cites() if material else [])]))
-    entries(keys)
-    return keys
+    return list(dict.fromkeys([*parts, *(material.cites() if material else [])]))

@@ -12,6 +12,7 @@ import os
 import sys
 import tomllib
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from http.client import HTTPException
 from pathlib import Path
@@ -224,4 +225,5 @@ def _store(path: Path, content: bytes) -> None:
     except OSError as error:
         raise DataError(f"Cannot write `{path}`: {error.strerror}.") from None
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)

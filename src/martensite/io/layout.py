@@ -36,6 +36,7 @@ CLOCK = "clock"
 IGNORED = "-"
 
 _HEADING = re.compile(r"^\s*([^\[(]*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*$")
+_UNIT = re.compile(r"^[\w%°(]([\w%°·^*/(). -]*[\w%)])?$")
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,7 @@ def _heading(heading: str, number: int, where: str) -> Column:
     if found[1] == IGNORED:
         return Column(IGNORED, "1", "1")
     name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
+    spelling = "1" if spelling == "-" else spelling
     unit = CANONICAL.get(name)
     if not spelling and unit not in (None, "1"):
         raise DataError(
@@ -110,11 +112,8 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
             return unit
         fault = f"The unit `{spelling}` is none of volt, ampere, watt and kelvin."
     else:
-        try:
-            units.to_si(1.0, spelling, wanted)
-        except UnitError as error:
-            fault = str(error)
-        else:
+        fault = _misfit(spelling, wanted)
+        if not fault:
             return wanted
     raise DataError(
         f"{where}, column `{name}`: {fault} Write for example `{name} [{_usual(wanted)}]`."
@@ -123,13 +122,18 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
 
 def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
     """The first SI unit that a unit converts to; the unit itself where there is none."""
-    for unit in candidates:
-        try:
-            units.to_si(1.0, spelling, unit)
-        except UnitError:
-            continue
-        return unit
-    return spelling
+    return next((unit for unit in candidates if not _misfit(spelling, unit)), spelling)
+
+
+def _misfit(spelling: str, unit: str) -> str:
+    """Why a unit cannot be converted to an SI unit; empty if it can."""
+    if not _UNIT.match(spelling):
+        return f"`{spelling}` is not a known unit; `{unit}` is expected."
+    try:
+        units.to_si(1.0, spelling, unit)
+    except UnitError as error:
+        return str(error)
+    return ""
 
 
 def _usual(unit: str | None) -> str:

@@ -13,8 +13,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -24,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.errors import DataError
+from martensite.files import replacing
 from martensite.materials.base import Material
 from martensite.simulate.result import Result
 from martensite.system import OUTPUTS, System
@@ -125,7 +125,7 @@ def save(
     import h5netcdf
 
     description = describe(result, scenario_text, material, citations)
-    with _replacing(Path(path)) as part, h5netcdf.File(part, "w") as file:
+    with replacing(Path(path)) as part, h5netcdf.File(part, "w") as file:
         file.attrs.update(description.attributes)
         for variable in description.variables:
             for name, size in zip(variable.dims, variable.data.shape, strict=True):
@@ -200,19 +200,3 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "not installed"
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """A new file beside `path` that takes its place once it is complete."""
-    if not path.parent.is_dir():
-        raise DataError(f"The folder of `{path}` does not exist; create it first.")
-    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
-    try:
-        yield part
-        part.replace(path)
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -58,9 +58,7 @@ def recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
     )
 
 
-def waveform(
-    table: Mapping[str, Any], path: str, folder: Path, unit: str
-) -> tuple[Table, float]:
+def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
     """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
         made = _listed(table, path, unit)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from martensite.errors import DataError, suggestion
@@ -65,7 +66,7 @@ class Record:
 
 def out_of_order(times: list[float]) -> int | None:
     """Index of the first time that is not above the one before; None if all are."""
-    pairs = enumerate(zip(times[:-1], times[1:], strict=True), start=1)
+    pairs = enumerate(pairwise(times), start=1)
     return next((i for i, (before, time) in pairs if not time > before), None)
 
 

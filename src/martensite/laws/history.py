@@ -75,7 +75,7 @@ class Course(NamedTuple):
     begin: Scalar
     """Distance at the start, limited to [0, 1]."""
     passes: Flag
-    """The leg moves towards the finish line inside the strip."""
+    """The leg moves towards the finish line inside the strip, from a point not on that line."""
     acts: Flag
     """It does, and there is something left to transform."""
     enters: Scalar
@@ -93,10 +93,10 @@ def course(
     begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
     size = xp.abs(memory.temperature) + xp.abs(temperature)
     size = size + (xp.abs(memory.stress) + xp.abs(stress)) * strip.per_slope
-    travel = first - last
-    moving = travel > 8.0 * EPS * size * xp.abs(strip.per_width)
+    travel, hair = first - last, 8.0 * EPS * size * xp.abs(strip.per_width)
+    moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
-    passes = xp.both(moving, end < begin)
+    passes = xp.both(xp.both(moving, end < begin), begin > hair)
     enters = xp.clip((first - 1.0) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
     return Course(begin, passes, xp.both(passes, left > 0.0), enters, leaves)

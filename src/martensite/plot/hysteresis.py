@@ -107,9 +107,7 @@ def strips(result: Result) -> list[StripMark]:
     return [mark("A_s", "A_f", "C_A", HEATING), mark("M_f", "M_s", "C_M", COOLING)]
 
 
-def draw_loops(
-    panels: Sequence[Any], result: Result, records: Sequence[Record] = ()
-) -> None:
+def draw_loops(panels: Sequence[Any], result: Result, records: Sequence[Record] = ()) -> None:
     """Draw the three loops ξ–T, ε–T and σ–ε; the first carries legend and strip names."""
     for axes, (x, y) in zip(panels, LOOPS, strict=True):
         draw_loop(axes, result, x, y, records)
@@ -118,9 +116,7 @@ def draw_loops(
     _legend(panels[0])
 
 
-def draw_loop(
-    axes: Any, result: Result, x: str, y: str, records: Sequence[Record] = ()
-) -> None:
+def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Record] = ()) -> None:
     """Draw one quantity over another, with arrows; measured records lie below."""
     points = column(result, x), column(result, y)
     found = pairs(result, records, x, y)
@@ -162,9 +158,7 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
 
 def _joined(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
     """Both coordinates of all stretches, with a gap after each."""
-    return [
-        np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points
-    ]
+    return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
 
 
 def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str) -> None:
@@ -179,7 +173,8 @@ def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], c
     tail, head = (
         tuple(float(np.interp(w, way, c)) for c in points) for w in (along - 0.04, along + 0.02)
     )
-    style = {"arrowstyle": "-|>", "mutation_scale": 17.0, "color": colour, "lw": 0.0}
+    head_style = "-|>,head_width=0.24,head_length=0.7"
+    style = {"arrowstyle": head_style, "mutation_scale": 18.0, "color": colour, "lw": 0.0}
     axes.annotate("", head, tail, arrowprops={**style, "shrinkA": 0.0, "shrinkB": 0.0}, zorder=3.0)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.errors import DataError
+from martensite.plot.files import check_format, write_figure
 from martensite.plot.hysteresis import LOOPS, draw_loops
 from martensite.plot.measured import Record, check_records, draw_key
 from martensite.plot.style import HEATING, QUIET, styled
@@ -22,7 +22,6 @@ from martensite.simulate.result import Result
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "svg", "pdf")
 WIDTH, PANEL_HEIGHT = 12.0, 1.22
 """Width of the figure and height of one panel over time [inch]."""
 HEAD, KEY, FOOT, LINE = 0.9, 0.22, 0.55, 0.18
@@ -63,13 +62,8 @@ def save_figure(
             nothing that can be compared.
     """
     path = Path(path)
-    kind = path.suffix.lower().removeprefix(".")
-    if kind not in FORMATS:
-        allowed = ", ".join(f"`.{name}`" for name in FORMATS)
-        raise DataError(f"The figure `{path}` has no suffix that can be drawn; use {allowed}.")
-    if not path.parent.is_dir():
-        raise DataError(f"The folder of `{path}` does not exist; create it first.")
-    _write(plot_result(result, records, title), path, kind)
+    check_format(path)
+    write_figure(plot_result(result, records, title), path)
 
 
 def _figure(result: Result, records: Sequence[Record], title: str | None) -> Figure:
@@ -128,16 +122,3 @@ def _summary(result: Result) -> str:
         when = "" if result.status_time is None else f" at t = {result.status_time:.4g} s"
         parts.append(f"status {result.status.name.lower().replace('_', ' ')}{when}")
     return "  ·  ".join(parts)
-
-
-def _write(figure: Figure, path: Path, kind: str) -> None:
-    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
-    try:
-        with styled():
-            figure.savefig(part, format=kind)
-        part.replace(path)
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -45,7 +45,7 @@ def interval(time: float, guess: float, start: Callable[[int], float]) -> int:
 
 
 def blend(first: float, last: float, share: float) -> float:
-    """first + share (last − first), never outside the two."""
+    """The level at a share of the way from `first` to `last`, never outside the two."""
     if share <= 0.0:
         return first
     if share >= 1.0:

@@ -1,7 +1,4 @@
-"""Pulse-width modulation: high during the first `duty` share of every period, then low.
-
-    u(t) = high for k/f ≤ t < (k + duty)/f, else low
-"""
+"""Pulse-width modulation: u = high for k/f ≤ t < (k + duty)/f, k = 0, 1, …, else low."""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""Ramp: from low at `start` to high at `end`, linear in between, held before and after.
+"""Ramp: linear from one level to the other.
 
-    u(t) = low + (high − low) (t − start)/(end − start)
+    u(t) = low + (high − low) (t − start)/(end − start)  for start ≤ t ≤ end
+
+Before, `low` is held, and afterwards `high`.
 """
 
 from __future__ import annotations

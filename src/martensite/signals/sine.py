@@ -1,6 +1,8 @@
 """Sine between two levels, by default from the lower one on (a raised cosine).
 
-    u(t) = low + (high − low)/2 · (1 − cos(2π f t + φ)),  φ = 0, π/2, π for phase low, middle, high
+    u(t) = low + (high − low)/2 · (1 − cos(2π f t + φ))
+
+φ is 0, π/2 or π, so that the signal starts at `low`, rising through the middle, or at `high`.
 """
 
 from __future__ import annotations

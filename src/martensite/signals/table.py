@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from itertools import pairwise
 
 from martensite.errors import ParameterError
 from martensite.parameters import part
@@ -33,8 +34,7 @@ class Table(AbstractWaveform):
                 raise ParameterError(
                     f"Numbers of a `table` must be finite, but row {row} holds {time} and {value}."
                 )
-        later = zip(self.times[:-1], self.times[1:], strict=True)
-        for row, (before, time) in enumerate(later, start=2):
+        for row, (before, time) in enumerate(pairwise(self.times), start=2):
             if time <= before:
                 raise ParameterError(
                     f"Time must increase from row to row, but row {row} goes from "

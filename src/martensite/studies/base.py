@@ -14,13 +14,10 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-from martensite.errors import DataError, ParameterError
+from martensite.errors import ParameterError
 from martensite.registry import Registry
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
@@ -139,24 +136,3 @@ def load_study(name: str) -> AbstractStudy:
         UnknownNameError: there is none of that name.
     """
     return STUDIES[name]()
-
-
-def write_figure(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the path's suffix.
-
-    Raises:
-        DataError: the suffix names no format that can be drawn, or the file cannot be written.
-    """
-    from martensite.plot.style import styled
-
-    known = ("png", "svg", "pdf")
-    kind = path.suffix.lower().removeprefix(".")
-    if kind not in known:
-        allowed = ", ".join(f"`.{name}`" for name in known)
-        raise DataError(f"The figure `{path}` has no suffix that can be drawn; use {allowed}.")
-    try:
-        with styled():
-            figure.savefig(path, format=kind)
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataError(f"The file `{path}` could not be written: {reason}.") from error

@@ -16,7 +16,7 @@ from martensite.thermal.base import COOLING, AbstractCooling
 class PolynomialCooling(AbstractCooling):
     """A film coefficient of second degree in temperature."""
 
-    cites = ("migaone",)
+    cites = ("migaone-paper",)
 
     h0: Scalar = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5)
     h1: Scalar = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import cast
 
 from martensite.electrical.power import PowerSource
 from martensite.electrical.voltage import VoltageSource
@@ -39,8 +40,8 @@ ZERO = 273.15
 VARIANTS = {
     "polynomial": "polynomial h, heat capacity 837 J/(kg K) and latent heat",
     "constant": "mean constant h, heat capacity 837 J/(kg K) and latent heat",
-    "paper": "polynomial h, heat capacity 320 J/(kg K), no latent heat (as the paper)",
-    "one-curve": "as the paper, and its equation (6) for heating used on cooling too",
+    "paper": "polynomial h, heat capacity 320 J/(kg K), no latent heat: the paper's equations",
+    "one-curve": "the paper's equations, and (6), which holds for heating, on cooling too",
 }
 _TOLERANCE = 1e-4
 _SETTLING = 600.0
@@ -55,10 +56,14 @@ def scenario() -> Scenario:
 
 def base_wire() -> Wire:
     """The wire of the scenario."""
-    element = scenario().system.element
-    if not isinstance(element, Wire):
-        raise TypeError(f"The scenario must hold a wire, but holds {type(element).__name__}.")
-    return element
+    return cast("Wire", scenario().system.element)
+
+
+def number(path: str) -> float:
+    """A number of the scenario's system by its dotted path, in SI units."""
+    system = scenario().system
+    full = system.resolve(path)
+    return next(leaf.value for leaf in system.leaves() if leaf.path == full)
 
 
 def polynomial(printed: Printed) -> PolynomialCooling:
@@ -89,12 +94,11 @@ def variant(key: str, printed: Printed) -> System:
     """One of `VARIANTS`."""
     if key == "constant":
         return heated(mean_constant(printed))
-    values = {}
+    values: dict[str, float] = {}
     if key in ("paper", "one-curve"):
         values = {"heat_capacity": printed.heat_capacity, "latent_heat": 0.0}
     if key == "one-curve":
-        reverse = base_wire().law.__dict__
-        values |= {"law.M_s": reverse["A_f"], "law.M_f": reverse["A_s"]}
+        values |= {"M_s": number("A_f"), "M_f": number("A_s")}
     return heated(polynomial(printed), values)
 
 
@@ -177,25 +181,28 @@ def _passing(run: Result, level: float, first: int, last: int) -> float:
 
 @cache
 def actuation_time(
-    printed: Printed, ambient: float, values: tuple[tuple[str, float], ...] = ()
+    printed: Printed,
+    ambient: float,
+    values: tuple[tuple[str, float], ...] = (),
+    duration: float = 3.0,
 ) -> float:
     """Time from switching on the supply to 95 % of the stroke [s].
 
     Args:
-        printed: supply and resistance are taken from here; nothing is in series.
+        printed: supply voltage, and resistance of the wire; nothing is in series.
         ambient: ambient temperature [°C].
-        values: other numbers to change, by name.
+        values: numbers of the system to change, by name.
+        duration: length of the run, in which the stroke must complete [s].
     """
-    wire, base = base_wire(), scenario().system
-    rho = printed.resistance * wire.section() / wire.length
     system = System(
-        element=wire,
+        element=base_wire(),
         environment=Environment(temperature=ambient + ZERO, cooling=polynomial(printed)),
         source=VoltageSource(),
-        mechanism=base.mechanism,
-    ).with_values({"rho_A": rho, "rho_M": rho, **dict(values)})
-    run = simulate(
-        system, Constant(level=printed.supply), 3.0 * printed.actuation_time,
-        tolerance=_TOLERANCE, samples=3001,
-    )  # fmt: skip
+        mechanism=scenario().system.mechanism,
+    ).with_values(dict(values))
+    wire = cast("Wire", system.element)
+    rho = printed.resistance * wire.section() / wire.length
+    system = system.with_values({"rho_A": rho, "rho_M": rho})
+    supply = Constant(level=printed.supply)
+    run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
     return _passing(run, 0.95 * max(run["position"]), 0, len(run.times) - 1)

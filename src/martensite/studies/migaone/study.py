@@ -37,7 +37,7 @@ class MigaOne(AbstractStudy):
 
     def figure(self, path: Path) -> None:
         """Stroke under the sine, voltage and temperature, h(T), steady temperatures."""
-        from martensite.studies.base import write_figure
+        from martensite.plot.files import write_figure
         from martensite.studies.migaone.figure import draw
 
         write_figure(draw(self.printed), Path(path))

@@ -1,0 +1,74 @@
+# make demo and make test need Python >= 3.11 and make, nothing else: the environment is made on
+# the way, by uv from uv.lock where uv is on the PATH, otherwise by venv and pip.
+#
+#   make test PYTEST_ARGS="-x -k wire"     other arguments for pytest (default: in parallel)
+#   make distclean test PYTHON=python3.13  another interpreter, in a new environment
+
+PYTHON ?= python3
+PYTEST_ARGS ?= -n auto --maxprocesses 4 --dist worksteal
+
+VENV := .venv
+BIN := $(VENV)/bin
+UV := $(shell command -v uv 2>/dev/null)
+# uv finds (or fetches) an interpreter by itself; it is told which only if the user says so.
+UV_SYNC := UV_PROJECT_ENVIRONMENT=$(VENV) $(UV) sync --frozen --inexact \
+	$(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
+
+.DEFAULT_GOAL := help
+.PHONY: help env demo test lint docs bench format lock clean distclean
+.DELETE_ON_ERROR:
+
+help: ## list the targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 20
+
+env: $(VENV)/.stamp-dev ## make the environment in .venv (core, tests, docs, tools)
+
+demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
+	$(BIN)/martensite demo
+
+test: $(VENV)/.stamp-dev ## run every test
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
+	$(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+
+bench: $(VENV)/.stamp-bench ## run the benchmarks
+	$(BIN)/python -m benchmarks
+
+format: $(VENV)/.stamp-dev ## apply the formatter and the safe fixes
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+lock: ## write uv.lock anew after a change of the dependencies (needs uv)
+	uv lock --default-index https://pypi.org/simple
+
+clean: ## remove what builds and runs left behind; keeps .venv
+	rm -rf build dist docs/_build docs/jupyter_execute .hypothesis .import_linter_cache \
+		.pytest_cache .ruff_cache .cache
+	find . -name __pycache__ -type d -not -path './$(VENV)/*' -prune -exec rm -rf {} +
+
+distclean: clean ## clean, and remove .venv too
+	rm -rf $(VENV)
+
+# One stamp per set of extras, so that the environment is touched only when its declaration changed.
+# Every set contains the core; nothing is uninstalled on the way from one set to another.
+$(VENV)/.stamp-core: extra =
+$(VENV)/.stamp-dev: extra = dev
+$(VENV)/.stamp-bench: extra = bench
+$(VENV)/.stamp-%: pyproject.toml uv.lock
+ifneq ($(UV),)
+	$(UV_SYNC) $(if $(extra),--extra $(extra))
+else
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
+		"martensite needs Python 3.11 or newer, but $(PYTHON) is not; try: make PYTHON=python3.13" >&2; \
+		exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.$(if $(extra),[$(extra)])'
+endif
+	@touch $(VENV)/.stamp-core $@

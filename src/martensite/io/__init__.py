@@ -1,0 +1,1 @@
+"""Files: scenarios, measured tables and data sets, results as netCDF, citations."""

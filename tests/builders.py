@@ -1,0 +1,290 @@
+"""Systems and parts that the tests build: the benchmark wire, simple wires, examples of anything.
+
+Problem A is a Liang–Rogers wire of 0.381 mm x 250 mm under a two-tone voltage against a bias
+spring; its reference numbers were computed for this project by solvers that share no code with
+the package (see benchmarks/problem_a.py).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from martensite.electrical.base import RESISTANCES, SOURCES, AbstractSource
+from martensite.electrical.per_length import PerLengthResistance
+from martensite.electrical.power import PowerSource
+from martensite.electrical.temperature import PrescribedTemperature
+from martensite.electrical.voltage import VoltageSource
+from martensite.elements.base import ELEMENTS, AbstractElement
+from martensite.elements.wire import Wire
+from martensite.laws.base import LAWS, AbstractLaw
+from martensite.laws.liang_rogers import LiangRogers
+from martensite.materials.base import load_material, material_names
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
+from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.registry import Registry
+from martensite.runtimes import floats
+from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.system import OUTPUTS, System
+from martensite.thermal.base import COOLING, AbstractCooling, Environment
+from martensite.thermal.constant import ConstantCooling
+from martensite.thermal.polynomial import PolynomialCooling
+
+ZERO = 273.15
+REGISTRIES: dict[str, Registry[Any]] = {
+    registry.kind: registry
+    for registry in (LAWS, COOLING, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS)
+}
+
+# ---------------------------------------------------------------- problem A
+
+LAW_A = {
+    "E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "Theta": 0.055e6, "T_ref": 293.15,
+    "A_s": 68 + ZERO, "A_f": 78 + ZERO, "M_s": 52 + ZERO, "M_f": 42 + ZERO,
+    "C_A": 10e6, "C_M": 8e6,
+}  # fmt: skip
+
+
+class FunctionWaveform(AbstractWaveform):
+    """A waveform from a plain function of time, with the times at which it jumps or bends."""
+
+    function: Callable[[float], float] = part("signal as a function of time [s]")
+    kinks: tuple[float, ...] = part("times of jumps and bends [s]", default=())
+
+    def value(self, time: float) -> float:
+        return self.function(time)
+
+    def edges(self, duration: float) -> list[float]:
+        return [t for t in self.kinks if 0.0 < t < duration]
+
+
+def volts_a(t: float) -> float:
+    """The two-tone drive of problem A [V]."""
+    tau = 2.0 * math.pi * t
+    return 2.8 * (0.66 - 0.34 * math.cos(0.1 * tau) - 0.2 * math.cos(0.023 * tau))
+
+
+SINE_A = FunctionWaveform(function=volts_a)
+
+
+def law_a(history: str = "resume", modulus: str = "mixture", **changes: Any) -> LiangRogers:
+    return LiangRogers(**(LAW_A | changes), history=history, modulus=modulus)
+
+
+def wire_a(law: AbstractLaw | None = None, **changes: Any) -> Wire:
+    numbers = {
+        "diameter": 0.381e-3, "length": 0.25, "density": 6450.0, "heat_capacity": 400.0,
+        "latent_heat": 24e3,
+    }  # fmt: skip
+    resistance = PerLengthResistance(r_A=8.3, r_M=8.3 * 1.15)
+    return Wire(law=law or law_a(), resistance=resistance, **(numbers | changes))
+
+
+def problem_a(history: str = "resume", **changes: Any) -> System:
+    """Problem A; keyword arguments replace whole parts of the system."""
+    parts: dict[str, Any] = {
+        "element": wire_a(law_a(history)),
+        "environment": Environment(
+            temperature=20 + ZERO, cooling=PolynomialCooling(h0=100, h1=0.15, reference=20 + ZERO)
+        ),
+        "source": VoltageSource(),
+        "mechanism": BiasSpring(stiffness=1000, preload=5),
+    }
+    return System(**(parts | changes))
+
+
+# ---------------------------------------------------------------- simpler wires
+
+
+def hanging_wire(
+    *,
+    mass: float = 0.0,
+    source: AbstractSource | None = None,
+    h: float = 100.0,
+    law: AbstractLaw | None = None,
+    **changes: Any,
+) -> System:
+    """The wire of problem A under a dead weight, with a constant film coefficient."""
+    return problem_a(
+        element=wire_a(law, **changes),
+        environment=Environment(temperature=20 + ZERO, cooling=ConstantCooling(h=h)),
+        source=source or PowerSource(),
+        mechanism=DeadWeight(mass=mass),
+    )
+
+
+def chamber(law: AbstractLaw, mass: float = 0.0, **changes: Any) -> System:
+    """A hanging wire whose temperature is prescribed."""
+    return hanging_wire(mass=mass, source=PrescribedTemperature(), law=law, **changes)
+
+
+def through(points: list[float], seconds: float = 1.0) -> FunctionWaveform:
+    """Straight lines through points that are `seconds` apart, with exact values at the points."""
+
+    def value(t: float) -> float:
+        k = min(int(t / seconds), len(points) - 2)
+        share = min(t / seconds - k, 1.0)
+        return points[k] * (1.0 - share) + points[k + 1] * share
+
+    kinks = tuple(seconds * k for k in range(1, len(points) - 1))
+    return FunctionWaveform(function=value, kinks=kinks)
+
+
+# ---------------------------------------------------------------- a bare law along a path
+
+
+def along(
+    law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1, dt: float = 1.0
+) -> list[Any]:
+    """Memories of a law at the points (stress [Pa], temperature [K]), legs cut into substeps."""
+    memory = law.init(floats, fraction, *points[0])
+    memories = [memory]
+    for (s0, t0), (s1, t1) in itertools.pairwise(points):
+        for k in range(1, substeps + 1):
+            share = k / substeps
+            stress = s1 if k == substeps else s0 + share * (s1 - s0)
+            temperature = t1 if k == substeps else t0 + share * (t1 - t0)
+            memory, _ = law.kinetics(floats, memory, stress, temperature, dt / substeps)
+        memories.append(memory)
+    return memories
+
+
+def fraction_after(
+    law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1
+) -> float:
+    """ξ at the last point."""
+    return law.fractions(along(law, points, fraction, substeps)[-1]).martensite
+
+
+def isobar(*celsius: float, stress: float = 0.0) -> list[tuple[float, float]]:
+    """A path at constant stress [Pa] through temperatures [degC]."""
+    return [(stress, t + ZERO) for t in celsius]
+
+
+def isotherm(celsius: float, *mpa: float) -> list[tuple[float, float]]:
+    """A path at constant temperature [degC] through stresses [MPa]."""
+    return [(s * 1e6, celsius + ZERO) for s in mpa]
+
+
+def strain_of(law: Any, memory: Any) -> float:
+    """Strain [-] stored in a memory."""
+    return law.strain(floats, law.fractions(memory), memory.stress, memory.temperature)
+
+
+# ---------------------------------------------------------------- examples of registered things
+
+# What no rule below can guess: values that must fit each other.
+VALUES: dict[str, dict[str, Any]] = {
+    "sine": {"frequency": 0.7},
+    "triangle": {"frequency": 0.7},
+    "pwm": {"frequency": 3.0, "duty": 0.3},
+    "ramp": {"start": 0.5, "end": 1.75},
+    "step": {"at": 0.5, "until": 1.75},
+    "staircase": {"first": 1.0, "increment": 0.5, "hold": 0.4, "count": 4.0},
+    "table": {"times": (0.0, 0.5, 2.0), "values": (0.0, 2.0, 1.0)},
+}
+# Plausible sizes by name (also instead of defaults, which are often an inert zero), then by unit.
+BY_NAME = {
+    "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,
+    "h1": 0.1, "h2": 1e-4, "preload": 3.0, "series_resistance": 0.5, "current_limit": 0.6,
+    "voltage_limit": 6.0, "low": 0.5, "high": 2.5, "level": 1.5,
+}  # fmt: skip
+BY_UNIT = {
+    "m": 1e-2, "kg": 0.5, "N": 3.0, "N/m": 500.0, "W/m^2/K": 80.0, "m/s": 1.0, "s": 0.5,
+    "ohm/m": 20.0, "ohm": 1.0, "drive": 1.5, "K": 300.0, "1": 0.5, "m/s^2": 9.81,
+}  # fmt: skip
+
+
+def materials_by_preference() -> Iterator[dict[str, float]]:
+    """Numbers of all materials, the classical set and the benchmark set first."""
+    first = ["niti-brinson-1993", "benchmark-liang-rogers", "finger-mas"]
+    for name in [*first, *(n for n in material_names() if n not in first)]:
+        yield {key: number.value for key, number in load_material(name).values.items()}
+
+
+def guess(name: str, declared: Declared) -> float:
+    """A plausible value of a required parameter that no material has."""
+    if declared.unit in BY_UNIT and declared.low < BY_UNIT[declared.unit] < declared.high:
+        return BY_UNIT[declared.unit]
+    low, high = declared.bounds
+    return math.sqrt(low * high) if low > 0.0 and math.isfinite(high) else 0.5 * (low + high)
+
+
+def material_values(wanted: set[str]) -> dict[str, float]:
+    """Numbers of one material that has all the wanted ones, else of as few as possible."""
+    found: dict[str, float] = {}
+    materials = list(materials_by_preference())
+    for numbers in sorted(materials, key=lambda m: -len(wanted & set(m))):
+        found = {name: numbers[name] for name in wanted & set(numbers)} | found
+    return found
+
+
+def example(cls: type[Parametrised], **choices: Any) -> Any:
+    """An instance of any registered class, from material data by the names it declares."""
+    required = {
+        name: d
+        for name, d in cls.declarations.items()
+        if d.default is REQUIRED and name not in choices
+    }
+    values = dict(VALUES.get(cls.registered_name, {})) | choices
+    numbers = {name for name, d in cls.declarations.items() if d.kind == "parameter"}
+    by_name = {name: BY_NAME[name] for name in numbers & set(BY_NAME)}
+    values = material_values(numbers) | by_name | values
+    for name, declared in required.items():
+        if name in values:
+            continue
+        if declared.kind == "option":
+            values[name] = declared.choices[0]
+        elif declared.kind == "part" and declared.registry is not None:
+            values[name] = example(declared.registry[declared.registry.names()[0]])
+        elif declared.kind == "parameter":
+            values[name] = guess(name, declared)
+    return cls(**values)
+
+
+def variants(cls: type[Parametrised]) -> list[Any]:
+    """One example per combination of the options of a class."""
+    options = {n: d.choices for n, d in cls.declarations.items() if d.kind == "option"}
+    combinations = itertools.product(*options.values())
+    return [example(cls, **dict(zip(options, words, strict=True))) for words in combinations]
+
+
+def label(thing: Parametrised) -> str:
+    """Name and options, for test ids."""
+    words = [getattr(thing, n) for n, d in thing.declarations.items() if d.kind == "option"]
+    return "-".join([type(thing).registered_name or type(thing).__name__, *words])
+
+
+def registered(kind: str | None = None) -> list[type[Parametrised]]:
+    """All registered classes, or those of one kind."""
+    chosen = [REGISTRIES[kind]] if kind else list(REGISTRIES.values())
+    return [registry[name] for registry in chosen for name in registry.names()]
+
+
+def examples(kind: str) -> list[Any]:
+    """Examples of all registered classes of one kind, one per combination of options."""
+    return [thing for cls in registered(kind) for thing in variants(cls)]
+
+
+def example_environment(cooling: AbstractCooling | None = None) -> Environment:
+    return Environment(temperature=295.0, cooling=cooling or ConstantCooling(h=80.0))
+
+
+def example_system(thing: Parametrised) -> System:
+    """Problem A with one part exchanged: a law, cooling, element, mechanism or source."""
+    if isinstance(thing, AbstractLaw):
+        return problem_a(element=wire_a(thing))
+    if isinstance(thing, AbstractCooling):
+        return problem_a(environment=example_environment(thing))
+    kinds = {"element": AbstractElement, "mechanism": AbstractMechanism, "source": AbstractSource}
+    return problem_a(**{slot: thing for slot, kind in kinds.items() if isinstance(thing, kind)})
+
+
+def column(rows: list[tuple[float, ...]], name: str) -> list[float]:
+    """A column of observed rows by name."""
+    i = list(OUTPUTS).index(name)
+    return [row[i] for row in rows]

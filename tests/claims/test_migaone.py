@@ -1,0 +1,291 @@
+"""Study `migaone`: claims against numbers found for this project by code not shared with it.
+
+The reference numbers come from a separate solution of the same equations (branch-wise
+differential equations and root finding), given here to the digits it was noted with.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, replace
+
+import pytest
+
+from martensite.errors import DataError, ParameterError, UnknownNameError
+from martensite.identify.film import film_r_squared, fit_film
+from martensite.io.citations import bibliography
+from martensite.simulate.result import Result
+from martensite.studies.base import Claim, load_study, study_names
+from martensite.studies.migaone import bench, film_claims, motion_claims, wire_claims
+from martensite.studies.migaone.printed import Printed, Step
+from martensite.studies.migaone.study import MigaOne
+
+PRINTED = Printed()
+REPRODUCED = {
+    "geometry-volume-misprint", "steady-1.0V", "steady-1.5V", "steady-2.0V", "steady-2.5V",
+    "actuation-time",
+}  # fmt: skip
+NOT_REPRODUCED = {
+    "geometry-diameter", "geometry-surface", "geometry-volume", "resistance-1.0V",
+    "resistance-2.5V", "fit-quadratic-h0", "fit-quadratic-h1", "fit-quadratic-h2",
+    "fit-no-linear-h0", "fit-no-linear-h2", "fit-r2-printed", "fit-r2-best",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def claims() -> dict[str, Claim]:
+    return {claim.id: claim for claim in load_study("migaone").claims()}
+
+
+def verdict(claims: list[Claim], id: str) -> str:
+    return next(claim.verdict for claim in claims if claim.id == id)
+
+
+# ---------------------------------------------------------------- verdicts
+
+
+def test_verdicts(claims: dict[str, Claim]) -> None:
+    found = {v: {c.id for c in claims.values() if c.verdict == v} for v in
+             ("reproduced", "not reproduced", "calibrated")}  # fmt: skip
+    assert found["reproduced"] == REPRODUCED
+    assert found["not reproduced"] == NOT_REPRODUCED
+    assert found["calibrated"] == {"geometry-length", "resistance-series"}
+
+
+def test_every_claim_is_complete() -> None:
+    listed = load_study("migaone").claims()
+    assert len({claim.id for claim in listed}) == len(listed)
+    for claim in listed:
+        assert claim.statement and claim.why and claim.unit
+        assert claim.source.split(",")[0] in bibliography()
+        assert claim.computed is not None and math.isfinite(claim.computed)
+    json.dumps([claim.to_dict() for claim in listed], allow_nan=False)
+
+
+def test_each_published_number_decides_its_verdict(claims: dict[str, Claim]) -> None:
+    for id in REPRODUCED | NOT_REPRODUCED:
+        fields = asdict(claims[id])
+        del fields["verdict"]
+        wrong = fields["computed"] + 1.01 * fields["tolerance"]
+        assert Claim.checked(**fields | {"published": wrong}).verdict == "not reproduced"
+        right = fields["computed"] - 0.99 * fields["tolerance"]
+        assert Claim.checked(**fields | {"published": right}).verdict == "reproduced"
+
+
+def test_a_wrong_published_number_is_not_reproduced() -> None:
+    wrong = replace(PRINTED, actuation_time=3.0)
+    assert verdict(MigaOne(wrong).claims(), "actuation-time") == "not reproduced"
+    row = Step(2.0, 80.0, 57.28)
+    steps = (*PRINTED.steps[:2], row, PRINTED.steps[3])
+    steady = film_claims.claims(replace(PRINTED, steps=steps))
+    assert verdict(steady, "steady-2.0V") == "not reproduced"
+    assert verdict(steady, "steady-2.5V") == "reproduced"
+
+
+def test_a_corrected_misprint_is_reproduced() -> None:
+    length = wire_claims.printed_length(PRINTED)
+    right = replace(PRINTED, diameter=0.381e-3, surface=math.pi * 0.381e-3 * length)
+    assert verdict(wire_claims.claims(right), "geometry-surface") == "reproduced"
+    fit = film_claims.no_linear(PRINTED)
+    right = replace(PRINTED, h0=fit.coefficients[0], h2=fit.coefficients[2])
+    assert verdict(film_claims.claims(right), "fit-no-linear-h0") == "reproduced"
+
+
+def test_a_verdict_against_its_numbers_cannot_be_made(claims: dict[str, Claim]) -> None:
+    with pytest.raises(ParameterError, match="must be not reproduced by its numbers"):
+        replace(claims["fit-r2-best"], verdict="reproduced")
+    with pytest.raises(ParameterError, match="must have a published number"):
+        replace(claims["sine-paper-rise"], verdict="reproduced")
+    with pytest.raises(ParameterError, match="must have no tolerance"):
+        replace(claims["fit-r2-best"], verdict="not checkable")
+    with pytest.raises(ParameterError, match="at least 0"):
+        Claim.checked("a", "b", "c", 1.0, 1.0, "m", math.nan, "d")
+    nan = Claim.checked("a", "b", "c", 1.0, math.nan, "m", 0.1, "d")
+    assert nan.verdict == "not reproduced"
+
+
+# ---------------------------------------------------------------- the wire
+
+
+def test_geometry_and_resistance(claims: dict[str, Claim]) -> None:
+    wire = bench.base_wire()
+    assert wire.diameter == pytest.approx(PRINTED.diameter_in_text)
+    assert wire.length == pytest.approx(wire_claims.printed_length(PRINTED), abs=0.5e-3)
+    assert wire.surface() == pytest.approx(3.27e-4, abs=0.005e-4)
+    assert wire.surface() / PRINTED.surface == pytest.approx(10.0, rel=0.005)
+    assert wire.section() * wire.length / PRINTED.volume == pytest.approx(100.0, rel=0.005)
+    powers = [bench.heating_power(step, PRINTED) for step in PRINTED.steps]
+    assert powers[0] == pytest.approx(0.143, abs=5e-4)
+    assert powers[-1] == pytest.approx(1.021, abs=3e-3)  # noted for a length of 272.5 mm
+    assert claims["resistance-1.0V"].computed == pytest.approx(7.0, abs=0.05)
+    assert claims["resistance-2.5V"].computed == pytest.approx(6.1, abs=0.05)
+    series = [wire_claims.series_resistance(v, PRINTED) for v in (1.0, 2.5)]
+    assert series == pytest.approx([1.65, 1.36], abs=0.01)
+
+
+def test_scenario_says_what_the_paper_does() -> None:
+    scenario = bench.scenario()
+    assert bench.number("environment.temperature") == pytest.approx(PRINTED.ambient + bench.ZERO)
+    coefficients = tuple(bench.number(f"cooling.h{k}") for k in range(3))
+    assert coefficients == pytest.approx(PRINTED.coefficients)
+    wire = bench.base_wire()
+    ohms = bench.number("rho_M") * wire.length / wire.section()
+    assert ohms == pytest.approx(PRINTED.resistance, abs=0.01)
+    assert bench.number("series_resistance") == pytest.approx(
+        wire_claims.series_resistance(2.5, PRINTED), abs=0.005
+    )
+    assert scenario.waveform.value(100.0) == pytest.approx(PRINTED.steps[-1].voltage)
+
+
+def test_scenario_moves_and_returns() -> None:
+    run = bench.scenario().run()
+    assert isinstance(run, Result)
+    assert 6e-3 < run.stroke < 8e-3
+    assert run["position"][-1] == pytest.approx(0.0, abs=1e-6)
+    assert run["stress"][0] == pytest.approx(34.4e6, abs=0.05e6)
+
+
+# ---------------------------------------------------------------- h(T)
+
+
+def test_fits() -> None:
+    full, even, line = (
+        fit(PRINTED) for fit in (film_claims.quadratic, film_claims.no_linear, film_claims.straight)
+    )
+    assert full.coefficients == pytest.approx((30.729, 0.34525, 4.701e-4), rel=3e-5)
+    assert even.coefficients == pytest.approx((41.888, 0.0, 0.0030103), rel=3e-5)
+    assert line.coefficients == pytest.approx((28.692, 0.40871), rel=3e-5)
+    found = [fit.r_squared for fit in (full, even, line)]
+    assert found == pytest.approx([0.98896, 0.98417, 0.98879], abs=6e-6)
+    adjusted = [fit.adjusted for fit in (full, even, line)]
+    assert adjusted == pytest.approx([0.967, 0.976, 0.983], abs=6e-4)
+    assert film_claims.printed_r_squared(PRINTED) == pytest.approx(0.98090, abs=6e-6)
+
+
+def test_no_parabola_beats_the_fit() -> None:
+    best = film_claims.quadratic(PRINTED)
+    for k in range(3):
+        for factor in (0.999, 1.001):
+            moved = [c * (factor if i == k else 1.0) for i, c in enumerate(best.coefficients)]
+            r_squared = film_r_squared(PRINTED.temperatures, PRINTED.films, moved)
+            assert r_squared < best.r_squared < PRINTED.r_squared
+
+
+def test_fit_film_recovers_a_parabola_and_refuses_nonsense() -> None:
+    at = [40.0, 55.0, 70.0, 85.0, 90.0]
+    h = [40.0 + 0.2 * t - 1e-3 * t * t for t in at]
+    fit = fit_film(at, h)
+    assert fit.coefficients == pytest.approx((40.0, 0.2, -1e-3), rel=1e-9)
+    assert fit.r_squared == pytest.approx(1.0)
+    assert fit.film(60.0) == pytest.approx(48.4)
+    assert math.isnan(fit_film(at[:3], h[:3]).adjusted)
+    with pytest.raises(DataError, match="do not determine"):
+        fit_film([40.0, 40.0, 50.0], h[:3])
+    with pytest.raises(DataError, match="equally many"):
+        fit_film(at, h[:3])
+    with pytest.raises(DataError, match="finite"):
+        fit_film(at, [*h[:4], math.inf])
+    with pytest.raises(ParameterError, match="distinct powers"):
+        fit_film(at, h, terms=(0, 1, 1))
+    with pytest.raises(DataError, match="not defined"):
+        fit_film(at, [50.0] * 5)
+
+
+def root_of_balance(power: float, surface: float, coefficients: tuple[float, ...]) -> float:
+    """Steady temperature [°C] by bisection of P = h(T) S (T - T_a)."""
+    low, high = PRINTED.ambient, 200.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        h = sum(c * middle**k for k, c in enumerate(coefficients))
+        low, high = (
+            (middle, high) if h * surface * (middle - PRINTED.ambient) < power else (low, middle)
+        )
+    return low
+
+
+def test_steady_temperatures() -> None:
+    errors = film_claims.steady_errors("polynomial", PRINTED)
+    assert max(map(abs, errors)) < 0.3
+    for step, error in zip(PRINTED.steps, errors, strict=True):
+        power = bench.heating_power(step, PRINTED)
+        root = root_of_balance(power, bench.base_wire().surface(), PRINTED.coefficients)
+        assert step.temperature + error == pytest.approx(root, abs=1e-3)
+    assert max(map(abs, film_claims.steady_errors("refitted", PRINTED))) < 0.45
+    mean = film_claims.steady_errors("constant", PRINTED)
+    assert max(mean, key=abs) == pytest.approx(7.7, abs=0.05)
+
+
+def test_film_rests_on_the_ambient_temperature() -> None:
+    assert film_claims.films_at_ambient(38.5, PRINTED) == pytest.approx(PRINTED.films)
+    found = film_claims.films_at_ambient(41.0, PRINTED)
+    assert found == pytest.approx([65.8, 61.1, 61.9, 68.1], abs=0.05)
+
+
+# ---------------------------------------------------------------- motion
+
+
+@pytest.mark.parametrize(
+    ("key", "hottest", "rise", "fall", "stroke"),
+    [
+        ("polynomial", 82.0, 98.7, 165.2, 6.70),
+        ("constant", 86.8, 95.3, 167.9, 8.0),
+        ("paper", 86.8, 82.8, 151.8, 8.0),
+        ("one-curve", 86.8, 82.8, 122.1, 8.0),
+    ],
+)
+def test_sine(key: str, hottest: float, rise: float, fall: float, stroke: float) -> None:
+    """The reference has stroke proportional to 1 - ξ; here 0.2 mm of it is elastic."""
+    found = bench.response(key, PRINTED)
+    assert found.hottest == pytest.approx(hottest, abs=0.1)
+    assert found.rise == pytest.approx(rise, abs=0.25)
+    assert found.fall == pytest.approx(fall, abs=0.25)
+    assert 1e3 * found.stroke == pytest.approx(stroke, abs=0.05)
+
+
+def test_actuation_time() -> None:
+    """The reference is for a room of 25 °C, and to two digits."""
+    assert motion_claims.fastest(PRINTED) == pytest.approx(0.38, abs=0.01)
+    assert motion_claims.slowest(PRINTED) == pytest.approx(1.7, abs=0.05)
+    assert motion_claims.thin(PRINTED, motion_claims.ROOM) == pytest.approx(0.016, abs=0.0005)
+    here = bench.actuation_time(PRINTED, PRINTED.ambient)
+    assert motion_claims.fastest(PRINTED) < here < motion_claims.slowest(PRINTED)
+
+
+# ---------------------------------------------------------------- the study
+
+
+def test_study_is_found_by_name() -> None:
+    assert "migaone" in study_names()
+    study = load_study("migaone")
+    assert study.key == "migaone"
+    assert set(study.cites) <= set(bibliography())
+    with pytest.raises(UnknownNameError, match="Did you mean `migaone`"):
+        load_study("migaon")
+
+
+def test_figure(tmp_path) -> None:
+    study = load_study("migaone")
+    study.figure(tmp_path / "migaone.png")
+    assert (tmp_path / "migaone.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(DataError, match="suffix"):
+        study.figure(tmp_path / "migaone.txt")
+    with pytest.raises(DataError, match="does not exist"):
+        study.figure(tmp_path / "absent" / "migaone.png")
+
+
+def test_readme_has_the_computed_numbers() -> None:
+    text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
+    for key in bench.VARIANTS:
+        r = bench.response(key, PRINTED)
+        row = f"| {r.hottest:.1f} °C | {r.rise:.1f} s | {r.fall:.1f} s | {1e3 * r.stroke:.2f} mm |"
+        assert row in text
+    even, line = film_claims.no_linear(PRINTED), film_claims.straight(PRINTED)
+    h0, _, h2 = even.coefficients
+    assert f"| {h0:.3f}, 0, {h2:.7f} | {even.r_squared:.5f} |" in text
+    assert f"| {line.coefficients[0]:.3f}, {line.coefficients[1]:.5f}, 0 |" in text
+    assert f"about 1 s: {bench.actuation_time(PRINTED, PRINTED.ambient):.2f} s" in text
+    spread = f"{motion_claims.fastest(PRINTED):.2f} to {motion_claims.slowest(PRINTED):.2f} s"
+    assert spread in text
+    mean = film_claims.steady_errors("constant", PRINTED)
+    assert "{:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} K".format(*mean) in text

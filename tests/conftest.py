@@ -1,0 +1,18 @@
+"""Shared fixtures; the plain constructors live in `builders.py` and `kernels.py`."""
+
+import pytest
+from hypothesis import settings
+
+from martensite.runtimes.c99 import compiler
+
+settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
+settings.load_profile("reproducible")
+
+
+@pytest.fixture(scope="session")
+def c_compiler() -> str:
+    """The C compiler of this machine; tests that need one skip without."""
+    found = compiler()
+    if found is None:
+        pytest.skip("no C compiler on this machine (install gcc or clang)")
+    return found

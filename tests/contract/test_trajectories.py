@@ -1,0 +1,109 @@
+"""Whole trajectories of problem A agree on all runtimes: steps that agree one by one may not."""
+
+import numpy as np
+import pytest
+from builders import SINE_A, FunctionWaveform, example_system, examples, label, problem_a
+
+from martensite.runtimes.arrays import ArrayNamespace
+from martensite.signals.pwm import PulseWidthModulation
+from martensite.signals.step import Step
+from martensite.simulate.api import simulate
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.grid import build_grid
+
+TOLERANCE = 1e-12
+
+
+def random_steps() -> FunctionWaveform:
+    """120 random voltages, each held 0.5 s, off about every third time."""
+    rng = np.random.default_rng(5)
+    volts = (rng.uniform(0, 3.6, 120) * (rng.random(120) > 0.35)).tolist()
+    return FunctionWaveform(
+        function=lambda t: volts[min(int(2.0 * t), 119)],
+        kinks=tuple(k / 2 for k in range(1, 120)),
+    )
+
+
+DRIVES = {
+    "sine": (SINE_A, 0.02),
+    "random steps": (random_steps(), 0.02),
+    "pwm": (PulseWidthModulation(high=5.0, frequency=10.0, duty=0.17), 0.01),
+}
+
+
+def table(system, drive, runtime, duration=60.0):
+    """All outputs as shares of their ranges, (samples, outputs)."""
+    wave, step = DRIVES[drive]
+    result = simulate(system, wave, duration, step=step, samples=601, runtime=runtime)
+    return np.array(list(result.columns.values())).T
+
+
+def disagreement(a, b):
+    """Largest difference as a share of the range of its column, or of its size if constant."""
+    span = np.maximum(np.ptp(a, axis=0), 1e-3 * np.abs(a).max(axis=0))
+    return float((np.abs(a - b).max(axis=0) / np.maximum(span, 1e-300)).max())
+
+
+@pytest.fixture(params=["resume", "restart"])
+def history(request):
+    return request.param
+
+
+@pytest.fixture(params=["jax", "c"])
+def runtime(request):
+    if request.param == "c":
+        request.getfixturevalue("c_compiler")
+    return request.param
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_runtimes_agree_over_a_minute(drive, history, runtime):
+    system = problem_a(history)
+    meant = table(system, drive, "floats")
+    assert np.ptp(meant[:, 2]) > 0.1  # the wire does transform
+    assert disagreement(meant, table(system, drive, runtime)) <= TOLERANCE
+
+
+def test_numpy_arrays_agree_over_five_seconds(history):
+    system = problem_a(history)
+    compiled = compile_system(system)
+    grid = build_grid(DRIVES["pwm"][0], 5.0, 51, 0.01, False)
+    lanes = [np.full(3, v) for v in compiled.values(system)]
+    functions = compiled.program.bind_arrays(ArrayNamespace(np), lanes)
+    state = [np.broadcast_to(v, 3) for v in functions["init"](grid.sampled[0])]
+    for u, dt in zip(grid.drives, grid.lengths, strict=True):
+        state = functions["step"](*state, u, dt)[: compiled.size]
+    ends = np.array([np.broadcast_to(v, 3) for v in functions["observe"](*state, grid.sampled[-1])])
+    meant = simulate(system, DRIVES["pwm"][0], 5.0, step=0.01, samples=51)
+    last = np.array([column[-1] for column in meant.columns.values()])
+    span = np.array([max(meant.range(name), abs(meant[name][-1])) for name in meant.columns])
+    assert (ends[:, 0] == ends[:, 2]).all()
+    assert (np.abs(ends[:, 1] - last) <= TOLERANCE * span + 1e-300).all()
+
+
+LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0}
+PARTS = [thing for kind in ("law", "element", "mechanism", "drive") for thing in examples(kind)]
+
+
+@pytest.mark.parametrize("thing", PARTS, ids=label)
+def test_every_part_runs_the_same_in_c(thing, c_compiler):
+    """Three seconds of on and off with any registered part in the system."""
+    system = example_system(thing)
+    source = system.source
+    rest = system.environment.temperature if source.sets_temperature else 0.0
+    wave = Step(low=rest, high=LEVELS[source.unit], at=0.1, until=1.5)
+    runs = [
+        simulate(system, wave, 3.0, step=0.01, samples=31, runtime=runtime)
+        for runtime in ("floats", "c")
+    ]
+    meant, found = (np.array(list(run.columns.values())).T for run in runs)
+    assert not runs[0].status.failed
+    assert disagreement(meant, found) <= TOLERANCE
+    assert runs[0].range("temperature") > 5.0
+
+
+def test_a_perturbed_constant_is_noticed(runtime):
+    system = problem_a()
+    other = system.with_values({"heat_capacity": 400.0 * (1 + 1e-10)})
+    apart = disagreement(table(system, "sine", "floats"), table(other, "sine", runtime))
+    assert apart > TOLERANCE

@@ -1,0 +1,188 @@
+"""The heat balance against closed forms, and the energy that goes in, out and stays.
+
+Powers are integrated here, by Romberg's rule on samples of the outputs, not by the march.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from builders import (
+    SINE_A,
+    ZERO,
+    FunctionWaveform,
+    hanging_wire,
+    law_a,
+    problem_a,
+    through,
+    wire_a,
+)
+from scipy.integrate import romb
+
+from martensite.electrical.current import CurrentSource
+from martensite.electrical.power import PowerSource
+from martensite.signals.constant import Constant
+from martensite.simulate.api import simulate
+
+AMBIENT = 20 + ZERO
+RULES = pytest.mark.parametrize("rule", ["resume", "restart"])
+
+
+def surface(wire):
+    return math.pi * wire.diameter * wire.length
+
+
+def mass(wire):
+    return wire.density * math.pi * wire.diameter**2 / 4 * wire.length
+
+
+def watts_for(system, celsius, h=100.0):
+    """The power [W] that holds a wire of constant h at a temperature."""
+    return h * surface(system.element) * (celsius + ZERO - AMBIENT)
+
+
+# ---------------------------------------------------------------- energy
+
+
+def balance(system, wave, duration, samples, step):
+    """Energy put in [J], and what is missing of it as a share."""
+    run = simulate(system, wave, duration, step=step, samples=samples)
+    width = duration / (samples - 1)
+    put_in, lost = (float(romb(np.array(run[n]), width)) for n in ("power", "heat_loss"))
+    wire = system.element
+    stored = mass(wire) * wire.heat_capacity * (run["temperature"][-1] - run["temperature"][0])
+    change = run["martensite_fraction"][-1] - run["martensite_fraction"][0]
+    latent = -mass(wire) * wire.latent_heat * change
+    assert min(run["martensite_fraction"]) < 0.2
+    return put_in, (put_in - lost - stored - latent) / put_in
+
+
+@RULES
+@pytest.mark.parametrize("duration", [7.5, 16.0])
+def test_energy_closes_over_a_heating_and_cooling_cycle(rule, duration):
+    """Power up and down as a raised cosine; half of the cycle, and the cycle with its rest."""
+    system = hanging_wire(mass=1.0, law=law_a(rule))
+    peak = watts_for(system, 140.0)
+    period = 12.0
+
+    def watts(t):
+        return 0.5 * peak * (1 - math.cos(2 * math.pi * t / period)) if t < period else 0.0
+
+    wave = FunctionWaveform(function=watts, kinks=(period,))
+    put_in, missing = balance(system, wave, duration, 2**13 + 1, 1e-3)
+    assert put_in > 10.0
+    assert abs(missing) < 1e-6
+
+
+@RULES
+def test_energy_closes_for_a_voltage_on_a_spring(rule):
+    """Problem A: resistance, film coefficient and stress all change on the way."""
+    put_in, missing = balance(problem_a(rule), SINE_A, 16.384, 2**14 + 1, 1e-3)
+    assert put_in > 10.0
+    assert abs(missing) < 1e-6
+
+
+def test_forgotten_latent_heat_is_noticed():
+    system = problem_a()
+    run = simulate(system, SINE_A, 16.384, step=1e-3, samples=2**14 + 1)
+    put_in, lost = (float(romb(np.array(run[n]), 1e-3)) for n in ("power", "heat_loss"))
+    wire = system.element
+    stored = mass(wire) * wire.heat_capacity * (run["temperature"][-1] - run["temperature"][0])
+    assert abs(put_in - lost - stored) / put_in > 1e-2
+
+
+def test_latent_heat_is_what_calorimetry_would_see():
+    """Very slow heating: the energy beyond storage is mass times latent heat, ξ from 1 to 0."""
+    system = hanging_wire(h=0.0, initial_fraction=1.0)
+    wire = system.element
+    watts = 0.05
+    needed = mass(wire) * (400.0 * (100.0 - 20.0) + 24e3)
+    run = simulate(system, Constant(level=watts), needed / watts, step=0.05, samples=11)
+    assert run["temperature"][-1] == pytest.approx(100.0 + ZERO, abs=1e-7)
+    assert run["martensite_fraction"][-1] == 0.0
+
+
+# ---------------------------------------------------------------- closed forms
+
+
+@pytest.mark.parametrize("celsius", [40.0, 75.0, 130.0])
+@pytest.mark.parametrize("h", [50.0, 100.0])
+def test_steady_temperature_of_a_constant_power(celsius, h):
+    system = hanging_wire(mass=0.5, h=h)
+    watts = watts_for(system, celsius, h)
+    run = simulate(system, Constant(level=watts), 2000.0, step=0.05, samples=3)
+    assert run["temperature"][-1] == pytest.approx(celsius + ZERO, abs=1e-8)
+    assert run["heat_loss"][-1] == pytest.approx(watts, rel=1e-9)
+
+
+@pytest.mark.parametrize("amperes", [0.5, 1.6])
+def test_steady_temperature_of_a_constant_current(amperes):
+    """I² R of all martensite, or of all austenite, equals h S (T - T_a)."""
+    system = hanging_wire(source=CurrentSource())
+    per_metre = 8.3 * (1.15 if amperes < 1 else 1.0)
+    rise = amperes**2 * per_metre * 0.25 / (100.0 * surface(system.element))
+    run = simulate(system, Constant(level=amperes), 300.0, step=0.02, samples=3)
+    assert run["temperature"][-1] == pytest.approx(AMBIENT + rise, rel=1e-10)
+
+
+def rise_and_fall(step):
+    """Times, overtemperatures, time constant and final rise: on for 5 s, then off."""
+    system = hanging_wire()
+    watts = watts_for(system, 60.0)  # below A_s: no transformation
+    wave = FunctionWaveform(function=lambda t: watts if t < 5.0 else 0.0, kinks=(5.0,))
+    run = simulate(system, wave, 15.0, step=step, samples=301)
+    assert set(run["martensite_fraction"]) == {1.0}
+    wire = system.element
+    constant = mass(wire) * wire.heat_capacity / (100.0 * surface(wire))
+    return np.array(run.times), np.array(run["temperature"]) - AMBIENT, constant
+
+
+def test_exponentials_without_transformation():
+    times, rise, constant = rise_and_fall(2e-3)
+    top = 40.0 * -math.expm1(-5.0 / constant)
+    heating = 40.0 * -np.expm1(-times / constant)
+    cooling = top * np.exp(-(times - 5.0) / constant)
+    assert rise == pytest.approx(np.where(times < 5.0, heating, cooling), abs=40.0 * 1e-7)
+
+
+def test_every_step_of_a_linear_balance_is_the_trapezoid():
+    _, rise, constant = rise_and_fall(0.05)
+    z = 0.5 * 0.05 / constant
+    factor = ((1 - z) / (1 + z)) ** np.arange(301)
+    top = 40.0 * (1 - factor[100])
+    expected = np.where(
+        np.arange(301) <= 100, 40.0 * (1 - factor), top * factor[np.arange(301) - 100]
+    )
+    assert rise == pytest.approx(expected, abs=1e-11)
+
+
+# ---------------------------------------------------------------- no transformation
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
+def test_below_M_f_nothing_transforms(xi):
+    """Whatever the fraction at the start, up to A_s on heating and back down below M_f."""
+    system = hanging_wire(initial_fraction=xi)
+    watts = watts_for(system, 41.9)
+    wave = through([0.0, watts, 0.0], 20.0)
+    run = simulate(system, wave, 40.0, step=0.02, samples=201)
+    assert max(run["temperature"]) > 38 + ZERO
+    assert set(run["martensite_fraction"]) == {xi}
+
+
+def test_a_cold_wire_stays_where_it_is():
+    """No drive: nothing moves at all, in any column."""
+    run = simulate(problem_a(), Constant(level=0.0), 60.0, step=0.02, samples=61)
+    for name in run.columns:
+        assert run.range(name) == pytest.approx(0.0, abs=1e-14 * max(1.0, abs(run[name][0])))
+
+
+def test_power_source_delivers_what_it_is_told():
+    run = simulate(hanging_wire(source=PowerSource()), Constant(level=2.5), 5.0, step=0.01)
+    assert run["power"] == pytest.approx([2.5] * len(run.times), rel=1e-14)
+
+
+def test_wire_geometry():
+    wire = wire_a()
+    assert wire.surface() == pytest.approx(2.992367e-4, rel=1e-6)
+    assert wire.mass() == pytest.approx(1.838398072600609e-4, rel=1e-14)

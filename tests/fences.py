@@ -1,0 +1,32 @@
+"""Fenced code blocks of Markdown files, and where the files are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+_FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+class Fence(NamedTuple):
+    """One code block."""
+
+    language: str
+    """What follows the opening backticks."""
+    text: str
+
+
+def fences(path: Path) -> list[Fence]:
+    """All code blocks of a page, in order."""
+    found = _FENCE.findall(path.read_text(encoding="utf-8"))
+    return [Fence(language.strip(), text) for language, text in found]
+
+
+def pages() -> list[Path]:
+    """Every page of the documentation."""
+    folder = ROOT / "docs"
+    built = folder / "_build"
+    return sorted(p for p in folder.rglob("*.md") if built not in p.parents)

@@ -1,0 +1,238 @@
+"""Every kernel of every kind of registered class, and ways to run one on every runtime.
+
+A new class of a known kind is covered as it is; a new method with a namespace argument must be
+called by one of the kernels below (a test in `meta` checks that).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import builders
+import numpy as np
+
+from martensite.elements.base import Spring
+from martensite.mechanisms.base import Assembly
+from martensite.runtimes import floats
+from martensite.runtimes.arrays import ArrayNamespace
+from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.jax_setup import jax_namespace
+from martensite.runtimes.program import Program
+from martensite.simulate.compiled import flatten
+
+LANES = 256
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """One kernel: ranges of its inputs, and a function (component, xp, *inputs) -> numbers."""
+
+    ranges: Mapping[str, tuple[float, float]]
+    function: Callable[..., Any]
+
+    def inputs(self) -> np.ndarray:
+        """Random inputs (inputs, lanes); in every eighth lane all of them at an end of range."""
+        rng = np.random.default_rng(len(self.ranges))
+        low, high = (np.array([r[i] for r in self.ranges.values()])[:, None] for i in (0, 1))
+        share = rng.random((len(self.ranges), LANES))
+        share[:, ::8] = share[:, ::8].round()
+        return low + share * (high - low)
+
+
+# ---------------------------------------------------------------- kernels by kind
+
+
+def law_path(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any,
+             dt: Any) -> Any:  # fmt: skip
+    """Two legs; fractions and strain at their ends, memory at the end."""
+    start = law.init(xp, x, s0, t0)
+    between, first = law.kinetics(xp, start, s1, t1, dt)
+    end, second = law.kinetics(xp, between, s2, t2, dt)
+    strains = law.strain(xp, first, s1, t1), law.strain(xp, second, s2, t2)
+    return law.fractions(start), first, second, strains, end.stress, end.temperature
+
+
+def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: Any) -> Any:
+    """The parts that a solver calls one by one."""
+    start = law.init(xp, x, s0, t0)
+    move = law.select(xp, start, s1, t1)
+    end = law.follow(xp, move, s1, t1, dt)
+    after = law.commit(xp, start, move, end, s1, t1)
+    frozen = law.at_fraction(x)
+    spring = law.free_strain(xp, frozen, t1), law.compliance(xp, frozen)
+    return end, law.fractions(after), spring, law.crossing(xp, start, move, s1, t1)
+
+
+def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any, e: Any) -> Any:
+    fractions = element.law.at_fraction(x)
+    return (
+        element.heat_loss(xp, temperature, builders.example_environment()),
+        element.spring(xp, fractions, temperature),
+        element.stress(xp, force),
+        element.strain(xp, e),
+        element.ohms(xp, x, 0.02 * x, temperature),
+        element.heat_capacity_total(),
+        element.latent_heat_total(),
+    )
+
+
+def mechanism_answers(mechanism: Any, xp: Any, start: Any, free: Any, compliance: Any) -> Any:
+    assembly = Assembly(start)
+    force = mechanism.force(xp, assembly, Spring(free, compliance))
+    position = mechanism.position(xp, assembly, force, free + compliance * force)
+    return mechanism.start_force(xp), force, position
+
+
+FRACTION, STRESS, TEMPERATURE = (0.0, 1.0), (0.0, 400e6), (275.0, 400.0)
+POINTS = {f"{name}{i}": r for i in range(3) for name, r in (("s", STRESS), ("t", TEMPERATURE))}
+START = {"x": FRACTION, "s0": STRESS, "t0": TEMPERATURE}
+
+KERNELS: dict[str, dict[str, Kernel]] = {
+    "law": {
+        "path": Kernel({"x": FRACTION, **POINTS, "dt": (0.0, 1.0)}, law_path),
+        "step": Kernel({**START, "s1": STRESS, "t1": TEMPERATURE, "dt": (0.0, 1.0)}, law_step),
+    },
+    "cooling": {
+        "film": Kernel(
+            {"T": (250.0, 450.0), "ambient": (270.0, 310.0), "d": (5e-5, 1e-3), "l": (0.05, 1.0)},
+            lambda cooling, xp, *inputs: cooling.film(xp, *inputs),
+        ),
+    },
+    "resistance": {
+        "resistance": Kernel(
+            {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6),
+             "length": (0.05, 1.0)},
+            lambda resistance, xp, *inputs: resistance.resistance(xp, *inputs),
+        ),
+    },
+    "drive": {
+        "current": Kernel(
+            {"u": (-10.0, 10.0), "R": (0.5, 50.0)},
+            lambda source, xp, *inputs: source.current(xp, *inputs),
+        ),
+    },
+    "element": {
+        "answers": Kernel(
+            {"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers
+        ),
+    },
+    "mechanism": {
+        "answers": Kernel(
+            {"start": (0.0, 0.02), "free": (-0.01, 0.03), "compliance": (1e-6, 1e-3)},
+            mechanism_answers,
+        ),
+    },
+}  # fmt: skip
+
+
+def cases() -> list[tuple[str, Any, str]]:
+    """(kind, example, kernel name) for all registered classes, and for the whole system."""
+    found = [
+        (kind, thing, name)
+        for kind, kernels in KERNELS.items()
+        for thing in builders.examples(kind)
+        for name in kernels
+    ]
+    return found
+
+
+def case_id(value: Any) -> str:
+    """Test ids from kinds, examples and names."""
+    return value if isinstance(value, str) else builders.label(value)
+
+
+# ---------------------------------------------------------------- the runtimes
+
+
+def flat_numbers(nested: Any) -> list[Any]:
+    """All numbers of nested tuples."""
+    return flatten(nested if isinstance(nested, tuple) else (nested,))
+
+
+def traced(thing: Any, kernel: Kernel) -> Program:
+    """The kernel as a program over the parameters of the component."""
+    program = Program()
+    twin = thing.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in thing.leaves()})
+
+    def flat(xp: Any, *inputs: Any) -> list[Any]:
+        return flat_numbers(kernel.function(twin, xp, *inputs))
+
+    program.add("kernel", list(kernel.ranges), flat)
+    return program
+
+
+def values(thing: Any) -> list[float]:
+    return [leaf.value for leaf in thing.leaves()]
+
+
+def on_kernel_itself(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    """Untraced, on plain floats: the meaning."""
+    rows = [flat_numbers(kernel.function(thing, floats, *lane)) for lane in inputs.T.tolist()]
+    return np.array(rows, float).T
+
+
+def on_floats(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    function = traced(thing, kernel).bind_floats(*values(thing))["kernel"]
+    return np.array([function(*lane) for lane in inputs.T.tolist()]).T
+
+
+def on_numpy(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    """The kernel itself, untraced, on arrays."""
+    numbers = flat_numbers(kernel.function(thing, ArrayNamespace(np), *inputs))
+    return np.array([np.broadcast_to(n, inputs.shape[1]) for n in numbers], float)
+
+
+def on_jax(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    xp = jax_namespace()
+    program = traced(thing, kernel)
+
+    def run(parameters: Any, lanes: Any) -> Any:
+        return program.bind_arrays(xp, parameters)["kernel"](*lanes)
+
+    numbers = xp.jax.jit(run)([np.asarray(v) for v in values(thing)], list(inputs))
+    return np.array([np.broadcast_to(n, inputs.shape[1]) for n in numbers], float)
+
+
+_ENTRY = """
+void run(const double *p, const double *x, double *y) {{
+    static double c[{constants} * {lanes}];
+    k_prepare({lanes}, p, c);
+    k_kernel({lanes}, c, x, y);
+}}
+"""
+
+
+def on_c(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    program = traced(thing, kernel)
+    lanes = inputs.shape[1]
+    entry = _ENTRY.format(constants=max(1, len(program.hoisted)), lanes=lanes)
+    library = load_library(c_source(program, program.functions.values()) + entry)
+    parameters = np.array([[v] * lanes for v in values(thing)] or [[0.0] * lanes])
+    outputs = np.empty((len(program.functions["kernel"].outputs), lanes))
+    arrays = (parameters, np.ascontiguousarray(inputs), outputs)
+    library.run(*(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
+    return outputs
+
+
+RUNTIMES = {"traced floats": on_floats, "numpy": on_numpy, "jax": on_jax, "c": on_c}
+
+
+def disagreement(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference as a share of the size of each output."""
+    size = np.maximum(np.abs(a).max(axis=1), 1e-300)
+    return float((np.abs(a - b).max(axis=1) / size).max())
+
+
+@cache
+def xp_methods(cls: type) -> frozenset[str]:
+    """Methods of a class whose first argument is the namespace."""
+    found = set()
+    for name in dir(cls):
+        code = getattr(getattr(cls, name, None), "__code__", None)
+        if code is not None and code.co_varnames[1:2] == ("xp",):
+            found.add(name)
+    return frozenset(found)

@@ -1,0 +1,150 @@
+"""The independent solvers of benchmark problem A give its printed reference numbers.
+
+Two solvers that share no code (a return map for rule P, LSODA on the rate form for rule R) and
+the return map with re-anchored memories (rule R again) stand behind every error in the benchmark
+tables; here they are held to the printed digits, to each other and to their order.
+"""
+
+import numpy as np
+import pytest
+from benchmarks.inputs import aligned, level, pulses, pwm, random_steps, sine, split, uniform
+from benchmarks.objective import differences, objective
+from benchmarks.peers import ode, return_map, return_map_numpy
+from benchmarks.problem_a import (
+    GRADIENT_P,
+    OBJECTIVE_P,
+    RANGE_P,
+    REFERENCE_P,
+    REFERENCE_R,
+    Wire,
+    displacement,
+    lumped,
+    one_set,
+    parameter_sets,
+    rms_error,
+    scaled,
+    thin_wire,
+)
+
+
+def rate_form(drive, setting):
+    """x [mm] by LSODA on the rate form."""
+    return ode.record(ode.by_odeint, Wire(), drive, setting)
+
+
+@pytest.fixture(scope="module")
+def fine_map():
+    """States by rule P with steps of 0.2 ms."""
+    return return_map.march(Wire(), uniform(sine(), 500))
+
+
+@pytest.fixture(scope="module")
+def fine_x(fine_map):
+    """x [mm] of the fine map."""
+    d = lumped(Wire())
+    return np.array([displacement(Wire(), d, T, xi) for T, xi, _, _ in fine_map])
+
+
+@pytest.mark.parametrize("t", REFERENCE_P)
+def test_return_map_gives_the_printed_numbers_of_rule_p(t, fine_map, fine_x):
+    x, T, xi = REFERENCE_P[t]
+    k = round(10 * t)
+    assert fine_x[k] == pytest.approx(x, abs=6e-7)
+    assert fine_map[k][0] == pytest.approx(T, abs=6e-7)
+    assert fine_map[k][1] == pytest.approx(xi, abs=6e-9)
+
+
+def test_range_of_the_stroke(fine_x):
+    assert np.ptp(fine_x) == pytest.approx(RANGE_P, abs=6e-7)
+
+
+@pytest.fixture(scope="module")
+def tight_rate_form():
+    """x [mm] by rule R, LSODA with tight tolerances."""
+    return rate_form(sine(), ode.TIGHT)
+
+
+@pytest.mark.parametrize("t", REFERENCE_R)
+def test_lsoda_gives_the_printed_numbers_of_rule_r(t, tight_rate_form):
+    assert tight_rate_form[round(10 * t)] == pytest.approx(REFERENCE_R[t], abs=6e-7)
+
+
+def test_re_anchored_return_map_is_rule_r(tight_rate_form, fine_x):
+    re_anchored = return_map.displacements(Wire(), uniform(sine(), 100), restart=True)
+    assert rms_error(re_anchored, tight_rate_form) < 1e-6  # the cap of the rate form
+    assert rms_error(fine_x, tight_rate_form) > 5e-3  # the two rules do differ
+    uncapped = rate_form(sine(), ode.Setting(1e-10, 5e-3, beyond=True))
+    assert rms_error(re_anchored, uncapped) < 2e-8
+
+
+def test_return_map_is_of_second_order(fine_x):
+    errors = [
+        rms_error(return_map.displacements(Wire(), uniform(sine(), n)), fine_x) for n in (5, 10, 20)
+    ]
+    assert errors[1] == pytest.approx(6.3e-7, rel=0.1)
+    assert np.log2(errors[0] / errors[2]) / 2 == pytest.approx(2.0, abs=0.25)
+
+
+def test_numpy_lanes_equal_the_branched_floats():
+    sets = parameter_sets(3)
+    lanes = return_map_numpy.batch(sets, random_steps(), (20e-3, 40))()
+    for i in range(3):
+        alone = return_map.displacements(one_set(sets, i), aligned(random_steps(), 20e-3))
+        assert rms_error(lanes[i], alone) < 1e-12
+
+
+def test_printed_objective_and_gradient():
+    rows = uniform(sine(), 10)
+
+    def simulate(q):
+        return return_map.displacements(scaled(Wire(), q), rows)
+
+    assert objective(simulate) == pytest.approx(OBJECTIVE_P, rel=3e-6)
+    assert differences(simulate)() == pytest.approx(GRADIENT_P, abs=1e-6)
+
+
+def test_solvers_that_step_over_pulses_are_caught():
+    exact = rate_form(pwm(), ode.Setting(1e-9))
+    assert rms_error(rate_form(pwm(), ode.Setting(1e-6)), exact) < 1e-3
+    assert rms_error(rate_form(pwm(), ode.Setting(1e-6, pieces=False)), exact) > 0.1
+
+
+@pytest.mark.parametrize(("restart", "stroke"), [(False, 0.0748), (True, 0.2710)])
+def test_ratcheting_under_pulse_width_modulation(restart, stroke):
+    rows = uniform(pwm(0.16, duration=20.0), 100)
+    x = return_map.displacements(Wire(), rows, restart)
+    assert x[-1] == pytest.approx(stroke, abs=6e-5)
+
+
+def test_edge_aligned_steps_beat_uniform_ones_under_modulated_duty():
+    exact = return_map.displacements(Wire(), split(pwm(), 30, 60))
+    assert np.ptp(exact) == pytest.approx(5.379, abs=1e-3)
+
+    def error(rows):
+        return rms_error(return_map.displacements(Wire(), rows), exact)
+
+    assert error(split(pwm(), 1, 1)) == pytest.approx(1.27e-3, rel=0.05)
+    assert error(uniform(pwm(), 10)) == pytest.approx(4.89e-3, rel=0.05)
+
+
+def test_steps_of_the_smooth_input_are_mid_step_samples():
+    steps = [step for row in aligned(sine(1.0), 10e-3) for step in row]
+    assert len(steps) == 100
+    for i, (U, dt) in enumerate(steps):
+        assert U == pytest.approx(level(sine(), (i + 0.5) * 10e-3))
+        assert dt == pytest.approx(10e-3)
+
+
+@pytest.mark.parametrize("drive", [pwm(), pwm(0.16), random_steps(), pulses(thin_wire())])
+def test_steps_carry_the_energy_of_the_input(drive):
+    ends = [*drive.edges[1:], drive.duration]
+    parts = zip(drive.levels, drive.edges, ends, strict=True)
+    energy = sum(held * (b - a) for held, a, b in parts)
+    for rows in (uniform(drive, 7), aligned(drive, 3e-3), split(drive, 2, 3)):
+        assert len(rows) == 600
+        assert sum(dt for row in rows for _, dt in row) == pytest.approx(drive.duration)
+        assert sum(U * dt for row in rows for U, dt in row) == pytest.approx(energy)
+
+
+def test_level_looks_up_the_table():
+    assert [level(pwm(0.5), t) for t in (0.01, 0.049, 0.051, 0.12)] == [25, 25, 0, 25]

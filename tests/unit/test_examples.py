@@ -1,0 +1,62 @@
+"""The example scenarios run, and show what their comments say.
+
+Source of truth: the measurement beside which the isobaric example stands, and the limits of
+the wire's maker for the example with PWM.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from martensite.errors import DataError
+from martensite.io.compare import compare
+from martensite.io.scenario import Scenario, load
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+GRAVITY, SECTION = 9.80665, 0.25 * 3.141592653589793 * 0.381e-3**2
+MASSES = {50: "581.29 g", 100: "1162.57 g", 172: "1999.62 g", 200: "2325.14 g"}
+STROKES = {50: 0.0413, 100: 0.0435, 172: 0.0450, 200: 0.0456}
+
+
+def isobaric(stress: int) -> Scenario:
+    """The isobaric example at one of the stresses [MPa] of the series."""
+    file = f"data:flexinol-isobaric/isobaric_{stress}MPa.txt"
+    changes = {"mechanism.mass": MASSES[stress], "drive.waveform.file": file}
+    try:
+        return load(EXAMPLES / "flexinol_isobaric.toml", {**changes, "measured.file": file})
+    except DataError as error:
+        if "is not on this machine" not in str(error):
+            raise
+        pytest.skip(str(error))
+
+
+@pytest.mark.parametrize("stress", MASSES)
+def test_isobaric_example_follows_the_measurement(stress: int) -> None:
+    scenario = isobaric(stress)
+    assert scenario.measured is not None
+    record = scenario.measured.read()
+    result = scenario.run()
+    assert max(result["stress"]) == pytest.approx(stress * 1e6, rel=1e-4)
+    assert result.range("strain") == pytest.approx(STROKES[stress], abs=1e-3)
+    agreement = {found.quantity: found for found in compare(result, record)}
+    assert agreement["temperature"].rms < 1e-6
+    assert agreement["strain"].rms < 0.005
+
+
+def test_comment_of_the_isobaric_example_has_the_right_masses() -> None:
+    text = (EXAMPLES / "flexinol_isobaric.toml").read_text(encoding="utf-8")
+    for stress, mass in MASSES.items():
+        grams = 1e3 * stress * 1e6 * SECTION / GRAVITY
+        assert f"{grams:.2f} g" == mass
+        assert f'mass="{mass}"' in text.replace('mass = "', 'mass="')
+
+
+def test_pwm_example_stays_within_its_limits_and_the_hint_does_not() -> None:
+    path = EXAMPLES / "pwm_bias_spring.toml"
+    mild = load(path, {"run.duration": "12 s"}).run(tolerance=1e-3)
+    hot = load(path, {"drive.waveform.duty": 0.4, "run.duration": "20 s"}).run(tolerance=1e-3)
+    assert mild.warnings == []
+    assert mild.stroke > 5e-3
+    assert any("temperature_limit" in warning for warning in hot.warnings)

@@ -1,0 +1,219 @@
+"""Saved results: the file equals the dataset, says its units, and is never half-written.
+
+Source of truth: the hand-made result below (its numbers are exact in binary), and the spelling
+of units in the CF conventions, which pint reads as well.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import h5netcdf
+import numpy as np
+import pytest
+
+from martensite.electrical.per_length import PerLengthResistance
+from martensite.electrical.voltage import VoltageSource
+from martensite.elements.wire import Wire
+from martensite.errors import DataError
+from martensite.io.netcdf import open_result, save, to_dataset
+from martensite.laws.liang_rogers import LiangRogers
+from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.result import Result
+from martensite.status import Status
+from martensite.system import OUTPUTS, System
+from martensite.thermal.base import Environment
+from martensite.thermal.polynomial import PolynomialCooling
+
+if TYPE_CHECKING:
+    import xarray
+
+SCENARIO = '[run]\nduration = "4 s"  # Dauer: ξ, σ\n'
+CITED = ("liang1990", "tanaka1986")
+TIMES = [0.0, 0.5, 1.0, 1.5, 2.0]
+
+
+class Ramp(AbstractWaveform):
+    def value(self, time: float) -> float:
+        return time
+
+
+def make_system() -> System:
+    law = LiangRogers(
+        E_A=75e9, E_M=28e9, eps_L=0.04, A_s=341.15, A_f=351.15, M_s=325.15, M_f=315.15,
+        C_A=10e6, C_M=8e6,
+    )  # fmt: skip
+    wire = Wire(
+        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0, law=law,
+        resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
+    )  # fmt: skip
+    surroundings = Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0))
+    return System(
+        element=wire, environment=surroundings, source=VoltageSource(),
+        mechanism=DeadWeight(mass=1.0),
+    )  # fmt: skip
+
+
+def make_result(accuracy: float | None = 0.000125, status_time: float | None = 0.5) -> Result:
+    columns = {name: [i + t / 8 for t in TIMES] for i, name in enumerate(OUTPUTS)}
+    return Result(
+        make_system(), Ramp(), TIMES, columns, Status.LONG_STEP, status_time, 40, 0.05, accuracy,
+        ["Warning: one.", "Warning: two."],
+    )  # fmt: skip
+
+
+def comparable(dataset: xarray.Dataset) -> xarray.Dataset:
+    """The dataset without the time at which it was made."""
+    dataset = dataset.copy()
+    assert dataset.attrs.pop("created").endswith("+00:00")
+    return dataset
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_saved_result_is_the_dataset(tmp_path: Path, known: bool) -> None:
+    import xarray
+
+    result = make_result() if known else make_result(None, None)
+    scenario, citations = (SCENARIO, CITED) if known else ("", ())
+    save(result, tmp_path / "a.nc", scenario, citations)
+    read = open_result(tmp_path / "a.nc")
+    made = to_dataset(result, scenario, None, citations)
+    xarray.testing.assert_identical(comparable(read), comparable(made))
+    assert {n: v.dtype for n, v in read.variables.items()} == {
+        n: v.dtype for n, v in made.variables.items()
+    }
+
+
+def test_the_dataset_holds_the_columns() -> None:
+    result = make_result()
+    dataset = to_dataset(result)
+    assert set(dataset.data_vars) == set(OUTPUTS)
+    assert list(dataset.coords) == ["time"]
+    np.testing.assert_array_equal(dataset["time"], TIMES)
+    for name in OUTPUTS:
+        np.testing.assert_array_equal(dataset[name], result[name])
+
+
+def test_every_variable_is_labelled_in_the_file(tmp_path: Path) -> None:
+    import pint
+
+    save(make_result(), tmp_path / "a.nc")
+    with h5netcdf.File(tmp_path / "a.nc", "r") as file:
+        found = {name: dict(variable.attrs) for name, variable in file.variables.items()}
+    assert found["time"]["units"] == "s"
+    assert found["drive"]["units"] == "V"
+    for name, (unit, long_name, symbol) in OUTPUTS.items():
+        assert found[name]["units"] == ("V" if name == "drive" else unit)
+        assert (found[name]["long_name"], found[name]["symbol"]) == (long_name, symbol)
+    for attributes in found.values():
+        assert pint.Unit(attributes["units"]) is not None
+
+
+def test_times_stay_numbers(tmp_path: Path) -> None:
+    save(make_result(), tmp_path / "a.nc")
+    assert open_result(tmp_path / "a.nc")["time"].dtype == np.float64
+
+
+def test_provenance_is_in_the_file(tmp_path: Path) -> None:
+    save(make_result(), tmp_path / "a.nc", SCENARIO, CITED)
+    attributes = open_result(tmp_path / "a.nc").attrs
+    assert attributes["Conventions"] == "CF-1.10"
+    assert attributes["scenario"] == SCENARIO
+    assert attributes["citations"].split(", ") == list(CITED)
+    assert attributes["status"] == "LONG_STEP"
+    assert attributes["accuracy"] == 0.000125
+    assert (attributes["steps"], attributes["step"]) == (40, 0.05)
+    assert attributes["warnings"].split("\n") == ["Warning: one.", "Warning: two."]
+    assert attributes["numpy_version"] == np.__version__
+    assert attributes["h5netcdf_version"] == h5netcdf.__version__
+    assert attributes["martensite_version"]
+    assert "liang-rogers" in attributes["title"]
+
+
+def test_what_was_not_estimated_is_no_number() -> None:
+    attributes = to_dataset(make_result(None, None)).attrs
+    assert math.isnan(attributes["accuracy"]) and math.isnan(attributes["status_time"])
+
+
+def test_a_long_scenario_is_kept_whole(tmp_path: Path) -> None:
+    text = "# σ\n" * 40_000  # more than the 64 KiB that HDF5 keeps in an object header
+    save(make_result(), tmp_path / "a.nc", text)
+    assert open_result(tmp_path / "a.nc").attrs["scenario"] == text
+
+
+def test_a_failed_replacement_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "a.nc"
+    save(make_result(), target)
+    before = target.read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(DataError, match=r"a\.nc.*could not be written: No space left"):
+        save(make_result(None), target, SCENARIO)
+    assert target.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_failure_in_the_middle_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    create, calls = h5netcdf.File.create_variable, []
+
+    def fail_at_third(self: h5netcdf.File, *args: object, **options: object) -> object:
+        calls.append(list(tmp_path.iterdir()))
+        if len(calls) == 3:
+            raise OSError(5, "Input/output error")
+        return create(self, *args, **options)
+
+    monkeypatch.setattr(h5netcdf.File, "create_variable", fail_at_third)
+    with pytest.raises(DataError, match="Input/output error"):
+        save(make_result(), tmp_path / "a.nc")
+    assert len(calls[-1]) == 1  # a file was begun
+    assert not list(tmp_path.iterdir())
+
+
+def test_saving_replaces_an_older_file(tmp_path: Path) -> None:
+    target = tmp_path / "a.nc"
+    target.write_text("old")
+    save(make_result(), target)
+    assert open_result(target).sizes["time"] == len(TIMES)
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_missing_folder_is_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="folder"):
+        save(make_result(), tmp_path / "none" / "a.nc")
+
+
+def test_reading_what_is_no_result_is_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="no file"):
+        open_result(tmp_path / "absent.nc")
+    (tmp_path / "text.nc").write_text("not a netCDF file")
+    with pytest.raises(DataError, match=r"text\.nc.*cannot be read"):
+        open_result(tmp_path / "text.nc")
+    with h5netcdf.File(tmp_path / "other.nc", "w") as file:
+        file.attrs["title"] = "something else"
+    with pytest.raises(DataError, match="lacks `time`"):
+        open_result(tmp_path / "other.nc")
+
+
+def test_saving_needs_no_xarray(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        f"sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}\n"
+        "sys.modules['xarray'] = sys.modules['pandas'] = None\n"
+        "from test_netcdf import make_result, save\n"
+        f"save(make_result(), {str(tmp_path / 'a.nc')!r})\n"
+    )
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True)
+    assert open_result(tmp_path / "a.nc").sizes["time"] == len(TIMES)
