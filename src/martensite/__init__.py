@@ -18,49 +18,66 @@ import_module("martensite.simulate")
 globals().pop("simulate", None)
 
 if TYPE_CHECKING:
-    from martensite.electrical.current import CurrentSource
-    from martensite.electrical.mixture import MixtureResistance
-    from martensite.electrical.per_length import PerLengthResistance
-    from martensite.electrical.power import PowerSource
-    from martensite.electrical.temperature import PrescribedTemperature
-    from martensite.electrical.voltage import VoltageSource
-    from martensite.elements.limits import Limits
-    from martensite.elements.wire import Wire
-    from martensite.errors import InputError, MartensiteError, SolveError
-    from martensite.io.compare import compare
-    from martensite.io.netcdf import open_result, save, to_dataset
-    from martensite.io.records import Record, table_waveform
-    from martensite.io.scenario import Scenario, load
-    from martensite.io.tables import read_table
-    from martensite.laws.liang_rogers import LiangRogers
-    from martensite.materials.base import Material, load_material, material_names
-    from martensite.mechanisms.bias_spring import BiasSpring
-    from martensite.mechanisms.dead_weight import DeadWeight
-    from martensite.plot.overview import plot_result, save_figure
-    from martensite.signals.constant import Constant
-    from martensite.signals.pwm import PulseWidthModulation
-    from martensite.signals.ramp import Ramp
-    from martensite.signals.sine import Sine
-    from martensite.signals.staircase import Staircase
-    from martensite.signals.step import Step
-    from martensite.signals.table import Table
-    from martensite.signals.triangle import Triangle
-    from martensite.simulate.api import simulate
-    from martensite.simulate.result import Result
-    from martensite.system import System
-    from martensite.thermal.base import Environment
-    from martensite.thermal.constant import ConstantCooling
-    from martensite.thermal.polynomial import PolynomialCooling
+    from martensite.electrical.current import CurrentSource as CurrentSource
+    from martensite.electrical.mixture import MixtureResistance as MixtureResistance
+    from martensite.electrical.per_length import PerLengthResistance as PerLengthResistance
+    from martensite.electrical.power import PowerSource as PowerSource
+    from martensite.electrical.temperature import PrescribedTemperature as PrescribedTemperature
+    from martensite.electrical.voltage import VoltageSource as VoltageSource
+    from martensite.elements.limits import Limits as Limits
+    from martensite.elements.wire import Wire as Wire
+    from martensite.errors import InputError as InputError
+    from martensite.errors import MartensiteError as MartensiteError
+    from martensite.errors import SolveError as SolveError
+    from martensite.identify.film import FilmFit as FilmFit
+    from martensite.identify.film import fit_film as fit_film
+    from martensite.io.compare import compare as compare
+    from martensite.io.netcdf import open_result as open_result
+    from martensite.io.netcdf import save as save
+    from martensite.io.netcdf import to_dataset as to_dataset
+    from martensite.io.records import Record as Record
+    from martensite.io.records import table_waveform as table_waveform
+    from martensite.io.scenario import Scenario as Scenario
+    from martensite.io.scenario import load as load
+    from martensite.io.tables import read_table as read_table
+    from martensite.laws.liang_rogers import LiangRogers as LiangRogers
+    from martensite.materials.base import Material as Material
+    from martensite.materials.base import load_material as load_material
+    from martensite.materials.base import material_names as material_names
+    from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
+    from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
+    from martensite.plot.overview import plot_result as plot_result
+    from martensite.plot.overview import save_figure as save_figure
+    from martensite.signals.constant import Constant as Constant
+    from martensite.signals.pwm import PulseWidthModulation as PulseWidthModulation
+    from martensite.signals.ramp import Ramp as Ramp
+    from martensite.signals.sine import Sine as Sine
+    from martensite.signals.staircase import Staircase as Staircase
+    from martensite.signals.step import Step as Step
+    from martensite.signals.table import Table as Table
+    from martensite.signals.triangle import Triangle as Triangle
+    from martensite.simulate.api import simulate as simulate
+    from martensite.simulate.batch import Batch as Batch
+    from martensite.simulate.batch import Sensitivity as Sensitivity
+    from martensite.simulate.batch import sensitivity as sensitivity
+    from martensite.simulate.batch import simulate_batch as simulate_batch
+    from martensite.simulate.result import Result as Result
+    from martensite.system import System as System
+    from martensite.thermal.base import Environment as Environment
+    from martensite.thermal.constant import ConstantCooling as ConstantCooling
+    from martensite.thermal.polynomial import PolynomialCooling as PolynomialCooling
 
     __version__: str
 
 _HOME = {
+    "Batch": "simulate.batch",
     "BiasSpring": "mechanisms.bias_spring",
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
     "CurrentSource": "electrical.current",
     "DeadWeight": "mechanisms.dead_weight",
     "Environment": "thermal.base",
+    "FilmFit": "identify.film",
     "InputError": "errors",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
@@ -76,6 +93,7 @@ _HOME = {
     "Record": "io.records",
     "Result": "simulate.result",
     "Scenario": "io.scenario",
+    "Sensitivity": "simulate.batch",
     "Sine": "signals.sine",
     "SolveError": "errors",
     "Staircase": "signals.staircase",
@@ -86,6 +104,7 @@ _HOME = {
     "VoltageSource": "electrical.voltage",
     "Wire": "elements.wire",
     "compare": "io.compare",
+    "fit_film": "identify.film",
     "load": "io.scenario",
     "load_material": "materials.base",
     "material_names": "materials.base",
@@ -94,57 +113,13 @@ _HOME = {
     "read_table": "io.tables",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
+    "sensitivity": "simulate.batch",
     "simulate": "simulate.api",
+    "simulate_batch": "simulate.batch",
     "table_waveform": "io.records",
     "to_dataset": "io.netcdf",
 }
 """Public name -> module of this package that defines it."""
-
-__all__ = [
-    "BiasSpring",
-    "Constant",
-    "ConstantCooling",
-    "CurrentSource",
-    "DeadWeight",
-    "Environment",
-    "InputError",
-    "LiangRogers",
-    "Limits",
-    "MartensiteError",
-    "Material",
-    "MixtureResistance",
-    "PerLengthResistance",
-    "PolynomialCooling",
-    "PowerSource",
-    "PrescribedTemperature",
-    "PulseWidthModulation",
-    "Ramp",
-    "Record",
-    "Result",
-    "Scenario",
-    "Sine",
-    "SolveError",
-    "Staircase",
-    "Step",
-    "System",
-    "Table",
-    "Triangle",
-    "VoltageSource",
-    "Wire",
-    "__version__",
-    "compare",
-    "load",
-    "load_material",
-    "material_names",
-    "open_result",
-    "plot_result",
-    "read_table",
-    "save",
-    "save_figure",
-    "simulate",
-    "table_waveform",
-    "to_dataset",
-]
 
 
 def __getattr__(name: str) -> Any:
@@ -160,7 +135,7 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """The public names."""
-    return __all__
+    return [*_HOME, "__version__"]
 
 
 def _version() -> str:

@@ -1,8 +1,9 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and the folder for what can be made again."""
 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,3 +29,14 @@ def replacing(path: Path) -> Iterator[Path]:
         raise DataError(f"The file `{path}` could not be written: {reason}.") from error
     finally:
         part.unlink(missing_ok=True)
+
+
+def cache_folder() -> Path:
+    """The user's cache folder for this package."""
+    if os.environ.get("XDG_CACHE_HOME"):
+        return Path(os.environ["XDG_CACHE_HOME"]) / "martensite"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "martensite"
+    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
+        return Path(os.environ["LOCALAPPDATA"]) / "martensite" / "Cache"
+    return Path.home() / ".cache" / "martensite"

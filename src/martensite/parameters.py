@@ -55,6 +55,8 @@ class Declared:
                 f"Parameter `{name}` of `{owner}` must be a number in {self.unit} "
                 f"or a text with a unit, but is {value!r}."
             ) from None
+        if math.isinf(number) and number != self.default:
+            raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
         too_low = number <= self.low if self.open_low else number < self.low
         if too_low or number > self.high or math.isnan(number):
             raise ParameterError(

@@ -99,6 +99,8 @@ def from_si(value: float, spelling: str, unit: str) -> float:
 
 def conversion(spelling: str, unit: str) -> tuple[float, float]:
     """Return (factor, offset) with value in `unit` = value in `spelling` * factor + offset."""
+    if spelling == unit:
+        return 1.0, 0.0
     declared, factor, offset = EVERYDAY.get(spelling, ("", 1.0, 0.0))
     if declared == unit:
         return factor, offset
@@ -120,7 +122,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
         one = ureg.Quantity(1.0, _delta(spelling)).to(_delta(unit)).magnitude
     except pint.DimensionalityError:
         raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
-    except (pint.UndefinedUnitError, pint.DefinitionSyntaxError, ValueError, TypeError):
+    except (pint.PintError, ValueError, TypeError, AssertionError):
         raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
     return float(one - zero), float(zero)
 

@@ -208,7 +208,7 @@ def test_fetching_into_an_own_folder_that_is_empty(listed, tmp_path, monkeypatch
 def test_a_folder_that_cannot_be_written(listed, tmp_path, monkeypatch):
     (tmp_path / "own").write_text("a file, not a folder")
     monkeypatch.setenv(datasets.VARIABLE, str(tmp_path / "own"))
-    with pytest.raises(DataError, match=r"Cannot write `.*cycle_a.txt`: "):
+    with pytest.raises(DataError, match=r"Cannot make the folder `.*two-cycles`: "):
         datasets.fetch("two-cycles")
 
 

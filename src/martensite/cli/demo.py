@@ -30,4 +30,5 @@ def demo(json: Json = False) -> None:
         return
     done.show(json=False)
     show.text()
-    print_claims(study, claims)
+    print_claims(study, claims, brief=True)
+    show.text(f"All {len(claims)} claims with their reasons: martensite study {NAME}")

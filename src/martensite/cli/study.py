@@ -69,16 +69,21 @@ def _report(study: AbstractStudy, claims: list[Claim]) -> dict[str, Any]:
     }
 
 
-def print_claims(study: AbstractStudy, claims: list[Claim]) -> None:
-    """Print the claims of a study as a table, and how many there are of each verdict."""
+def print_claims(study: AbstractStudy, claims: list[Claim], *, brief: bool = False) -> None:
+    """Print the claims of a study as a table, and how many there are of each verdict.
+
+    The brief table holds the claims for which the source prints a number, without reasons.
+    """
     from collections import Counter
 
     from martensite.cli import show
 
+    shown = [claim for claim in claims if claim.published is not None or not brief]
+    columns = ("claim", "published", "computed", "tolerance", "unit", "verdict")
     show.text(f"{study.key}: {study.title}", "bold")
     show.table(
-        ("claim", "published", "computed", "tolerance", "unit", "verdict", "source", "why"),
-        [_row(claim) for claim in claims],
+        columns if brief else (*columns, "source", "why"),
+        [_row(claim)[: len(columns)] if brief else _row(claim) for claim in shown],
         right="published,computed,tolerance",
         colours={"verdict": COLOURS},
     )
@@ -88,6 +93,6 @@ def print_claims(study: AbstractStudy, claims: list[Claim]) -> None:
 
 def _row(claim: Claim) -> tuple[str, ...]:
     numbers = (claim.published, claim.computed, claim.tolerance)
-    shown = ("" if number is None else f"{number:.4g}" for number in numbers)
-    return (f"{claim.id}: {claim.statement}", *shown, claim.unit, claim.verdict,
+    cells = ("" if number is None else f"{number:.4g}" for number in numbers)
+    return (f"{claim.id}: {claim.statement}", *cells, claim.unit, claim.verdict,
             claim.source, claim.why)  # fmt: skip

@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-import sys
 import tomllib
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from http.client import HTTPException
 from pathlib import Path
@@ -21,6 +19,7 @@ from urllib.error import HTTPError
 from urllib.request import urlopen
 
 from martensite.errors import DataError, UnknownNameError
+from martensite.files import cache_folder, replacing
 from martensite.io.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
@@ -136,17 +135,6 @@ def fetch(
     return folder
 
 
-def cache_folder() -> Path:
-    """Where fetched files are kept, unless $MARTENSITE_DATA says otherwise."""
-    if os.environ.get("XDG_CACHE_HOME"):
-        return Path(os.environ["XDG_CACHE_HOME"]) / "martensite"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "martensite"
-    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
-        return Path(os.environ["LOCALAPPDATA"]) / "martensite" / "Cache"
-    return Path.home() / ".cache" / "martensite"
-
-
 def _entry(key: str) -> tuple[DataSet, DataFile]:
     name, _, file = key.partition("/")
     dataset = describe(name)
@@ -217,13 +205,9 @@ def _reason(error: Exception) -> str:
 
 def _store(path: Path, content: bytes) -> None:
     """Write a file in full or not at all."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(content)
-        part.replace(path)
     except OSError as error:
-        raise DataError(f"Cannot write `{path}`: {error.strerror}.") from None
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+        raise DataError(f"Cannot make the folder `{path.parent}`: {error.strerror}.") from None
+    with replacing(path) as part:
+        part.write_bytes(content)

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from martensite.errors import MartensiteError
+from martensite.files import cache_folder
 from martensite.runtimes.arrays import QUARTER_SINE
 from martensite.runtimes.graph import Expr
-from martensite.runtimes.jax_setup import cache_folder
 from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, Printer
 from martensite.runtimes.program import Function, Program
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
+from martensite.files import cache_folder
 from martensite.runtimes.arrays import ArrayNamespace
 
 # XLA prefers 256-bit vectors; batches gain a third with 512 where the processor has them
@@ -50,9 +50,3 @@ def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
         return x / one
 
     return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype))
-
-
-def cache_folder() -> Path:
-    """The user's cache folder for this package."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "martensite"
