@@ -29,7 +29,7 @@ from martensite.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
-from martensite.system import OUTPUTS, System
+from martensite.system import System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.thermal.constant import ConstantCooling
 from martensite.thermal.polynomial import PolynomialCooling
@@ -76,7 +76,7 @@ def law_a(history: str = "resume", modulus: str = "mixture", **changes: Any) -> 
 
 
 def wire_a(law: AbstractLaw | None = None, **changes: Any) -> Wire:
-    numbers = {
+    numbers: dict[str, Any] = {
         "diameter": 0.381e-3, "length": 0.25, "density": 6450.0, "heat_capacity": 400.0,
         "latent_heat": 24e3,
     }  # fmt: skip
@@ -95,6 +95,15 @@ def problem_a(history: str = "resume", **changes: Any) -> System:
         "mechanism": BiasSpring(stiffness=1000, preload=5),
     }
     return System(**(parts | changes))
+
+
+class PrintedFormula(LiangRogers):
+    """Wrong on purpose: the printed cosines with ξ₀ refreshed at every increment."""
+
+    def select(self, xp: Any, memory: Any, stress: Any, temperature: Any) -> Any:
+        move = super().select(xp, memory, stress, temperature)
+        left = xp.where(move.direction > 0.0, 1.0 - memory.fraction, memory.fraction)
+        return move._replace(scale=left)
 
 
 # ---------------------------------------------------------------- simpler wires
@@ -281,10 +290,5 @@ def example_system(thing: Parametrised) -> System:
     if isinstance(thing, AbstractCooling):
         return problem_a(environment=example_environment(thing))
     kinds = {"element": AbstractElement, "mechanism": AbstractMechanism, "source": AbstractSource}
-    return problem_a(**{slot: thing for slot, kind in kinds.items() if isinstance(thing, kind)})
-
-
-def column(rows: list[tuple[float, ...]], name: str) -> list[float]:
-    """A column of observed rows by name."""
-    i = list(OUTPUTS).index(name)
-    return [row[i] for row in rows]
+    exchanged: dict[str, Any] = {s: thing for s, kind in kinds.items() if isinstance(thing, kind)}
+    return problem_a(**exchanged)

@@ -15,6 +15,7 @@ from typing import Any
 import builders
 import numpy as np
 
+from martensite.electrical.base import Conductor
 from martensite.elements.base import Spring
 from martensite.mechanisms.base import Assembly
 from martensite.runtimes import floats
@@ -23,6 +24,7 @@ from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.jax_setup import jax_namespace
 from martensite.runtimes.program import Program
 from martensite.simulate.compiled import flatten
+from martensite.thermal.base import Cylinder
 
 LANES = 256
 
@@ -99,14 +101,16 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     "cooling": {
         "film": Kernel(
             {"T": (250.0, 450.0), "ambient": (270.0, 310.0), "d": (5e-5, 1e-3), "l": (0.05, 1.0)},
-            lambda cooling, xp, *inputs: cooling.film(xp, *inputs),
+            lambda cooling, xp, T, ambient, d, l: cooling.film(xp, T, ambient, Cylinder(d, l)),
         ),
     },
     "resistance": {
         "resistance": Kernel(
             {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6),
              "length": (0.05, 1.0)},
-            lambda resistance, xp, *inputs: resistance.resistance(xp, *inputs),
+            lambda resistance, xp, x, strain, T, area, length: resistance.resistance(
+                xp, x, strain, T, Conductor(area, length)
+            ),
         ),
     },
     "drive": {

@@ -2,6 +2,7 @@
 
 import re
 from itertools import pairwise
+from typing import Any
 
 import builders
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from builders import REGISTRIES, examples, label, registered
 
 from martensite import units
+from martensite.electrical.base import Conductor
 from martensite.elements.base import Spring
 from martensite.elements.limits import Limits
 from martensite.io.citations import bibliography
@@ -16,9 +18,9 @@ from martensite.laws.base import AbstractLaw
 from martensite.mechanisms.base import Assembly
 from martensite.parameters import Parametrised, param
 from martensite.runtimes import floats
-from martensite.signals.base import DRIVE, AbstractWaveform
+from martensite.signals.base import DRIVE
 from martensite.system import System
-from martensite.thermal.base import AbstractCooling, Environment
+from martensite.thermal.base import AbstractCooling, Cylinder, Environment
 from martensite.thermal.constant import ConstantCooling
 
 CLASSES = [*registered(), System, Environment, Limits]
@@ -72,7 +74,7 @@ def test_examples_survive_a_round_trip_through_their_values(cls):
 
 def test_silence_is_noticed():
     class Silent(Parametrised):
-        size = param("", " ")
+        size: float = param("", " ")
 
     assert undocumented(Silent) == ["the class", "`size`", "unit of `size`"]
 
@@ -84,7 +86,7 @@ TEMPERATURES = np.linspace(260.0, 450.0, 96)
 
 def losses(cooling: AbstractCooling) -> np.ndarray:
     """Heat flow per surface [W/m²] at all temperatures, surroundings at 295 K."""
-    films = [cooling.film(floats, t, 295.0, 0.2e-3, 0.2) for t in TEMPERATURES.tolist()]
+    films = [cooling.film(floats, t, 295.0, Cylinder(0.2e-3, 0.2)) for t in TEMPERATURES.tolist()]
     return np.array(films) * (TEMPERATURES - 295.0)
 
 
@@ -108,7 +110,7 @@ def test_a_falling_heat_loss_is_noticed():
     class Falling(ConstantCooling):
         """Loses less and less."""
 
-        def film(self, xp, temperature, ambient, diameter, length):
+        def film(self, xp, temperature, ambient, shape):
             return self.h / (1.0 + (temperature - ambient) * (temperature - ambient))
 
     assert not (np.diff(losses(Falling(h=10.0))) > 0.0).all()
@@ -121,7 +123,8 @@ def test_a_falling_heat_loss_is_noticed():
 def test_resistance_is_positive_and_grows_with_length(model):
     for fraction in (0.0, 0.3, 1.0):
         short, long = (
-            model.resistance(floats, fraction, 0.01, 330.0, 3e-8, length) for length in (0.1, 0.2)
+            model.resistance(floats, fraction, 0.01, 330.0, Conductor(3e-8, length))
+            for length in (0.1, 0.2)
         )
         assert 0.0 < short < long
 
@@ -180,7 +183,7 @@ class TestMechanisms:
 DURATION = 3.0
 
 
-def extremes(wave: AbstractWaveform) -> tuple[float, float]:
+def extremes(wave: Any) -> tuple[float, float]:
     """Lowest and highest level a waveform may take, from what it declares."""
     declared = [n for n, d in wave.declarations.items() if d.kind == "parameter"]
     if {"low", "high"} <= set(declared):

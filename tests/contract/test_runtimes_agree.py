@@ -4,9 +4,19 @@ import builders
 import kernels
 import numpy as np
 import pytest
-from kernels import KERNELS, RUNTIMES, case_id, cases, disagreement, on_kernel_itself
+from kernels import (
+    KERNELS,
+    RUNTIMES,
+    Kernel,
+    case_id,
+    cases,
+    disagreement,
+    on_kernel_itself,
+    traced,
+)
 
 from martensite.laws.liang_rogers import LiangRogers
+from martensite.parameters import Parametrised
 
 TOLERANCE = 1e-12
 
@@ -25,6 +35,33 @@ def test_runtimes_agree(kind, thing, name, runtime):
     meant = on_kernel_itself(thing, kernel, inputs)
     assert np.isfinite(meant).all()
     assert disagreement(meant, runtime(thing, kernel, inputs)) <= TOLERANCE
+
+
+def operations(_, xp, a, b, share):
+    """Every operation a kernel may use, on its whole domain and beyond."""
+    flag, other = a < b, xp.negate(b <= 0.0)
+    return (
+        a + b, a - b, a * b, a / (1.0 + b * b), -a,
+        xp.where(flag, a, b), xp.where(xp.both(flag, other), a, b),
+        xp.where(xp.either(flag, other), a, b), xp.where(a > b, 1.0, b), xp.where(a >= b, a, 0.0),
+        xp.minimum(a, b), xp.maximum(a, b), xp.clip(a, -1.0, share), xp.abs(a),
+        xp.sqrt(a), xp.exp(0.1 * a), xp.exp(1e3 * a), xp.log(a), xp.sin(a), xp.cos(a), xp.tanh(b),
+        xp.quarter_sine(share), xp.detach(a), xp.store(b),
+    )  # fmt: skip
+
+
+def test_operations_agree(runtime):
+    kernel = Kernel({"a": (-9.0, 9.0), "b": (-5.0, 5.0), "share": (0.0, 1.0)}, operations)
+    inputs = kernel.inputs()
+    inputs[0, :8], inputs[1, :8] = 0.0, -0.0
+    meant = on_kernel_itself(Parametrised(), kernel, inputs)
+    assert np.isfinite(meant).all()
+    assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 2e-15
+
+
+def test_a_missing_operation_is_named():
+    with pytest.raises(AttributeError, match="no operation `arctan`"):
+        traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, lambda _, xp, a: xp.arctan(a)))
 
 
 @pytest.mark.parametrize("perturbed", ["C_A", "M_s", "eps_L"])

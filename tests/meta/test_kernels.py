@@ -70,14 +70,14 @@ def test_all_kinds_are_looked_at():
 class Branching(ConstantCooling):
     """Decides by a value."""
 
-    def film(self, xp, temperature, ambient, diameter, length):
+    def film(self, xp, temperature, ambient, shape):
         return self.h if temperature > ambient else 0.0
 
 
 class Both(ConstantCooling):
     """Uses `and` between comparisons."""
 
-    def film(self, xp, temperature, ambient, diameter, length):
+    def film(self, xp, temperature, ambient, shape):
         warm = temperature > ambient and temperature < 400.0
         return xp.where(warm, self.h, 0.0)
 
@@ -85,7 +85,7 @@ class Both(ConstantCooling):
 class Builtin(ConstantCooling):
     """Uses the built-in max, which compares and decides."""
 
-    def film(self, xp, temperature, ambient, diameter, length):
+    def film(self, xp, temperature, ambient, shape):
         return max(self.h * (temperature - ambient), 1.0)
 
 

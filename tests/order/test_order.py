@@ -105,6 +105,7 @@ def test_step_doubling_is_a_sound_estimate(rule, step):
 def test_the_tolerance_is_met(rule, wave, tolerance):
     result = simulate(problem_a(rule), WAVES[wave], 60.0, tolerance=tolerance, samples=601)
     true = shares(judged(result), run(rule, FINE, wave))[0].max()
+    assert result.accuracy is not None
     assert result.accuracy <= tolerance
     assert true <= tolerance
     assert true <= 1.2 * result.accuracy

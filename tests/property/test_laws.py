@@ -1,5 +1,6 @@
 """What every registered law promises, on random paths: bounds, cuts, monotony, dissipation."""
 
+from functools import cache
 from itertools import pairwise
 
 import builders
@@ -17,7 +18,7 @@ from martensite.runtimes.dual import value_and_slope
 
 LAWS = examples("law")
 EVERY = pytest.mark.parametrize("law", LAWS, ids=label)
-FEW = settings(max_examples=25)
+FEW = settings(max_examples=40)
 
 stress = st.floats(0.0, 500e6)
 temperature = st.floats(270.0, 420.0)
@@ -88,17 +89,8 @@ def test_cutting_legs_into_substeps_changes_nothing(law, points, xi):
     check_cuts(law, points, xi)
 
 
-class Printed(LiangRogers):
-    """The printed formula with ξ₀ refreshed at every increment."""
-
-    def select(self, xp, memory, stress, temperature):
-        move = super().select(xp, memory, stress, temperature)
-        left = xp.where(move.direction > 0.0, 1.0 - memory.fraction, memory.fraction)
-        return move._replace(scale=left)
-
-
 def test_a_law_that_depends_on_cuts_is_noticed():
-    naive = builders.example(Printed, history="restart")
+    naive = builders.example(builders.PrintedFormula, history="restart")
     with pytest.raises(AssertionError):
         check_cuts(naive, builders.isobar(20, 42), 1.0)
 
@@ -134,15 +126,17 @@ def test_strain_does_not_fall_with_stress_at_another_temperature(law, points, xi
 # ---------------------------------------------------------------- dissipation
 
 
+TAIL = 0.01
+"""Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
+
+
+@cache
 def austenitic(law) -> float:
     """The lowest whole temperature [K] at which unloaded martensite is gone."""
     for kelvin in range(280, 480):
-        if end(law, [(0.0, 250.0), (0.0, float(kelvin))], 1.0, dt=1e3).martensite < 1e-9:
+        if end(law, [(0.0, 250.0), (0.0, float(kelvin))], 1.0, dt=1e3).martensite <= TAIL:
             return float(kelvin)
     raise AssertionError("no austenite below 480 K")
-
-
-HOT = {label(law): austenitic(law) for law in LAWS}
 
 
 def work(law, celsius, stresses):
@@ -164,14 +158,14 @@ def work(law, celsius, stresses):
 @FEW
 def test_closed_isothermal_cycles_dissipate(law, turns, above):
     """From austenite through any turning points back to zero stress, at T > A_f."""
-    total, left = work(law, HOT[label(law)] + above, [0.0, *turns, 0.0])
-    assert left <= 1e-9
+    total, left = work(law, austenitic(law) + above, [0.0, *turns, 0.0])
+    assert left <= TAIL
     assert total >= -1e-6 * 500e6 * 0.1
 
 
 @EVERY
 def test_a_large_cycle_does_dissipate(law):
-    total, _ = work(law, HOT[label(law)] + 2.0, [0.0, 600e6, 0.0])
+    total, _ = work(law, austenitic(law) + 2.0, [0.0, 600e6, 0.0])
     assert total > 1e5
 
 

@@ -23,7 +23,7 @@ def random_parameters(rng, kind):
     A_f = A_s + rng.uniform(2, 25)
     C_M = rng.uniform(3e6, 12e6)
     C_A = {0: C_M * rng.uniform(0.5, 1.0), 1: C_M}.get(kind, C_M * rng.uniform(1.0, 3.0))
-    return reference.Parameters(*map(float, (A_s, A_f, M_s, M_f, C_A, C_M)))
+    return reference.Parameters(A_s, A_f, M_s, M_f, C_A, C_M)
 
 
 def random_path(rng, p, points=9):
@@ -51,11 +51,12 @@ def random_path(rng, p, points=9):
 def followed(p, rule, path, xi, law=None):
     """ξ after every leg by the reference and by the law, and how often processes acted."""
     law = law or law_a(rule, **vars(p))
-    state, memory = reference.State(xi, path[0][1], path[0][0]), law.init(floats, xi, *path[0])
+    sigma, T = path[0]
+    state, memory = reference.State(xi, T, sigma), law.init(floats, xi, sigma, T)
     wanted, found, branches = [], [], []
-    for point in path[1:]:
-        state = reference.advance(p, rule, state, *point)
-        memory, fractions = law.kinetics(floats, memory, *point, 0.0)
+    for sigma, T in path[1:]:
+        state = reference.advance(p, rule, state, sigma, T)
+        memory, fractions = law.kinetics(floats, memory, sigma, T, 0.0)
         wanted.append(state.xi)
         found.append(fractions.martensite)
         branches.append(state.branch)
@@ -141,7 +142,7 @@ class TestTwoProcessesInOneLeg:
 
 def test_the_reference_itself_on_a_worked_example():
     """Problem A's strips: heating 20 → 73 °C leaves ½, then cooling 73 → 47 °C adds half of it."""
-    p = reference.Parameters(*(t + ZERO for t in (68, 78, 52, 42)), 10e6, 8e6)
+    p = reference.Parameters(68 + ZERO, 78 + ZERO, 52 + ZERO, 42 + ZERO, 10e6, 8e6)
     hot = reference.advance(p, "resume", reference.State(1.0, 20 + ZERO, 0.0), 0.0, 73 + ZERO)
     assert hot.xi == pytest.approx(0.5, abs=1e-12)
     cold = reference.advance(p, "resume", hot, 0.0, 47 + ZERO)

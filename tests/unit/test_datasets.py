@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from martensite.errors import DataError, UnknownNameError
+from martensite.files import cache_folder
 from martensite.io import datasets
 from martensite.io.citations import entries
 from martensite.io.layout import read_headings
@@ -194,7 +195,7 @@ def test_an_own_folder_comes_first(listed, tmp_path, monkeypatch, folder):
     (own / folder / "cycle_a.txt").write_bytes(CONTENT["cycle_a.txt"])
     monkeypatch.setenv(datasets.VARIABLE, str(own))
     assert datasets.locate("two-cycles/cycle_a.txt") == own / folder / "cycle_a.txt"
-    assert datasets.locate("two-cycles/cycle_b.txt").parent.parent == datasets.cache_folder()
+    assert datasets.locate("two-cycles/cycle_b.txt").parent.parent == cache_folder()
     assert datasets.fetch("two-cycles") == own / folder
     assert files_below(own) == sorted(CONTENT)
 
@@ -238,15 +239,15 @@ def test_a_name_cannot_lead_out_of_its_folder(listed):
 
 
 def test_the_cache_follows_the_platform(monkeypatch, tmp_path):
-    assert datasets.cache_folder() == tmp_path / "cache" / "martensite"
+    assert cache_folder() == tmp_path / "cache" / "martensite"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(Path, "home", lambda: tmp_path)
     for platform, folder in [("linux", ".cache"), ("darwin", "Library/Caches")]:
         monkeypatch.setattr("sys.platform", platform)
-        assert datasets.cache_folder() == tmp_path / folder / "martensite"
+        assert cache_folder() == tmp_path / folder / "martensite"
     monkeypatch.setattr("sys.platform", "win32")
     monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "Local"))
-    assert datasets.cache_folder() == tmp_path / "Local" / "martensite" / "Cache"
+    assert cache_folder() == tmp_path / "Local" / "martensite" / "Cache"
 
 
 @pytest.mark.parametrize("name", datasets.dataset_names())

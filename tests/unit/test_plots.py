@@ -93,7 +93,7 @@ class Measured:
     units: dict[str, str]
 
 
-def make_law(cls: type[LiangRogers] = LiangRogers, **changed: float) -> LiangRogers:
+def make_law(cls: type[LiangRogers] = LiangRogers, **changed: Any) -> LiangRogers:
     temperatures = {"A_s": 341.15, "A_f": 351.15, "M_s": 325.15, "M_f": 315.15}
     values = {"E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "C_A": 10e6, "C_M": 8e6, **temperatures}
     return cls(**{**values, **changed})

@@ -6,14 +6,23 @@ element into a current. Only I²R of the element heats it; leads and series resi
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
-from martensite.parameters import Parametrised
+from martensite.parameters import Parametrised, param
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
 RESISTANCES: Registry[AbstractResistance] = Registry("resistance", "martensite.electrical")
 SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.electrical")
+
+
+class Conductor(NamedTuple):
+    """The shape that carries the current."""
+
+    area: Scalar
+    """Section [m²]."""
+    length: Scalar
+    """[m]"""
 
 
 class AbstractResistance(Parametrised):
@@ -25,10 +34,9 @@ class AbstractResistance(Parametrised):
         fraction: Scalar,
         strain: Scalar,
         temperature: Scalar,
-        area: Scalar,
-        length: Scalar,
+        shape: Conductor,
     ) -> Scalar:
-        """Resistance [ohm] of a conductor of section `area` [m²] and `length` [m]."""
+        """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
         raise NotImplementedError
 
 
@@ -42,3 +50,18 @@ class AbstractSource(Parametrised):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]."""
         raise NotImplementedError
+
+
+class AbstractSupply(AbstractSource):
+    """Interface of a source with a real supply: limited in current and in voltage."""
+
+    series_resistance: Scalar = param(
+        "ohm", "resistance outside the element", low=0.0, high=1e6, default=0.0
+    )
+    current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6)
+    voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9)
+
+    def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
+        reachable = self.voltage_limit / (resistance + self.series_resistance)
+        return xp.minimum(reachable, self.current_limit)

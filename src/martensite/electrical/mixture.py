@@ -6,7 +6,7 @@ their difference, so none is assumed.
 
 from __future__ import annotations
 
-from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -24,8 +24,7 @@ class MixtureResistance(AbstractResistance):
         fraction: Scalar,
         strain: Scalar,
         temperature: Scalar,
-        area: Scalar,
-        length: Scalar,
+        shape: Conductor,
     ) -> Scalar:
         """R [ohm]."""
-        return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (length / area)
+        return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (shape.length / shape.area)

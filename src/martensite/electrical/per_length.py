@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -20,8 +20,7 @@ class PerLengthResistance(AbstractResistance):
         fraction: Scalar,
         strain: Scalar,
         temperature: Scalar,
-        area: Scalar,
-        length: Scalar,
+        shape: Conductor,
     ) -> Scalar:
         """R [ohm]."""
-        return (self.r_A + fraction * (self.r_M - self.r_A)) * length
+        return (self.r_A + fraction * (self.r_M - self.r_A)) * shape.length

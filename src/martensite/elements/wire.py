@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
-from martensite.electrical.base import RESISTANCES, AbstractResistance
+from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.elements.limits import Limits
 from martensite.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.parameters import param, part
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.thermal.base import Environment
+from martensite.thermal.base import Cylinder, Environment
 
 
 @ELEMENTS.register("wire")
@@ -57,8 +57,8 @@ class Wire(AbstractElement):
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """h(T) S (T - T_a) [W]."""
-        ambient = environment.temperature
-        film = environment.cooling.film(xp, temperature, ambient, self.diameter, self.length)
+        ambient, shape = environment.temperature, Cylinder(self.diameter, self.length)
+        film = environment.cooling.film(xp, temperature, ambient, shape)
         return film * self.surface() * (temperature - ambient)
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Spring:
@@ -77,6 +77,5 @@ class Wire(AbstractElement):
 
     def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
         """Resistance [ohm]."""
-        return self.resistance.resistance(
-            xp, fraction, strain, temperature, self.section(), self.length
-        )
+        shape = Conductor(self.section(), self.length)
+        return self.resistance.resistance(xp, fraction, strain, temperature, shape)

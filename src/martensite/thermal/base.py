@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from martensite.parameters import Parametrised, param, part
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -9,18 +11,20 @@ from martensite.runtimes.namespace import Namespace, Scalar
 COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.thermal")
 
 
+class Cylinder(NamedTuple):
+    """The shape that loses heat through its lateral surface."""
+
+    diameter: Scalar
+    """[m]"""
+    length: Scalar
+    """[m]"""
+
+
 class AbstractCooling(Parametrised):
     """Interface of a heat-loss model."""
 
-    def film(
-        self,
-        xp: Namespace,
-        temperature: Scalar,
-        ambient: Scalar,
-        diameter: Scalar,
-        length: Scalar,
-    ) -> Scalar:
-        """Film coefficient h [W/(m² K)] of a wire of (diameter, length) [m] at T [K]."""
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
         raise NotImplementedError
 
 

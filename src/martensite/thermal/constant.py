@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.thermal.base import COOLING, AbstractCooling
+from martensite.thermal.base import COOLING, AbstractCooling, Cylinder
 
 
 @COOLING.register("constant")
@@ -13,13 +13,6 @@ class ConstantCooling(AbstractCooling):
 
     h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5)
 
-    def film(
-        self,
-        xp: Namespace,
-        temperature: Scalar,
-        ambient: Scalar,
-        diameter: Scalar,
-        length: Scalar,
-    ) -> Scalar:
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """The constant h [W/(m² K)]."""
         return self.h

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.thermal.base import COOLING, AbstractCooling
+from martensite.thermal.base import COOLING, AbstractCooling, Cylinder
 
 
 @COOLING.register("polynomial")
@@ -25,14 +25,7 @@ class PolynomialCooling(AbstractCooling):
         "K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15
     )
 
-    def film(
-        self,
-        xp: Namespace,
-        temperature: Scalar,
-        ambient: Scalar,
-        diameter: Scalar,
-        length: Scalar,
-    ) -> Scalar:
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h(T) [W/(m² K)], never below zero."""
         theta = temperature - self.reference
         return xp.maximum(self.h0 + theta * (self.h1 + theta * self.h2), 0.0)

@@ -1,0 +1,79 @@
+"""Every `martensite …` command line in the documentation is one that the program accepts.
+
+Lines in code blocks are parsed by the command line itself, options and arguments included, but
+not run: code cells are run when the documentation is built. Commands named in running text
+must at least exist. Source of truth: the registered commands.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from fences import ROOT, fences, pages
+
+SHELL = re.compile(r"^!?(martensite [^#\n]*)", re.MULTILINE)
+INLINE = re.compile(r"`martensite ([a-z]+)[^`]*`")
+USAGE = typer.BadParameter.__mro__[1]
+"""The error of a command line that does not parse."""
+
+
+def shown() -> list[tuple[str, str]]:
+    """(page, command line) for every command in a code block."""
+    return [
+        (str(page.relative_to(ROOT)), line.strip())
+        for page in pages()
+        for fence in fences(page)
+        if fence.language != "toml"
+        for line in SHELL.findall(fence.text)
+    ]
+
+
+def program() -> Any:
+    """The command line as an object."""
+    from martensite.cli import app
+
+    return typer.main.get_command(app)
+
+
+def parse(line: str) -> None:
+    """Parse a command line down to its last subcommand; raises on anything unknown."""
+    command = program()
+    name, *arguments = shlex.split(line)
+    while arguments and arguments[0] in getattr(command, "commands", {}):
+        name, *arguments = arguments
+        command = command.commands[name]
+    if hasattr(command, "commands") and not command.invoke_without_command:
+        raise LookupError(f"no such command: {line}")
+    command.make_context(name, arguments)
+
+
+@pytest.mark.parametrize(("page", "line"), shown())
+def test_command_line_parses(page: str, line: str) -> None:
+    parse(line)
+
+
+@pytest.mark.parametrize(
+    "line", ["martensite fly wire.toml", "martensite run wire.toml --sett x=1", "martensite run"]
+)
+def test_a_wrong_command_line_does_not_parse(line: str) -> None:
+    with pytest.raises((LookupError, USAGE)):
+        parse(line)
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_named_in_text_exist(page: Path) -> None:
+    named = INLINE.findall(page.read_text(encoding="utf-8"))
+    assert [name for name in named if name not in program().commands] == []
+
+
+def test_toml_blocks_are_toml() -> None:
+    texts = [f.text for page in pages() for f in fences(page) if f.language == "toml"]
+    assert texts
+    for text in texts:
+        tomllib.loads(text)

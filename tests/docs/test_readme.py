@@ -1,0 +1,114 @@
+"""What README.md shows is true: every command and snippet runs, every file it names exists.
+
+Source of truth: the README itself. A line that is neither run nor checked fails the test, so
+that nothing is left out unnoticed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from fences import README, ROOT, fences
+
+BLOCKS = fences(README)
+SHELL = [
+    line
+    for block in BLOCKS
+    if block.language == "bash"
+    for line in block.text.splitlines()
+    if line.strip()
+]
+SNIPPETS = [block.text for block in BLOCKS if block.language == "python"]
+SCENARIOS = [block.text for block in BLOCKS if block.language == "toml"]
+COMMANDS = [line for line in SHELL if line.startswith(("martensite ", "python "))]
+INSTALLS = ("pip install ", "uv pip install ")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder as a reader of the README has it: the files shown, and the examples."""
+    for text in SCENARIOS:
+        name = re.match(r"# (\S+\.toml)\n", text)
+        assert name, "a TOML block must begin with its file name as a comment"
+        (tmp_path / name[1]).write_text(text, encoding="utf-8")
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    return tmp_path
+
+
+def run(arguments: list[str], folder: Path) -> str:
+    """Run this Python in the folder and return what it prints."""
+    path = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, f"{arguments}: {done.stderr}"
+    return done.stdout
+
+
+def needs_data(line: str, folder: Path) -> bool:
+    """Whether a command reads or fetches a published measurement."""
+    named = [folder / word for word in shlex.split(line) if word.endswith(".toml")]
+    scenarios = [path.read_text(encoding="utf-8") for path in named if path.is_file()]
+    return " data fetch " in line or any('"data:' in text for text in scenarios)
+
+
+def test_there_is_something_to_check() -> None:
+    assert COMMANDS and SNIPPETS and SCENARIOS
+
+
+def test_every_block_has_a_language_that_is_checked() -> None:
+    assert {block.language for block in BLOCKS} <= {"bash", "python", "toml"}
+
+
+def test_every_shell_line_is_run_or_checked() -> None:
+    known = ("martensite ", "python ", "make ", *INSTALLS)
+    assert [line for line in SHELL if not line.startswith(known)] == []
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_command_runs(line: str, folder: Path) -> None:
+    if needs_data(line, folder) and not os.environ.get("MARTENSITE_DATA"):
+        pytest.skip("reads measured data: set MARTENSITE_DATA to a folder that holds it")
+    program, *arguments = shlex.split(line)
+    arguments = ["-m", program, *arguments] if program == "martensite" else arguments
+    assert run(arguments, folder).strip()
+
+
+@pytest.mark.parametrize("text", SNIPPETS)
+def test_python_snippet_runs(text: str, folder: Path) -> None:
+    (folder / "snippet.py").write_text(text, encoding="utf-8")
+    run(["-W", "error", "snippet.py"], folder)
+    for name in re.findall(r'"([\w.-]+\.(?:png|svg|nc))"', text):
+        assert (folder / name).stat().st_size > 0, f"{name} was not written"
+
+
+@pytest.mark.parametrize("line", [line for line in SHELL if line.startswith("make ")])
+def test_make_target_exists(line: str) -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    targets = re.findall(r"^([a-z]+):", makefile, re.MULTILINE)
+    assert set(line.split()[1:]) <= set(targets)
+
+
+@pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
+def test_installation_is_of_this_checkout(line: str) -> None:
+    assert line.split()[-1] == "."
+    assert 'name = "martensite"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+
+
+def test_local_links_and_images_exist() -> None:
+    targets = re.findall(r"\]\((?!https?:)([^)#]+)", README.read_text(encoding="utf-8"))
+    assert targets
+    assert [name for name in targets if not (ROOT / name).exists()] == []

@@ -1,0 +1,78 @@
+"""The generated reference pages leave nothing out and let no markup through.
+
+Source of truth: the registries, materials, bibliography and commands of the package.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from importlib import import_module
+from types import ModuleType
+
+import pytest
+from fences import ROOT, pages
+
+from martensite.cli import describe
+from martensite.io import citations
+from martensite.materials.base import load_material, material_names
+
+MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
+
+
+@pytest.fixture(scope="module")
+def extension() -> ModuleType:
+    """The Sphinx extension that writes the pages."""
+    sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+    try:
+        return import_module("from_declarations")
+    finally:
+        sys.path.pop(0)
+
+
+def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
+    text = extension.SECTIONS["parts"]()
+    for kind, registry in describe.registries().items():
+        for name in registry.names():
+            section = text.partition(f"(part-{kind}-{name})=")[2].partition("(part-")[0]
+            assert section, f"{kind} {name}"
+            for parameter in registry[name].declarations:
+                assert f"| `{parameter}` |" in section
+
+
+def test_every_number_of_every_material_is_there(extension: ModuleType) -> None:
+    text = extension.SECTIONS["materials"]()
+    for name in material_names():
+        section = text.partition(f"(material-{name})=")[2].partition("(material-")[0]
+        for number, entry in load_material(name).values.items():
+            assert f"| `{number}` | {entry.text} |" in section
+
+
+def test_every_work_is_there_without_markup(extension: ModuleType) -> None:
+    text = extension.SECTIONS["bibliography"]()
+    targets = re.findall(r"^\(bib-(.+)\)=$", text, re.MULTILINE)
+    assert sorted(targets) == sorted(citations.bibliography())
+    assert not re.search(r"[\\{}]", text)
+
+
+def test_every_citation_leads_to_a_work(extension: ModuleType) -> None:
+    texts = [write() for write in extension.SECTIONS.values()]
+    texts += [page.read_text(encoding="utf-8") for page in pages()]
+    named = {key for text in texts for key in re.findall(r"\(\S*#bib-([\w-]+)\)", text)}
+    assert named
+    assert named <= set(citations.bibliography())
+
+
+def test_every_command_is_there(extension: ModuleType) -> None:
+    import typer
+
+    from martensite.cli import app
+
+    text = extension.SECTIONS["commands"]()
+    for name in typer.main.get_command(app).commands:  # type: ignore[attr-defined]
+        assert f"## `martensite {name}`" in text
+
+
+def test_marks_and_sections_match(extension: ModuleType) -> None:
+    marks = [mark for page in pages() for mark in MARK.findall(page.read_text(encoding="utf-8"))]
+    assert sorted(marks) == sorted(extension.SECTIONS)
