@@ -40,7 +40,7 @@ class Usage(NamedTuple):
     wall: float  # [s]
     cpu: float  # [s]
     peak: float  # [MB]
-    answer: Any  # what it printed, read as JSON; None if nothing
+    answer: Any  # what it printed, read as JSON; None if it printed no JSON
 
 
 def run_process(command: Sequence[str], environment: Mapping[str, str] | None = None) -> Usage:
@@ -58,7 +58,7 @@ def run_process(command: Sequence[str], environment: Mapping[str, str] | None = 
         wall, cpu, peak, status = json.loads(report.read_text())
     if status:
         raise RuntimeError(f"`{' '.join(command)}` failed:\n{done.stderr[-2000:]}")
-    return Usage(wall, cpu, peak, json.loads(done.stdout) if done.stdout.strip() else None)
+    return Usage(wall, cpu, peak, json.loads(done.stdout) if done.stdout[:1] == "{" else None)
 
 
 def interleaved(

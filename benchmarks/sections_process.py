@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchmarks.engines import Engine
-from benchmarks.process import Usage, interleaved, run_process
+from benchmarks.process import ROOT, Usage, interleaved, run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
 
+SCENARIO = ROOT / "src/martensite/studies/migaone/scenario.toml"
 MODULE = (sys.executable, "-m", "benchmarks.run_once")
 
 
@@ -30,12 +31,25 @@ def environments(engine: Engine, folder: str) -> dict[str, dict[str, str]]:
     return filled
 
 
+def command_lines(options: Options, folder: str) -> dict[Any, tuple[Sequence[str], dict[str, str]]]:
+    """What a user types: the help text, and a run with its data file but without its figure."""
+    if not any(engine.name == "ours" for engine in options.engines):
+        return {}
+    ours = (sys.executable, "-m", "martensite")
+    run = ("run", str(SCENARIO), "--no-figure", "--out", f"{folder}/run.nc", "--force")
+    return {
+        ("martensite --help", ""): ((*ours, "--help"), {}),
+        ("martensite run --no-figure", ""): ((*ours, *run), {}),
+    }
+
+
 def started(options: Options, repeats: int) -> dict[Any, list[Usage]]:
     """A single run of every engine in every environment, in fresh processes."""
     with tempfile.TemporaryDirectory() as folder:
         commands: dict[Any, tuple[Sequence[str], dict[str, str]]] = {}
         if not repeats:
             commands["bare interpreter", ""] = ([sys.executable, "-c", ""], {})
+            commands |= command_lines(options, folder)
         for engine in options.engines:
             if engine.single and not engine.only_edges:
                 for label, values in environments(engine, folder).items():
