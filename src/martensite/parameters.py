@@ -67,7 +67,7 @@ class Declared:
 
     def allowed(self) -> str:
         """The allowed range in words, in readable units."""
-        unit = units.readable(self.unit)
+        unit = self._readable()
         label = "" if unit == "1" else f" {unit}"
         low, high = (f"{units.from_si(v, unit, self.unit):.6g}{label}" for v in self.bounds)
         if math.isinf(self.low) and math.isinf(self.high):
@@ -76,7 +76,13 @@ class Declared:
             return f"above {low}" if self.open_low else f"at least {low}"
         if math.isinf(self.low):
             return f"at most {high}"
-        return f"between {low} and {high}"
+        return f"above {low} and at most {high}" if self.open_low else f"between {low} and {high}"
+
+    def _readable(self) -> str:
+        """The unit a person would rather read, unless it makes the bounds unwieldy."""
+        unit = units.readable(self.unit)
+        sizes = [abs(units.from_si(v, unit, self.unit)) for v in self.bounds if math.isfinite(v)]
+        return unit if all(size == 0.0 or 1e-3 <= size < 1e5 for size in sizes) else self.unit
 
     @property
     def bounds(self) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from martensite.elements.base import ELEMENTS, AbstractElement
 from martensite.laws.base import Fractions
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
 from martensite.parameters import Parametrised, part
-from martensite.runtimes.bracket import solve_bracketed
+from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
 from martensite.runtimes.dual import value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Environment
@@ -99,7 +99,14 @@ class System(Parametrised):
         spring = element.spring(xp, element.law.fractions(memory), temperature)
         return State(memory, Assembly(spring.free + spring.compliance * force))
 
-    def step(self, xp: Namespace, state: State, drive: Scalar, dt: Scalar) -> tuple[State, Report]:
+    def step(
+        self,
+        xp: Namespace,
+        state: State,
+        drive: Scalar,
+        dt: Scalar,
+        iterations: int = ITERATIONS,
+    ) -> tuple[State, Report]:
         """Advance by `dt` [s] under a constant drive signal."""
         law, memory = self.element.law, state.memory
         fraction = law.fractions(memory).martensite
@@ -116,7 +123,7 @@ class System(Parametrised):
             stress, temperature = settle(xp, x)
             return x - law.follow(xp, move, stress, temperature, dt).martensite
 
-        x = solve_bracketed(xp, mismatch, fraction, move.direction)
+        x = solve_bracketed(xp, mismatch, fraction, move.direction, iterations)
         end = settle(xp, x)
         residual = xp.abs(mismatch(xp, x))
         after = law.commit(xp, memory, move, law.at_fraction(x), *end)

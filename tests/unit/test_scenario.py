@@ -192,7 +192,7 @@ REFUSED = [
     ('high = "2500 mV"', "high = 2.5", "`high` is 2.5 without a unit", 'high = "2.5 V"'),
     ('duration = "400 s"', "duration = 400", "`duration` is 400 without a unit", '"400 s"'),
     # ranges
-    ('"0.381 mm"', '"-0.381 mm"', "must be between 0 mm and 20 mm", "but is -0.381 mm"),
+    ('"0.381 mm"', '"-0.381 mm"', "must be above 0 mm and at most 20 mm", "but is -0.381 mm"),
     ('"400 g"', '"-1 kg"', "[mechanism] Parameter `mass`", "but is -1 kg"),
     ('"400 s"', '"0 s"', "[run] Parameter `duration`", "must be above 0 s"),
     ('duration = "400 s"', 'duration = "400 s"\nsamples = 10.5', "[run]", "whole number"),

@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 
-EPS = 2.220446049250313e-16
 RESUME, RESTART = "resume", "restart"
 
 Left = Callable[[Namespace, Scalar], Scalar]
@@ -93,7 +92,7 @@ def course(
     begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
     size = xp.abs(memory.temperature) + xp.abs(temperature)
     size = size + (xp.abs(memory.stress) + xp.abs(stress)) * strip.per_slope
-    travel, hair = first - last, 8.0 * EPS * size * xp.abs(strip.per_width)
+    travel, hair = first - last, 8.0 * xp.eps() * size * xp.abs(strip.per_width)
     moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
     passes = xp.both(xp.both(moving, end < begin), begin > hair)
@@ -179,7 +178,7 @@ def handover(
     f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
     two = xp.both(f.passes, r.passes)
     done = xp.where(back, r.leaves, f.leaves)
-    share = xp.where(two, xp.minimum(1.0, done + 64.0 * EPS), 1.0)
+    share = xp.where(two, xp.minimum(1.0, done + 64.0 * xp.eps()), 1.0)
     whole = share >= 1.0
     turn_stress = memory.stress + share * (stress - memory.stress)
     turn_temperature = memory.temperature + share * (temperature - memory.temperature)

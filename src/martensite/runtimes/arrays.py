@@ -35,6 +35,10 @@ class ArrayNamespace:
         self.detach = detach
         self.store = store
 
+    def eps(self) -> float:
+        """Distance from 1 to the next number of the working precision."""
+        return float(self.np.finfo(self.precision).eps)
+
     def where(self, flag: Any, yes: Any, no: Any) -> Any:
         """`yes` where the flag holds, else `no`, in the working precision."""
         if isinstance(yes, float) and isinstance(no, float):

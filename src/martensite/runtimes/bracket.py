@@ -14,7 +14,8 @@ from martensite.runtimes.dual import value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 
 ITERATIONS = 4
-ROUND_OFF = 1e-14
+ROUND_OFF = 32.0
+"""A correction of so many roundings is always accepted."""
 
 
 def solve_bracketed(
@@ -38,6 +39,6 @@ def solve_bracketed(
         high, low = xp.where(above, x, high), xp.where(above, low, x)
         newton = x - value / slope
         inside = xp.both(low < newton, newton < high)
-        accept = xp.either(inside, xp.abs(newton - x) <= ROUND_OFF)
+        accept = xp.either(inside, xp.abs(newton - x) <= ROUND_OFF * xp.eps())
         x = xp.where(accept, newton, 0.5 * (low + high))
     return x

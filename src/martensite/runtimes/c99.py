@@ -57,6 +57,7 @@ C_DIALECT = Dialect(
         "quarter_sine": "quarter_sine({})",
         "detach": "{}",
         "store": "{}",
+        "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log"}),
     assign=_assign,

@@ -221,6 +221,10 @@ class DualNamespace:
         v, t = self.parts(x)
         return self.pair(self.base.store(v), None if t is None else self.base.store(t))
 
+    def eps(self) -> Any:
+        """Distance from 1 to the next number."""
+        return self.base.eps()
+
     def detach(self, x: Any) -> Any:
         """The value alone."""
         return self.base.detach(self.parts(x)[0])

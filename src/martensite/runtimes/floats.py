@@ -83,3 +83,8 @@ def detach(x: float) -> float:
 def store(x: float) -> float:
     """`x` itself."""
     return x
+
+
+def eps() -> float:
+    """Distance from 1 to the next number."""
+    return 2.220446049250313e-16

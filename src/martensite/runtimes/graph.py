@@ -80,7 +80,7 @@ class Graph:
         known = [self.value_of(node) for node in nodes]
         if operation == "where":
             return self._simplify_where(nodes, known)
-        if None not in known:
+        if known and None not in known:
             fold = _FOLD.get(operation) or getattr(floats, operation)
             return self.constant(fold(*known))
         if operation in ("add", "sub", "mul", "div"):

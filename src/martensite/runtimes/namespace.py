@@ -84,3 +84,7 @@ class Namespace(Protocol):
     def store(self, x: Scalar, /) -> Scalar:
         """`x` itself; a hint that it is used often and worth computing once."""
         ...
+
+    def eps(self) -> Scalar:
+        """Distance from 1 to the next number of the working precision."""
+        ...

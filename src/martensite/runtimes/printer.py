@@ -154,6 +154,7 @@ FLOAT_DIALECT = Dialect(
         "quarter_sine": "_sin(1.5707963267948966 * {})",
         "detach": "{}",
         "store": "{}",
+        "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"minimum", "maximum", "abs", "sqrt", "exp", "log"}),
     assign=lambda name, expression, flag: f"{name} = {expression}",
@@ -168,7 +169,7 @@ ARRAY_DIALECT = Dialect(
             for name, arity in {
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
                 "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
-                "quarter_sine": 1, "detach": 1, "store": 1,
+                "quarter_sine": 1, "detach": 1, "store": 1, "eps": 0,
             }.items()
         },
     },

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from martensite.errors import InputError, ParameterError, suggestion
 from martensite.runtimes import floats
+from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.grid import Grid, build_grid
@@ -20,6 +21,8 @@ RUNTIMES = ("floats", "jax", "c")
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "position": 1e-6}
 """Columns whose convergence is judged, with the least range that counts."""
 HALVINGS = 14
+THOROUGH = 24
+"""Iterations of the solve when the usual few leave a step unsolved: kinks, strong pulses."""
 
 
 def simulate(
@@ -72,12 +75,16 @@ class _Runner:
     def __call__(self, step: float) -> tuple[Grid, Track]:
         at_end = self.system.source.sets_temperature
         grid = build_grid(self.waveform, self.duration, self.samples, step, at_end)
-        compiled = compile_system(self.system)
-        values = compiled.values(self.system)
-        track = _march(self.runtime, compiled, values, grid)
+        track = self._march(self.runtime, grid, ITERATIONS)
+        if track.status is Status.UNSOLVED:
+            track = self._march(self.runtime, grid, THOROUGH)
         if track.status.failed and track.status_time is None:
-            track = _march("floats", compiled, values, grid)  # the one that records when
+            track = self._march("floats", grid, THOROUGH)  # the one that records when
         return grid, track
+
+    def _march(self, runtime: str, grid: Grid, iterations: int) -> Track:
+        compiled = compile_system(self.system, iterations)
+        return _march(runtime, compiled, compiled.values(self.system), grid)
 
 
 def first_step(system: System, duration: float, samples: int) -> float:

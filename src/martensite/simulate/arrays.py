@@ -75,6 +75,7 @@ def march(
         def one(carry: Any, now: Any) -> tuple[Any, None]:
             state, residual, crossing = carry
             *after, r, c = functions["step"](*state, *now)
+            after = [np_.broadcast_to(a, shape) for a in after]
             if padded:
                 after = [xp.where(now[1] > 0.0, a, b) for a, b in zip(after, state, strict=True)]
                 r, c = (xp.where(now[1] > 0.0, v, 0.0) for v in (r, c))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
+from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import Compiled, compile_system
@@ -59,6 +60,7 @@ def simulate_batch(
     samples: int = 1001,
     outputs: Sequence[str] = ("position",),
     chunk: int = CHUNK,
+    iterations: int = ITERATIONS,
     precision: str = "float64",
 ) -> Batch:
     """Run variants of a system that differ in the parameters named in `over`.
@@ -72,6 +74,7 @@ def simulate_batch(
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
         chunk: variants marched together; 256 keeps the state in a processor's cache.
+        iterations: of the solve in every step; more where variants come back unsolved.
         precision: float64, or float32 for sweeps (never for finite differences).
 
     Raises:
@@ -79,7 +82,7 @@ def simulate_batch(
     """
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
-    compiled = compile_system(system)
+    compiled = compile_system(system, iterations)
     varied = _varied(system, over)
     count = len(next(iter(varied.values())))
     plan, padded = _plan(system, waveform, duration, samples, step, precision)

@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from martensite.parameters import Parametrised
+from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.program import Program
 from martensite.system import OUTPUTS, Report, System
 
@@ -67,9 +68,12 @@ def structure(part: Parametrised) -> tuple[Any, ...]:
     return type(part), options, tuple((name, structure(child)) for name, child in part.children())
 
 
-def compile_system(system: System) -> Compiled:
-    """Trace a system, or return the program of an earlier one of the same structure."""
-    return _compile(_Keyed(structure(system), system))
+def compile_system(system: System, iterations: int = ITERATIONS) -> Compiled:
+    """Trace a system, or return the program of an earlier one of the same structure.
+
+    `iterations` is the fixed count of the bracketed solve of every step.
+    """
+    return _compile(_Keyed(structure(system), system), iterations)
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class _Keyed:
 
 
 @lru_cache(maxsize=64)
-def _compile(keyed: _Keyed) -> Compiled:
+def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.system.leaves())
     system = keyed.system.rebuilt({path: program.parameter(path) for path in paths})
@@ -99,21 +103,23 @@ def _compile(keyed: _Keyed) -> Compiled:
     program.add("init", ["u"], init)
     shape, size = found[0], len(flatten(found[0].example))
     names = [f"s{i}" for i in range(size)]
-    program.add("step", [*names, "u", "dt"], _step_kernel(system, shape, size))
-    program.add("observe", [*names, "u"], _observe_kernel(system, shape, size))
+    program.add("step", [*names, "u", "dt"], _step_kernel(system, shape, iterations))
+    program.add("observe", [*names, "u"], _observe_kernel(system, shape))
     return Compiled(program, paths, size)
 
 
-def _step_kernel(system: System, shape: _Shape, size: int) -> Callable[..., list[Any]]:
+def _step_kernel(system: System, shape: _Shape, iterations: int) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
-        state, report = system.step(xp, shape.rebuild(arguments[:size]), *arguments[size:])
+        *numbers, drive, dt = arguments
+        state, report = system.step(xp, shape.rebuild(numbers), drive, dt, iterations)
         return flatten(state) + flatten(report)
 
     return step
 
 
-def _observe_kernel(system: System, shape: _Shape, size: int) -> Callable[..., list[Any]]:
+def _observe_kernel(system: System, shape: _Shape) -> Callable[..., list[Any]]:
     def observe(xp: Any, *arguments: Any) -> list[Any]:
-        return flatten(system.observe(xp, shape.rebuild(arguments[:size]), arguments[size]))
+        *numbers, drive = arguments
+        return flatten(system.observe(xp, shape.rebuild(numbers), drive))
 
     return observe

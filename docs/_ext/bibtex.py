@@ -1,0 +1,61 @@
+"""The bibliography as Markdown, from the package's `references.bib`."""
+
+from __future__ import annotations
+
+import re
+
+from martensite.io import citations
+
+_FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{[^{}]*\})*)\}")
+_ACCENTS = {
+    r"\"a": "ä", r"\"o": "ö", r"\"u": "ü", r"\'a": "á", r"\'e": "é", r"\'i": "í", r"\'o": "ó",
+    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\_": "_", r"\&": "&", "--": "–",
+}  # fmt: skip
+_ORDER = ("journal", "booktitle", "school", "organization", "edition")
+
+
+def bibliography() -> str:
+    """All works, sorted by key, each with a target that other pages link to."""
+    known = citations.bibliography()
+    return "\n".join(_entry(key, known[key]) for key in sorted(known))
+
+
+def _entry(key: str, text: str) -> str:
+    return f"(bib-{key})=\n**{key}**\n: {_sentence(fields(text))}\n"
+
+
+def fields(text: str) -> dict[str, str]:
+    """The fields of a BibTeX entry as plain text."""
+    return {name.lower(): _plain(value) for name, value in _FIELD.findall(text)}
+
+
+def _plain(value: str) -> str:
+    value = re.sub(r"\s+", " ", value)
+    for latex, letter in _ACCENTS.items():
+        value = value.replace(latex, letter)
+    return re.sub(r"[{}]", "", value)
+
+
+def _sentence(found: dict[str, str]) -> str:
+    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
+    volume = " ".join(found[name] for name in (*_ORDER, "volume") if name in found)
+    place = ", ".join(filter(None, (volume, _pages(found))))
+    pieces = [authors, f"*{found['title']}*", f"{place} {_year(found)}".strip()]
+    text = ". ".join(piece for piece in pieces if piece) + "."
+    links = [
+        f"[doi:{found['doi']}](https://doi.org/{found['doi']})" if "doi" in found else "",
+        f"[arXiv:{found['eprint']}](https://arxiv.org/abs/{found['eprint']})"
+        if "eprint" in found
+        else "",
+        f"<{found['url']}>" if "url" in found else "",
+        f"({found['note']})" if "note" in found else "",
+    ]
+    return " ".join([text.replace("..", "."), *(link for link in links if link)])
+
+
+def _pages(found: dict[str, str]) -> str:
+    return f"p. {found['pages']}" if "pages" in found else ""
+
+
+def _year(found: dict[str, str]) -> str:
+    return f"({found['year']})" if "year" in found else ""

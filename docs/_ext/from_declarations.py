@@ -1,0 +1,58 @@
+"""Sphinx extension: reference pages written from the package's own declarations.
+
+A page holds a comment `<!-- from-declarations: NAME -->`, and this extension puts Markdown in
+its place before the page is parsed. Nothing about a parameter, a material, a command or a
+cited work is written twice.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import bibtex
+import commands
+import parts
+
+from martensite.elements.limits import Limits
+from martensite.io.scenario import Run
+from martensite.thermal.base import Environment
+
+SECTIONS: dict[str, Callable[[], str]] = {
+    "parts": parts.all_parts,
+    "materials": parts.all_materials,
+    "numbers": parts.canonical_numbers,
+    "outputs": parts.outputs,
+    "status": parts.statuses,
+    "units": parts.everyday_units,
+    "commands": commands.all_commands,
+    "bibliography": bibtex.bibliography,
+    "studies": parts.all_studies,
+    "run": lambda: parts.parameters_of(Run),
+    "environment": lambda: parts.parameters_of(Environment),
+    "limits": lambda: parts.parameters_of(Limits),
+    "public-names": parts.public_names,
+}
+_MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
+
+
+def filled(text: str) -> str:
+    """The text with every mark replaced by what it stands for."""
+    return _MARK.sub(lambda mark: SECTIONS[mark[1]](), text)
+
+
+def _fill(app: Any, page: str, content: list[str]) -> None:
+    content[0] = filled(content[0])
+
+
+def _always(app: Any, env: Any, added: Any, changed: Any, removed: Any) -> list[str]:
+    """Pages with a mark are read at every build: their source is the package."""
+    return [page for page in env.found_docs if _MARK.search(env.doc2path(page).read_text("utf-8"))]
+
+
+def setup(app: Any) -> dict[str, Any]:
+    """Entry point of the extension."""
+    app.connect("source-read", _fill)
+    app.connect("env-get-outdated", _always)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,204 @@
+"""Markdown about registered parts, materials, outputs, statuses and units."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import martensite
+from martensite import units
+from martensite.cli import describe, show
+from martensite.materials.base import DOUBTFUL, Material, load_material, material_names
+from martensite.materials.names import NAMES
+from martensite.parameters import Parametrised
+from martensite.status import Status
+from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
+from martensite.system import OUTPUTS
+
+PLURALS = {
+    "element": "Elements",
+    "law": "Laws",
+    "resistance": "Resistance models",
+    "cooling": "Heat-loss models",
+    "mechanism": "Mechanisms",
+    "drive": "Sources",
+    "waveform": "Waveforms",
+}
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "\n".join("| " + " | ".join(_cell(c) for c in line) + " |" for line in lines) + "\n"
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", r"\|")
+
+
+def plain(text: str) -> str:
+    """Text in which stars and angles mean themselves."""
+    return text.replace("*", r"\*").replace("<", r"\<")
+
+
+def code(text: str) -> str:
+    """Inline code, or nothing for nothing."""
+    return f"`{text}`" if text else ""
+
+
+def cited(key: str) -> str:
+    """A link to an entry of the bibliography."""
+    return f"[{key}](#bib-{key})"
+
+
+# -- registered parts --------------------------------------------------------------------
+def all_parts() -> str:
+    """One section per registry, one below it per entry."""
+    return "\n".join(
+        f"## {PLURALS.get(kind, kind)}\n\n"
+        + "\n".join(part(describe.one(registry, name)) for name in registry.names())
+        for kind, registry in describe.registries().items()
+    )
+
+
+def part(found: dict[str, Any]) -> str:
+    """Description, parameters and sources of one registered part."""
+    sources = ", ".join(cited(key) for key in found["cites"])
+    return "\n".join(
+        [
+            f"(part-{found['kind']}-{found['name']})=",
+            f"### `{found['name']}`\n",
+            f"{found['summary']}\n",
+            f"{found['description']}\n",
+            _parameters(found["parameters"]),
+            f"Sources: {sources}.\n" if sources else "",
+        ]
+    )
+
+
+def _parameters(declared: Sequence[dict[str, Any]]) -> str:
+    if not declared:
+        return "No parameters.\n"
+    columns = ("parameter", "unit", "meaning", "allowed", "default")
+    return table(columns, [_parameter(entry) for entry in declared])
+
+
+def parameters_of(cls: type[Parametrised]) -> str:
+    """The parameters of a class that is in no registry."""
+    return _parameters(describe.described("", cls)["parameters"])
+
+
+def public_names() -> str:
+    """What `import martensite` offers."""
+    names = [name for name in dir(martensite) if not name.startswith("_")]
+    found = {name: getattr(martensite, name) for name in names}
+    return table(("name", "what it is"), [(code(n), describe.summary(o)) for n, o in found.items()])
+
+
+def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:
+    unit = entry["unit"] or ""
+    default = "required" if entry["required"] else str(entry["default"])
+    if isinstance(entry["default"], float):
+        value = entry["default"]
+        default = "none" if math.isinf(value) else show.quantity(value, unit)
+    words = [code(word.strip()) for word in entry["allowed"].split("|")]
+    allowed = plain(entry["allowed"]) if entry["unit"] else " ".join(words)
+    shown = "" if unit == "1" else code(unit)
+    return code(entry["name"]), shown, plain(entry["meaning"]), allowed, plain(default)
+
+
+# -- materials ---------------------------------------------------------------------------
+def all_materials() -> str:
+    """One section per material."""
+    return "\n".join(material(load_material(name)) for name in material_names())
+
+
+def material(found: Material) -> str:
+    """Every number of a material with its kind and source."""
+    rows = [
+        (
+            code(name),
+            plain(number.text),
+            f"**{number.kind}**" if number.kind in DOUBTFUL else number.kind,
+            ", ".join(filter(None, (cited(found.sources[number.source].cite), number.where))),
+            plain(number.note),
+        )
+        for name, number in found.values.items()
+    ]
+    return "\n".join(
+        [
+            f"(material-{found.name})=",
+            f"## `{found.name}`\n",
+            f"{found.title}. {found.summary}\n",
+            f"*Limits.* {found.limits}\n",
+            table(("number", "value", "kind", "source", "note"), rows),
+        ]
+    )
+
+
+def canonical_numbers() -> str:
+    """The names under which materials hold numbers."""
+    rows = [(code(name), code(unit), meaning) for name, (unit, meaning) in NAMES.items()]
+    return table(("name", "SI unit", "meaning"), rows)
+
+
+# -- results -----------------------------------------------------------------------------
+def outputs() -> str:
+    """The columns of every result."""
+    rows = [
+        (code(name), symbol, "that of the source" if name == "drive" else code(unit), long_name)
+        for name, (unit, long_name, symbol) in OUTPUTS.items()
+    ]
+    return table(("column", "symbol", "SI unit", "meaning"), rows)
+
+
+def statuses() -> str:
+    """How a step can end."""
+    rows = [
+        (code(status.name), "yes" if status.failed else "no", status.sentence) for status in Status
+    ]
+    return table(("status", "failed", "what it means and what to try"), rows)
+
+
+def everyday_units() -> str:
+    """Spellings of units that are read without pint."""
+    kinds: dict[str, list[str]] = {}
+    for spelling, (unit, _, _) in units.EVERYDAY.items():
+        kinds.setdefault(unit, []).append(spelling)
+    rows = [
+        ("none" if unit == "1" else code(unit), " ".join(code(s) for s in spellings),
+         "" if units.readable(unit) == unit else code(units.readable(unit)))
+        for unit, spellings in kinds.items()
+    ]  # fmt: skip
+    return table(("SI unit", "accepted spellings", "shown as"), rows)
+
+
+# -- studies -----------------------------------------------------------------------------
+def all_studies() -> str:
+    """The claims of every study, computed now."""
+    return "\n".join(_study(load_study(name)) for name in study_names())
+
+
+def _study(found: AbstractStudy) -> str:
+    claims = found.claims()
+    counted = Counter(claim.verdict for claim in claims)
+    columns = ("claim", "published", "computed", "unit", "verdict", "why")
+    return "\n".join(
+        [
+            f"## `{found.key}`\n",
+            f"{found.title}. Source: {', '.join(cited(key) for key in found.cites[:1])}.\n",
+            ", ".join(f"{count} {verdict}" for verdict, count in counted.items()) + ".\n",
+            table(columns, [_claim(claim) for claim in claims]),
+        ]
+    )
+
+
+def _claim(claim: Claim) -> tuple[str, ...]:
+    published = "" if claim.published is None else f"{claim.published:.4g}"
+    if claim.tolerance is not None:
+        published += f" ± {claim.tolerance:.2g}"
+    computed = "" if claim.computed is None else f"{claim.computed:.4g}"
+    verdict = claim.verdict.replace("not ", "not\N{NO-BREAK SPACE}")
+    return plain(claim.statement), published, computed, claim.unit, verdict, plain(claim.why)

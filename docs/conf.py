@@ -1,0 +1,67 @@
+"""Sphinx configuration.
+
+Pages are MyST Markdown. Code cells are executed at build time, and a failing cell fails the
+build. `_ext/from_declarations.py` writes the reference tables from the package itself.
+Formulas are set by the MathJax copy in `_static`, without a network connection.
+"""
+
+import os
+import sys
+from importlib.metadata import version as installed
+from pathlib import Path
+
+HELPERS = str(Path(__file__).parent / "_ext")
+sys.path.insert(0, HELPERS)
+
+
+def in_front(variable: str, folder: str) -> None:
+    """Put a folder in front of a search path that the kernels inherit."""
+    os.environ[variable] = os.pathsep.join(filter(None, [folder, os.environ.get(variable)]))
+
+
+in_front("PYTHONPATH", HELPERS)  # for page_setup
+in_front("PATH", str(Path(sys.executable).parent))  # for the command `martensite`
+
+project = "martensite"
+author = "The martensite developers"
+copyright = "The martensite developers"
+release = version = installed("martensite")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "from_declarations",
+]
+exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**"]
+
+# -- pages -------------------------------------------------------------------------------
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+# -- code cells --------------------------------------------------------------------------
+nb_execution_mode = "force"  # outputs belong to the package as it is now
+nb_execution_in_temp = True
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+# -- docstrings --------------------------------------------------------------------------
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_class_signature = "separated"
+autodoc_default_options = {"exclude-members": "__init__, __new__"}
+autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+add_module_names = False
+
+# -- output ------------------------------------------------------------------------------
+html_theme = "furo"
+html_title = f"martensite {release}"
+html_static_path = ["_static"]
+html_css_files = ["tables.css"]
+html_show_sourcelink = False
+html_copy_source = False
+mathjax_path = "mathjax/tex-svg.js"
+mathjax3_config = {"options": {"enableMenu": False}}
