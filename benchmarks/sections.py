@@ -98,29 +98,35 @@ def precision(options: Options) -> list[Table]:
     able = options.runners(drive)
     runs = [single_candidate(e, label, p, drive) for e in able for label in e.settings]
     timings = measure(runs, options.repeats, options.base)
-    best = []
-    for engine in able:
-        mine = [t for t in timings if t.name == engine.name]
-        row: dict[str, Any] = {"engine": engine.name}
-        for target in LEVELS:
-            good = [t for t in mine if t.err <= target]
-            cheapest = min(good, key=lambda t: t.cpu, default=None)
-            row[f"to {target:.0e} [ms]"] = 1e3 * cheapest.cpu if cheapest else None
-        best.append(row)
     return [
         Table(f"Work and precision, {drive.name}", rows_of(timings, "ms", 1e3)),
-        Table(f"Cheapest setting that reaches an error, {drive.name}", best),
+        cheapest(timings, f"Cheapest setting that reaches an error, {drive.name}", "ms", 1e3),
     ]
 
 
-def batch_candidate(engine: Engine, size: int, p: Wire, drive: Drive) -> Candidate:
-    """A batch of one engine, cut to what it can take."""
+def cheapest(timings: Sequence[Timing], title: str, unit: str, factor: float) -> Table:
+    """CPU time of the cheapest setting of each engine that reaches each error."""
+    rows = []
+    for name in dict.fromkeys(t.name for t in timings):
+        row: dict[str, Any] = {"engine": name}
+        for target in LEVELS:
+            good = [t.cpu for t in timings if t.name == name and t.err <= target]
+            row[f"to {target:.0e} [{unit}]"] = factor * min(good) if good else None
+        rows.append(row)
+    return Table(title, rows)
+
+
+def batch_candidate(
+    engine: Engine, size: int, p: Wire, drive: Drive, label: str | None = None
+) -> Candidate:
+    """A batch of one engine, cut to what it can take, at its usual setting or another."""
+    label = label or engine.usual
     assert engine.batch is not None
     count = min(size, engine.batch_limit)
     sets = first_sets(parameter_sets(size)._replace(**other_fields(p)), count)
     exact = batch_reference(engine.rule, sets, drive, min(count, JUDGED))
-    run = engine.batch(sets, drive, engine.settings[engine.usual])
-    return Candidate(engine.name, run, lambda x: worst(x, exact), count, engine.usual)
+    run = engine.batch(sets, drive, engine.settings[label])
+    return Candidate(engine.name, run, lambda x: worst(x, exact), count, label)
 
 
 def other_fields(p: Wire) -> dict[str, float]:
@@ -145,6 +151,22 @@ def batch(options: Options) -> list[Table]:
         note = f"Per trajectory; err is the worst of the first {JUDGED} sets."
         tables.append(Table(f"Batch of {size}, {drive.name}", rows, note))
     return tables
+
+
+@section
+def batch_precision(options: Options) -> list[Table]:
+    """Every setting of every engine in the middle batch size: cost at equal error."""
+    p, drive = options.case()
+    size = sorted(options.sizes)[len(options.sizes) // 2]
+    able = [e for e in options.engines if e.batch]
+    runs = [batch_candidate(e, size, p, drive, label) for e in able for label in e.settings]
+    timings = measure(runs, options.repeats, options.base)
+    note = f"Per trajectory; err is the worst of the first {JUDGED} sets."
+    title = f"Batch of {size}, cheapest setting that reaches an error, {drive.name}"
+    return [
+        Table(f"Batch of {size}, work and precision", rows_of(timings, "us", 1e6), note),
+        cheapest(timings, title, "us", 1e6),
+    ]
 
 
 def gradient_candidate(engine: Engine, p: Wire, drive: Drive) -> Candidate:

@@ -1,9 +1,17 @@
 """Shared fixtures; the plain constructors live in `builders.py` and `kernels.py`."""
 
+import os
+from pathlib import Path
+
 import pytest
 from hypothesis import settings
 
 from martensite.runtimes.c99 import compiler
+
+# measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
+BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
+if "MARTENSITE_DATA" not in os.environ and BESIDE.is_dir():
+    os.environ["MARTENSITE_DATA"] = str(BESIDE)
 
 settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
 settings.load_profile("reproducible")
