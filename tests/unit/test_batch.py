@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import pytest
 from builders import problem_a
 
@@ -68,3 +70,12 @@ def test_a_stiff_spring_costs_no_million_steps() -> None:
     assert result.steps < 20_000
     assert result.accuracy is not None
     assert result.accuracy <= 1e-4
+
+
+def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("martensite.simulate.api"), "MOST_REFINED", 5_000)
+    result = ms.simulate(problem_a(), LEVELS, 20.0, tolerance=1e-9, samples=101)
+    (warning,) = result.warnings
+    assert "tolerance of 1.0e-09 was not reached" in warning
+    assert result.accuracy is not None
+    assert 1e-9 < result.accuracy < 1e-3

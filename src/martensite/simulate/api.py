@@ -21,6 +21,8 @@ RUNTIMES = ("floats", "jax", "c")
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "position": 1e-6}
 """Columns whose convergence is judged, with the least range that counts."""
 HALVINGS = 14
+MOST_REFINED = 4_000_000
+"""Steps beyond which a run is not refined further, but returned with a warning."""
 THOROUGH = 24
 """Iterations of the solve when the usual few leave a step unsolved: kinks, strong pulses."""
 
@@ -59,7 +61,13 @@ def simulate(
         grid, track = run(step)
         return _result(run, grid, track.require(), None)
     grid, track, accuracy = _refine(run, first_step(system, duration, samples), tolerance)
-    return _result(run, grid, track.require(), accuracy)
+    result = _result(run, grid, track.require(), accuracy)
+    if accuracy > tolerance:
+        result.warnings.append(
+            f"Warning: the tolerance of {tolerance:.1e} was not reached in {result.steps:,} "
+            f"steps; halving still changes the result by {accuracy:.1e} of its range."
+        )
+    return result
 
 
 @dataclass(frozen=True)
@@ -101,6 +109,8 @@ def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, f
     grid, coarse = run(step)
     accuracy = math.inf
     for _ in range(HALVINGS):
+        if 2 * len(grid.lengths) > MOST_REFINED:
+            break
         step = 0.5 * min(step, grid.longest)
         grid, fine = run(step)
         accuracy = _difference(coarse, fine)
