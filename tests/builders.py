@@ -49,6 +49,12 @@ LAW_A = {
 }  # fmt: skip
 
 
+PLAIN_LAW: dict[str, Any] = {
+    "E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "C_A": 10e6, "C_M": 8e6,
+    "A_s": 341.15, "A_f": 351.15, "M_s": 325.15, "M_f": 315.15,
+}  # fmt: skip
+
+
 class FunctionWaveform(AbstractWaveform):
     """A waveform from a plain function of time, with the times at which it jumps or bends."""
 
@@ -95,6 +101,23 @@ def problem_a(history: str = "resume", **changes: Any) -> System:
         "mechanism": BiasSpring(stiffness=1000, preload=5),
     }
     return System(**(parts | changes))
+
+
+def plain_system(law: AbstractLaw | None = None, source: AbstractSource | None = None) -> System:
+    """Another, simpler wire under 1 kg, without latent heat or thermal strain."""
+    wire = Wire(
+        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0,
+        law=law or plain_law(), resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
+    )  # fmt: skip
+    return System(
+        element=wire, source=source or VoltageSource(), mechanism=DeadWeight(mass=1.0),
+        environment=Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0)),
+    )  # fmt: skip
+
+
+def plain_law(cls: type[LiangRogers] = LiangRogers, **changed: Any) -> LiangRogers:
+    """The law of `plain_system`."""
+    return cls(**(PLAIN_LAW | changed))
 
 
 class PrintedFormula(LiangRogers):

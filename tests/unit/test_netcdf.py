@@ -16,20 +16,14 @@ from typing import TYPE_CHECKING
 import h5netcdf
 import numpy as np
 import pytest
+from builders import plain_system
 
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire
 from martensite.errors import DataError
 from martensite.io.netcdf import open_result, save, to_dataset
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 from martensite.status import Status
-from martensite.system import OUTPUTS, System
-from martensite.thermal.base import Environment
-from martensite.thermal.polynomial import PolynomialCooling
+from martensite.system import OUTPUTS
 
 if TYPE_CHECKING:
     import xarray
@@ -44,26 +38,10 @@ class Ramp(AbstractWaveform):
         return time
 
 
-def make_system() -> System:
-    law = LiangRogers(
-        E_A=75e9, E_M=28e9, eps_L=0.04, A_s=341.15, A_f=351.15, M_s=325.15, M_f=315.15,
-        C_A=10e6, C_M=8e6,
-    )  # fmt: skip
-    wire = Wire(
-        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0, law=law,
-        resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
-    )  # fmt: skip
-    surroundings = Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0))
-    return System(
-        element=wire, environment=surroundings, source=VoltageSource(),
-        mechanism=DeadWeight(mass=1.0),
-    )  # fmt: skip
-
-
 def make_result(accuracy: float | None = 0.000125, status_time: float | None = 0.5) -> Result:
     columns = {name: [i + t / 8 for t in TIMES] for i, name in enumerate(OUTPUTS)}
     return Result(
-        make_system(), Ramp(), TIMES, columns, Status.LONG_STEP, status_time, 40, 0.05, accuracy,
+        plain_system(), Ramp(), TIMES, columns, Status.LONG_STEP, status_time, 40, 0.05, accuracy,
         ["Warning: one.", "Warning: two."],
     )  # fmt: skip
 

@@ -19,28 +19,23 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from builders import plain_law, plain_system
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from martensite.electrical.base import AbstractSource
-from martensite.electrical.per_length import PerLengthResistance
 from martensite.electrical.temperature import PrescribedTemperature
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire
 from martensite.errors import DataError
 from martensite.laws.base import AbstractLaw
 from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.parameters import param
 from martensite.plot.hysteresis import senses, strips
 from martensite.plot.overview import plot_result, save_figure
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 from martensite.status import Status
-from martensite.system import OUTPUTS, System
-from martensite.thermal.base import Environment
-from martensite.thermal.polynomial import PolynomialCooling
+from martensite.system import OUTPUTS
 
 N = 41
 TIMES = np.arange(N) * 1.0
@@ -93,23 +88,10 @@ class Measured:
     units: dict[str, str]
 
 
-def make_law(cls: type[LiangRogers] = LiangRogers, **changed: Any) -> LiangRogers:
-    temperatures = {"A_s": 341.15, "A_f": 351.15, "M_s": 325.15, "M_f": 315.15}
-    values = {"E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "C_A": 10e6, "C_M": 8e6, **temperatures}
-    return cls(**{**values, **changed})
-
-
 def make_result(
     law: AbstractLaw | None = None, source: AbstractSource | None = None, **columns: Any
 ) -> Result:
-    wire = Wire(
-        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0,
-        law=law or make_law(), resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
-    )  # fmt: skip
-    system = System(
-        element=wire, source=source or VoltageSource(), mechanism=DeadWeight(mass=1.0),
-        environment=Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0)),
-    )  # fmt: skip
+    system = plain_system(law, source)
     others = {name: np.full(N, 0.5) for name in OUTPUTS}
     lists = {n: np.asarray(c).tolist() for n, c in {**others, **SI, **columns}.items()}
     return Result(
@@ -254,7 +236,7 @@ def test_strips_lie_at_the_mean_stress() -> None:
     assert any("mean stress of 100 MPa" in name for name in names)
 
 
-@pytest.mark.parametrize("law", [make_law(Critical), Bare()])
+@pytest.mark.parametrize("law", [plain_law(Critical), Bare()])
 def test_no_strips_for_laws_that_do_not_shift_them(law: AbstractLaw) -> None:
     figure = plot_result(make_result(law))
     assert not any(axes.patches for axes in loops(figure))
@@ -360,7 +342,7 @@ def test_title_summary_and_warnings_are_on_the_figure() -> None:
 
 CASES = {
     "plain": (make_result(), []),
-    "close strips": (make_result(make_law(M_s=340.15, M_f=338.15)), []),
+    "close strips": (make_result(plain_law(M_s=340.15, M_f=338.15)), []),
     "constant": (make_result(temperature=np.full(N, 350.0), position=np.zeros(N)), []),
     "small": (make_result(position=SI["position"] * 1e-4, resistance=SI["position"] + 1e4), []),
     "records": (

@@ -8,21 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from builders import plain_system
 
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire
 from martensite.errors import DataError, ParameterError
 from martensite.io.compare import compare
 from martensite.io.records import Record, table_waveform
 from martensite.io.tables import read_table
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.polynomial import PolynomialCooling
 
 HEADLESS = ["time [s]", "temperature [degC]"]
 
@@ -303,26 +296,9 @@ def test_a_path_may_be_text(write):
     assert read_table(str(write("strain\n1\n"))).source == Path(write("strain\n1\n"))
 
 
-def heated_wire():
-    law = LiangRogers(
-        E_A=75e9, E_M=28e9, eps_L=0.04, A_s=341.15, A_f=351.15, M_s=325.15, M_f=315.15,
-        C_A=10e6, C_M=8e6,
-    )  # fmt: skip
-    wire = Wire(
-        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0, law=law,
-        resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
-    )  # fmt: skip
-    return System(
-        element=wire,
-        environment=Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0)),
-        source=VoltageSource(),
-        mechanism=DeadWeight(mass=1.0),
-    )
-
-
 def test_a_run_written_as_a_table_agrees_with_itself(write):
     waveform = PulseWidthModulation(high=6.0, frequency=2.0, duty=0.3)
-    run = simulate(heated_wire(), waveform, 3.0, samples=31, step=0.01)
+    run = simulate(plain_system(), waveform, 3.0, samples=31, step=0.01)
     rows = zip(run.times, run["temperature"], run["position"], run["drive"], strict=True)
     lines = [f"{t!r},{k - 273.15!r},{x * 1e3!r},{u!r}" for t, k, x, u in rows]
     heading = "time [s],temperature [degC],position [mm],drive [V]"

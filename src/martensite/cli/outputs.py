@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from martensite.errors import DataError
+from martensite.plot.files import FORMATS
 
 DATA = (".nc",)
-FIGURE = (".png", ".svg", ".pdf")
+FIGURE = tuple(f".{name}" for name in FORMATS)
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ def quantity(value: float, unit: str) -> str:
     from martensite import units
 
     shown = units.readable(unit)
-    number = f"{value if shown == unit else units.from_si(value, shown, unit):.6g}"
+    number = f"{units.from_si(value, shown, unit):.6g}"
     return number if shown == "1" else f"{number} {shown}"
 
 

@@ -86,7 +86,7 @@ def simulate_batch(
     varied = _varied(system, over)
     count = len(next(iter(varied.values())))
     plan, padded = _plan(system, waveform, duration, samples, step, precision)
-    run = jitted_march(compiled, tuple(_indices(compiled, outputs)), padded)
+    run = jitted_march(compiled, _indices(compiled, outputs), padded)
     values = dict(zip(compiled.paths, compiled.values(system), strict=True))
     pieces = [
         run(_values(values, varied, slice(first, first + chunk), chunk, precision), plan)
@@ -96,9 +96,10 @@ def simulate_batch(
         name: np.concatenate([np.asarray(p.outputs[i]).T for p in pieces])[:count]
         for i, name in enumerate(outputs)
     }
-    reports = zip(*(np.concatenate([np.asarray(r) for r in pair])[:count] for pair in zip(
-        *((p.residual, p.crossing) for p in pieces), strict=True)), strict=True)  # fmt: skip
-    status = [classify(float(r), float(c)) for r, c in reports]
+    residual = np.concatenate([np.asarray(p.residual) for p in pieces])[:count]
+    crossing = np.concatenate([np.asarray(p.crossing) for p in pieces])[:count]
+    reports = zip(residual.tolist(), crossing.tolist(), strict=True)
+    status = [classify(r, c) for r, c in reports]
     return Batch(np.linspace(0.0, duration, samples), columns, _checked(status, columns))
 
 
@@ -124,7 +125,7 @@ def sensitivity(
     paths = tuple(system.resolve(name) for name in wrt)
     plan, padded = _plan(system, waveform, duration, samples, step, "float64")
     run = jitted_jacobian(
-        compiled, tuple(_indices(compiled, [output])),
+        compiled, _indices(compiled, [output]),
         tuple(compiled.paths.index(path) for path in paths), padded,
     )  # fmt: skip
     values = np.asarray(compiled.values(system))
@@ -155,11 +156,11 @@ def _plan(
     return schedule(build_grid(waveform, duration, samples, step, at_end), precision)
 
 
-def _indices(compiled: Compiled, outputs: Sequence[str]) -> list[int]:
+def _indices(compiled: Compiled, outputs: Sequence[str]) -> tuple[int, ...]:
     for name in outputs:
         if name not in compiled.outputs:
             raise UnknownNameError("output", name, compiled.outputs)
-    return [compiled.outputs.index(name) for name in outputs]
+    return tuple(compiled.outputs.index(name) for name in outputs)
 
 
 def _varied(system: System, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
