@@ -19,7 +19,7 @@ from martensite.electrical.temperature import PrescribedTemperature
 from martensite.electrical.voltage import VoltageSource
 from martensite.elements.base import ELEMENTS, AbstractElement
 from martensite.elements.wire import Wire
-from martensite.laws.base import LAWS, AbstractLaw
+from martensite.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.materials.base import load_material, material_names
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
@@ -173,7 +173,7 @@ def along(
     law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> list[Any]:
     """Memories of a law at the points (stress [Pa], temperature [K]), legs cut into substeps."""
-    memory = law.init(floats, fraction, *points[0])
+    memory = law.init(floats, Fractions(fraction, fraction), *points[0])
     memories = [memory]
     for (s0, t0), (s1, t1) in itertools.pairwise(points):
         for k in range(1, substeps + 1):

@@ -17,6 +17,7 @@ import numpy as np
 
 from martensite.electrical.base import Conductor
 from martensite.elements.base import Spring
+from martensite.laws.base import Fractions
 from martensite.mechanisms.base import Assembly
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
@@ -51,7 +52,7 @@ class Kernel:
 def law_path(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any,
              dt: Any) -> Any:  # fmt: skip
     """Two legs; fractions and strain at their ends, memory at the end."""
-    start = law.init(xp, x, s0, t0)
+    start = law.init(xp, Fractions(x, x), s0, t0)
     between, first = law.kinetics(xp, start, s1, t1, dt)
     end, second = law.kinetics(xp, between, s2, t2, dt)
     strains = law.strain(xp, first, s1, t1), law.strain(xp, second, s2, t2)
@@ -60,17 +61,18 @@ def law_path(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: 
 
 def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: Any) -> Any:
     """The parts that a solver calls one by one."""
-    start = law.init(xp, x, s0, t0)
+    start = law.init(xp, Fractions(x, x), s0, t0)
     move = law.select(xp, start, s1, t1)
     end = law.follow(xp, move, s1, t1, dt)
-    after = law.commit(xp, start, move, end, s1, t1)
-    frozen = law.at_fraction(x)
+    after = law.commit(xp, start, move, end, s1, t1, dt)
+    frozen = Fractions(x, x)
     spring = law.free_strain(xp, frozen, t1), law.compliance(xp, frozen)
-    return end, law.fractions(after), spring, law.crossing(xp, start, move, s1, t1)
+    others = law.heat(xp, s1, t1), law.crossing(xp, start, move, s1, t1)
+    return end, law.fractions(after), spring, others
 
 
 def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any, e: Any) -> Any:
-    fractions = element.law.at_fraction(x)
+    fractions = Fractions(x, x)
     return (
         element.heat_loss(xp, temperature, builders.example_environment()),
         element.spring(xp, fractions, temperature),
@@ -78,7 +80,7 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
         element.strain(xp, e),
         element.ohms(xp, x, 0.02 * x, temperature),
         element.heat_capacity_total(),
-        element.latent_heat_total(),
+        element.latent_heat_total(xp, force, temperature),
     )
 
 

@@ -1,15 +1,13 @@
 """A system: one element, its surroundings, what drives it and what it pulls.
 
-One step solves law, heat and mechanism together. Given the martensite fraction x at the end
-of the step, everything else follows in closed form:
+One step solves law, heat and mechanism together. Given the phase fractions at the end of the
+step, everything else follows in closed form:
 
-    T(x)    linearised trapezoid of the heat balance, with latent heat
-    F(x)    balance of the element (a linear spring at this x and T) with the mechanism
-    ξ(x)    where the selected process gets to at (σ(x), T(x))
+    T    linearised trapezoid of the heat balance, with latent heat
+    F    balance of the element (a linear spring at these fractions and T) with the mechanism
 
-so the coupled step is one scalar equation g(x) = x - ξ(x) = 0. More martensite means a
-hotter wire and less stress, both of which mean less martensite: g is strictly increasing
-(g' ≥ 1), and the bracketed Newton iteration cannot diverge. Second order in the step.
+so the coupled step is the search for the fractions that the law answers with themselves
+(`laws.coupling`). Second order in the step.
 """
 
 from __future__ import annotations
@@ -20,9 +18,10 @@ from typing import Any, NamedTuple
 from martensite.electrical.base import SOURCES, AbstractSource
 from martensite.elements.base import ELEMENTS, AbstractElement
 from martensite.laws.base import Fractions
+from martensite.laws.coupling import Report, advance
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
 from martensite.parameters import Parametrised, part
-from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
+from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.dual import value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Environment
@@ -33,15 +32,6 @@ class State(NamedTuple):
 
     memory: Any
     assembly: Assembly
-
-
-class Report(NamedTuple):
-    """What a step says about itself: the basis of its status."""
-
-    residual: Scalar
-    """Mismatch |g| at the end of the step: a bound on the error of the fraction."""
-    crossing: Scalar
-    """Share of a transformation strip crossed by the elastic trial."""
 
 
 class Outputs(NamedTuple):
@@ -95,8 +85,9 @@ class System(Parametrised):
         temperature = drive if sets else self.environment.temperature
         force = self.mechanism.start_force(xp)
         stress = element.stress(xp, force)
-        memory = element.law.init(xp, element.initial_fraction, stress, temperature)
-        spring = element.spring(xp, element.law.fractions(memory), temperature)
+        fractions = element.initial_fractions()
+        memory = element.law.init(xp, fractions, stress, temperature)
+        spring = element.spring(xp, fractions, temperature)
         return State(memory, Assembly(spring.free + spring.compliance * force))
 
     def step(
@@ -108,27 +99,14 @@ class System(Parametrised):
         iterations: int = ITERATIONS,
     ) -> tuple[State, Report]:
         """Advance by `dt` [s] under a constant drive signal."""
-        law, memory = self.element.law, state.memory
-        fraction = law.fractions(memory).martensite
         heat = self._heat_line(xp, state, drive, dt)
 
-        def settle(xp: Namespace, x: Scalar) -> tuple[Scalar, Scalar]:
-            temperature = heat(xp, x)
-            return self._stress(xp, state, law.at_fraction(x), temperature), temperature
+        def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
+            temperature = heat(xp, fractions.martensite)
+            return self._stress(xp, state, fractions, temperature), temperature
 
-        trial = settle(xp, fraction)
-        move = law.select(xp, memory, *trial)
-
-        def mismatch(xp: Namespace, x: Scalar) -> Scalar:
-            stress, temperature = settle(xp, x)
-            return x - law.follow(xp, move, stress, temperature, dt).martensite
-
-        x = solve_bracketed(xp, mismatch, fraction, move.direction, iterations)
-        end = settle(xp, x)
-        residual = xp.abs(mismatch(xp, x))
-        after = law.commit(xp, memory, move, law.at_fraction(x), *end)
-        crossing = law.crossing(xp, memory, move, *trial)
-        return State(after, state.assembly), Report(residual, crossing)
+        after, report = advance(xp, self.element.law, state.memory, settle, dt, iterations)
+        return State(after, state.assembly), report
 
     def _heat_line(
         self, xp: Namespace, state: State, drive: Scalar, dt: Scalar
@@ -146,7 +124,7 @@ class System(Parametrised):
 
         lost, slope = value_and_slope(xp, loss, start)
         share = 1.0 / (element.heat_capacity_total() + 0.5 * dt * slope)
-        latent = element.latent_heat_total()
+        latent = element.latent_heat_total(xp, state.memory.stress, start)
 
         def temperature(xp: Namespace, x: Scalar) -> Scalar:
             ohms = element.ohms(xp, 0.5 * (fraction + x), strain, start)

@@ -17,6 +17,7 @@ from kernels import (
 
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.parameters import Parametrised
+from martensite.runtimes.dual import value_and_slope
 
 TOLERANCE = 1e-12
 
@@ -46,8 +47,21 @@ def operations(_, xp, a, b, share):
         xp.where(xp.either(flag, other), a, b), xp.where(a > b, 1.0, b), xp.where(a >= b, a, 0.0),
         xp.minimum(a, b), xp.maximum(a, b), xp.clip(a, -1.0, share), xp.abs(a),
         xp.sqrt(a), xp.exp(0.1 * a), xp.exp(1e3 * a), xp.log(a), xp.sin(a), xp.cos(a), xp.tanh(b),
-        xp.quarter_sine(share), xp.detach(a), xp.store(b),
+        xp.quarter_sine(share), xp.detach(a), xp.store(b), xp.erfcx(share),
+        xp.erfcx(9.0 * xp.abs(a)), rows(xp, a, b, share), value_and_slope(xp, lambda xp, x: rows(xp, a, x, share), b),
     )  # fmt: skip
+
+
+def rows(xp, a, b, share):
+    """A loop over rows that uses constants, inputs and numbers from around it, twice."""
+
+    def body(number, x):
+        bell = xp.exp(-(x + number * share) * (x + number * share))
+        return bell * b + xp.sin(a), xp.where(x > share, bell, 0.0), a * b
+
+    first, second, same = xp.each(body, (-1.0, 0.0, 2.0), (a, b, a * b))
+    again, _, _ = xp.each(body, (-1.0, 0.0, 2.0), (a, b, a * b))
+    return sum(first) + 2.0 * sum(second) + same[1] + again[2]
 
 
 def test_operations_agree(runtime):
@@ -57,6 +71,23 @@ def test_operations_agree(runtime):
     meant = on_kernel_itself(Parametrised(), kernel, inputs)
     assert np.isfinite(meant).all()
     assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 2e-15
+
+
+def test_loops_over_rows_are_traced_once():
+    kernel = Kernel(
+        {"a": (-2.0, 2.0), "b": (-2.0, 2.0), "share": (0.0, 1.0)}, lambda _, *x: rows(*x)
+    )
+    program = traced(Parametrised(), kernel)
+    assert program.graph.operations.count("each") == 1
+    assert program.graph.operations.count("exp") == 1
+
+
+def test_loops_do_not_nest():
+    def nested(_, xp, a):
+        return xp.each(lambda x: xp.each(lambda y: (x * y,), (x, a))[0], (a, a))[0][0]
+
+    with pytest.raises(TypeError, match="inside another"):
+        traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, nested))
 
 
 def test_a_missing_operation_is_named():

@@ -7,6 +7,7 @@ import pytest
 from builders import ZERO, PrintedFormula, along, fraction_after, isobar, law_a
 from closed_forms import BOTH_RULES, cold, exact, hot
 
+from martensite.laws.base import Fractions
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.runtimes import floats
 
@@ -49,7 +50,7 @@ class TestInterruptedTransformations:
         """ξ is continuous: no step of 0.1 K moves it further than the steepest curve does."""
         path = isobar(20, 73, 71, 74, 45.5, 48, 44, 75)
         law, fractions = law_a(rule), [1.0]
-        memory = law.init(floats, 1.0, *path[0])
+        memory = law.init(floats, Fractions(1.0, 1.0), *path[0])
         for (_, a), (_, b) in pairwise(path):
             for temperature in np.linspace(a, b, round(10 * abs(b - a)) + 1).tolist()[1:]:
                 memory, now = law.kinetics(floats, memory, 0.0, temperature, 0.0)

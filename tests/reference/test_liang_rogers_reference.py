@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from builders import ZERO, law_a
 
+from martensite.laws.base import Fractions
 from martensite.runtimes import floats
 
 TOLERANCE = 1e-10
@@ -52,7 +53,7 @@ def followed(p, rule, path, xi, law=None):
     """ξ after every leg by the reference and by the law, and how often processes acted."""
     law = law or law_a(rule, **vars(p))
     sigma, T = path[0]
-    state, memory = reference.State(xi, T, sigma), law.init(floats, xi, sigma, T)
+    state, memory = reference.State(xi, T, sigma), law.init(floats, Fractions(xi, xi), sigma, T)
     wanted, found, branches = [], [], []
     for sigma, T in path[1:]:
         state = reference.advance(p, rule, state, sigma, T)

@@ -32,14 +32,17 @@ class AbstractElement(Parametrised):
 
     law: AbstractLaw
     limits: Limits
-    initial_fraction: Scalar
+
+    def initial_fractions(self) -> Fractions:
+        """Phase state at the start."""
+        raise NotImplementedError
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""
         raise NotImplementedError
 
-    def latent_heat_total(self) -> Scalar:
-        """Heat released by the whole forward transformation [J]."""
+    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
         raise NotImplementedError
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:

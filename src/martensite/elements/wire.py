@@ -11,6 +11,7 @@ import math
 from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.elements.limits import Limits
+from martensite.errors import ParameterError
 from martensite.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.parameters import param, part
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -31,9 +32,25 @@ class Wire(AbstractElement):
     initial_fraction: Scalar = param(
         "1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0
     )
+    initial_oriented: Scalar = param(
+        "1", "share of the initial martensite that is oriented", low=0.0, high=1.0, default=1.0
+    )
     law: AbstractLaw = part("stress–strain–temperature law", LAWS)
     resistance: AbstractResistance = part("resistance model", RESISTANCES)
     limits: Limits = part("safety limits", default=Limits())
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the law cannot hold the initial state."""
+        if self.initial_oriented < 1.0 and not self.law.twins:
+            raise ParameterError(
+                f"Parameter `initial_oriented` of `wire` must be 1 with law "
+                f"`{self.law.registered_name}`, which knows oriented martensite only, but is "
+                f"{self.initial_oriented:.6g}; try law `brinson`."
+            )
+
+    def initial_fractions(self) -> Fractions:
+        """Phase state at the start."""
+        return Fractions(self.initial_fraction, self.initial_fraction * self.initial_oriented)
 
     def section(self) -> Scalar:
         """Cross-section [m²]."""
@@ -51,9 +68,10 @@ class Wire(AbstractElement):
         """Heat capacity without transformation [J/K]."""
         return self.mass() * self.heat_capacity
 
-    def latent_heat_total(self) -> Scalar:
-        """Heat released by the whole forward transformation [J]."""
-        return self.mass() * self.latent_heat
+    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        by_law = self.law.heat(xp, stress, temperature) * self.section() * self.length
+        return self.mass() * self.latent_heat + by_law
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """h(T) S (T - T_a) [W]."""

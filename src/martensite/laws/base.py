@@ -11,41 +11,45 @@ the reference temperature.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
+from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 
 LAWS: Registry[AbstractLaw] = Registry("law", "martensite.laws")
 
 
 class Fractions(NamedTuple):
-    """Phase state as every law reports it, both in [0, 1] (oriented may be negative)."""
+    """Phase state as every law reports it."""
 
     martensite: Scalar
-    """Total martensite fraction ξ: resistance, latent heat and modulus depend on it."""
+    """Total martensite fraction ξ in [0, 1]: resistance, latent heat, modulus depend on it."""
     oriented: Scalar
-    """Net oriented (detwinned) fraction: transformation strain depends on it."""
+    """Net oriented (detwinned) fraction in [-ξ, ξ]: transformation strain depends on it."""
 
 
 class AbstractLaw(Parametrised):
     """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
 
     Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted
-    point; every move holds `direction`: +1 towards martensite, -1 towards austenite, 0 none.
+    point.
     """
 
-    def init(self, xp: Namespace, fraction: Scalar, stress: Scalar, temperature: Scalar) -> Any:
-        """Memory of a wire with martensite `fraction` that has no history."""
+    twins: ClassVar[bool] = False
+    """True if martensite may be present that is not oriented; else all of it counts."""
+    one_way: ClassVar[bool] = True
+    """True if one move changes both fractions in a fixed proportion, wherever it ends."""
+    iterations: ClassVar[int] = ITERATIONS
+    """Of the solve that couples the law with what feeds back on it; steep laws need more."""
+
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
+        """Memory of a wire in a phase state that has no history."""
         raise NotImplementedError
 
     def fractions(self, memory: Any) -> Fractions:
         """The phase state stored in a memory."""
-        raise NotImplementedError
-
-    def at_fraction(self, fraction: Scalar) -> Fractions:
-        """The phase state of a law with one fraction ξ."""
         raise NotImplementedError
 
     def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
@@ -55,7 +59,10 @@ class AbstractLaw(Parametrised):
     def follow(
         self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Fractions at the end of the move if it ends at (stress, temperature)."""
+        """Fractions at the end of the move if it ends at (stress, temperature) after dt [s].
+
+        The oriented fraction must not fall with stress, nor the total rise with temperature.
+        """
         raise NotImplementedError
 
     def commit(
@@ -66,6 +73,7 @@ class AbstractLaw(Parametrised):
         fractions: Fractions,
         stress: Scalar,
         temperature: Scalar,
+        dt: Scalar,
     ) -> Any:
         """The memory after the accepted move."""
         raise NotImplementedError
@@ -73,10 +81,10 @@ class AbstractLaw(Parametrised):
     def kinetics(
         self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Any, Fractions]:
-        """Advance along a straight leg to (stress, temperature); one process at most."""
+        """Advance along a straight leg to (stress, temperature) in dt [s]."""
         move = self.select(xp, memory, stress, temperature)
         fractions = self.follow(xp, move, stress, temperature, dt)
-        return self.commit(xp, memory, move, fractions, stress, temperature), fractions
+        return self.commit(xp, memory, move, fractions, stress, temperature, dt), fractions
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """Strain [-] at zero stress: transformation + thermal."""
@@ -92,6 +100,13 @@ class AbstractLaw(Parametrised):
         """Total strain [-], affine in stress [Pa] at frozen fractions."""
         free = self.free_strain(xp, fractions, temperature)
         return free + self.compliance(xp, fractions) * stress
+
+    def heat(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released per volume by the whole forward transformation [J/m³].
+
+        Comes on top of the latent heat of the element; zero unless the law says otherwise.
+        """
+        return 0.0
 
     def crossing(
         self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar

@@ -93,17 +93,15 @@ class LiangRogers(AbstractLaw):
         """The strip of the reverse transformation."""
         return Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A)
 
-    def init(self, xp: Namespace, fraction: Scalar, stress: Scalar, temperature: Scalar) -> Memory:
-        """Memory of a wire that has no history."""
-        return Memory(fraction, 0.0, 0.0, stress, temperature)
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire that has no history; all martensite counts as oriented."""
+        return Memory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
     def fractions(self, memory: Memory) -> Fractions:
         """All martensite counts as oriented."""
-        return self.at_fraction(memory.fraction)
-
-    def at_fraction(self, fraction: Scalar) -> Fractions:
-        """All martensite counts as oriented."""
-        return Fractions(fraction, fraction)
+        return Fractions(memory.fraction, memory.fraction)
 
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
@@ -114,7 +112,8 @@ class LiangRogers(AbstractLaw):
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        return self.at_fraction(history.follow(xp, left, move, stress, temperature))
+        fraction = history.follow(xp, left, move, stress, temperature)
+        return Fractions(fraction, fraction)
 
     def commit(
         self,
@@ -124,6 +123,7 @@ class LiangRogers(AbstractLaw):
         fractions: Fractions,
         stress: Scalar,
         temperature: Scalar,
+        dt: Scalar,
     ) -> Memory:
         """The memory after the accepted move."""
         return history.commit(xp, memory, move, fractions.martensite, stress, temperature)

@@ -22,16 +22,15 @@ def solve_bracketed(
     xp: Namespace,
     function: Callable[[Namespace, Scalar], Scalar],
     start: Scalar,
-    direction: Scalar,
+    bracket: tuple[Scalar, Scalar],
     iterations: int = ITERATIONS,
 ) -> Scalar:
-    """Root of an increasing `function(xp, x)` in [0, 1], from `start` in `direction`.
+    """Root of an increasing `function(xp, x)` inside the bracket, from `start`.
 
-    The first bracket reaches beyond 0 and 1, so that a root at the end is hit exactly. With
-    slopes of at least 1, |function(root)| bounds the error of the root.
+    A bracket that reaches beyond a possible end of the solutions lets a root there be hit
+    exactly. With slopes of at least 1, |function(root)| bounds the error of the root.
     """
-    down = direction < 0.0
-    low, high = xp.where(down, -1.0, start), xp.where(down, start, 2.0)
+    low, high = bracket
     x = start
     for _ in range(iterations):
         value, slope = (xp.store(v) for v in value_and_slope(xp, function, x))

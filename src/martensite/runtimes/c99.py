@@ -19,9 +19,9 @@ from typing import Any
 
 from martensite.errors import MartensiteError
 from martensite.files import cache_folder
-from martensite.runtimes.arrays import QUARTER_SINE
 from martensite.runtimes.graph import Expr
-from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, Printer
+from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
+from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, LoopText, Printer
 from martensite.runtimes.program import Function, Program
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
@@ -36,6 +36,24 @@ def _constant(value: float | bool) -> str:
 
 def _assign(name: str, expression: str, flag: bool) -> str:
     return f"const {'_Bool' if flag else 'double'} {name} = {expression};"
+
+
+def _loop(loop: LoopText) -> list[str]:
+    """A loop over arrays on the stack."""
+    rows = len(loop.columns[0])
+    columns = [f"{loop.name}_{name}" for name in loop.row]
+    tables = zip(columns, loop.columns, strict=True)
+    inputs = zip(loop.row, columns, strict=True)
+    results = list(zip(loop.results(), loop.outputs, strict=True))
+    return [
+        *(f"double {name}[{rows}];" for name, _ in results),
+        *(f"const double {name}[{rows}] = {{{', '.join(items)}}};" for name, items in tables),
+        f"for (int r = 0; r < {rows}; r++) {{",
+        *(f"    const double {name} = {column}[r];" for name, column in inputs),
+        *(f"    {line}" for line in loop.body),
+        *(f"    {name}[r] = {value};" for name, value in results),
+        "}",
+    ]
 
 
 C_DIALECT = Dialect(
@@ -55,6 +73,7 @@ C_DIALECT = Dialect(
         "cos": "cos({})",
         "tanh": "tanh({})",
         "quarter_sine": "quarter_sine({})",
+        "erfcx": "erfcx({})",
         "detach": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
@@ -62,6 +81,7 @@ C_DIALECT = Dialect(
     wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log"}),
     assign=_assign,
     constant=_constant,
+    loop=_loop,
 )
 
 
@@ -96,14 +116,21 @@ def _function(
 
 
 def _prelude() -> str:
-    horner = f"{QUARTER_SINE[-1]!r}"
-    for coefficient in reversed(QUARTER_SINE[:-1]):
-        horner = f"({horner} * z + {coefficient!r})"
     return (
         "#include <math.h>\n#include <string.h>\n\n"
         "static inline double quarter_sine(double x) {\n"
-        f"    const double z = x * x;\n    return {horner} * x;\n}}\n"
+        f"    const double z = x * x;\n    return {_horner(QUARTER_SINE)} * x;\n}}\n"
+        "static inline double erfcx(double x) {\n"
+        f"    const double z = (x - {ERFCX_CENTRE}) / (x + {ERFCX_CENTRE});\n"
+        f"    return {_horner(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
     )
+
+
+def _horner(coefficients: Sequence[float]) -> str:
+    text = f"{coefficients[-1]!r}"
+    for coefficient in reversed(coefficients[:-1]):
+        text = f"({text} * z + {coefficient!r})"
+    return text
 
 
 def compiler() -> str | None:

@@ -7,10 +7,10 @@ so constants stay constants.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from martensite.runtimes.floats import HALF_PI
+from martensite.runtimes.floats import HALF_PI, ROOT_PI
 from martensite.runtimes.namespace import Namespace, Scalar
 
 Tangent = Any
@@ -24,6 +24,7 @@ class Dual:
     """
 
     __slots__ = ("level", "tangent", "value")
+    __array_ufunc__ = None  # arrays leave mixed arithmetic to this class
 
     def __init__(self, value: Any, tangent: Tangent, level: int) -> None:
         self.value = value
@@ -216,6 +217,36 @@ class DualNamespace:
             return value
         return self.pair(value, t * (HALF_PI * self.base.quarter_sine(1.0 - v)))
 
+    def erfcx(self, x: Any) -> Any:
+        """exp(x²) erfc(x)."""
+        v, t = self.parts(x)
+        value = self.base.erfcx(v)
+        return self.pair(value, None if t is None else t * (2.0 * v * value - 2.0 / ROOT_PI))
+
+    def each(
+        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
+    ) -> tuple[Sequence[Any], ...]:
+        """Columns of values and tangents through the base's loop."""
+        split_columns = [_unzip([self.parts(item) for item in column]) for column in columns]
+        moving = [tangents is not None for _, tangents in split_columns]
+        flat = [part for pair in split_columns for part in pair if part is not None]
+        shape: list[bool] = []
+
+        def inner(*row: Any) -> list[Any]:
+            numbers = iter(row)
+            duals = [self.pair(next(numbers), next(numbers) if m else None) for m in moving]
+            results = [self.parts(result) for result in body(*duals)]
+            shape[:] = [t is not None for _, t in results]
+            return [part for pair in results for part in pair if part is not None]
+
+        found = iter(self.base.each(inner, *flat))
+        return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
+
+    def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:
+        if tangents is None:
+            return values
+        return [self.pair(v, t) for v, t in zip(values, tangents, strict=True)]
+
     def store(self, x: Any) -> Any:
         """`x` itself."""
         v, t = self.parts(x)
@@ -228,6 +259,14 @@ class DualNamespace:
     def detach(self, x: Any) -> Any:
         """The value alone."""
         return self.base.detach(self.parts(x)[0])
+
+
+def _unzip(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
+    """Values, and tangents (0 where constant) if there are any."""
+    values = [value for value, _ in pairs]
+    if all(tangent is None for _, tangent in pairs):
+        return values, None
+    return values, [0.0 if tangent is None else tangent for _, tangent in pairs]
 
 
 def value_and_slope(

@@ -6,8 +6,10 @@ This is the reference meaning of every operation; it never raises on extreme arg
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 HALF_PI = math.pi / 2
+ROOT_PI = math.sqrt(math.pi)
 
 
 def where(flag: bool, yes: float, no: float) -> float:
@@ -73,6 +75,23 @@ tanh = math.tanh
 def quarter_sine(x: float) -> float:
     """sin(πx/2) for 0 ≤ x ≤ 1."""
     return math.sin(HALF_PI * x)
+
+
+def erfcx(x: float) -> float:
+    """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
+    if x < 5.0:
+        return math.exp(x * x) * math.erfc(x)
+    tail = x
+    for k in range(24, 0, -1):
+        tail = x + 0.5 * k / tail
+    return 1.0 / (ROOT_PI * tail)
+
+
+def each(
+    body: Callable[..., Sequence[float]], *columns: Sequence[float]
+) -> tuple[tuple[float, ...], ...]:
+    """Columns of results of `body` over the rows of equally long columns."""
+    return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
 
 
 def detach(x: float) -> float:

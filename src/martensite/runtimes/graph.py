@@ -1,17 +1,20 @@
 """Expression graphs: what tracing a kernel produces, free of repetition.
 
 Equal expressions are one node, constants are folded with the meaning of `floats`, and every
-node knows what it depends on: parameters only (computed once per run) or state and input.
+node knows what it depends on: parameters only (computed once per run) or state and input. A
+body that runs over rows (`each`) is traced once and stays a loop.
 """
 
 from __future__ import annotations
 
 import operator
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from martensite.runtimes import floats
 
-PARAMETER, VARYING = 1, 2
+PARAMETER, VARYING, ROW = 1, 2, 4
+"""What a node may depend on; ROW nodes live inside the body of a loop."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -31,6 +34,15 @@ _FOLD: dict[str, Any] = {
 }
 
 
+class Loop(NamedTuple):
+    """A body that is evaluated for every row of some columns."""
+
+    columns: tuple[tuple[int, ...], ...]
+    row: tuple[int, ...]
+    """The inputs of the body, one per column."""
+    outputs: tuple[int, ...]
+
+
 class Graph:
     """Nodes (operation, arguments) in order of creation; arguments come before their users."""
 
@@ -38,6 +50,8 @@ class Graph:
         self.operations: list[str] = []
         self.arguments: list[tuple[Any, ...]] = []
         self.depends: list[int] = []
+        self.details: list[Any] = []
+        self.loops: dict[int, Loop] = {}
         self._known: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
@@ -51,7 +65,7 @@ class Graph:
 
     def apply(self, operation: str, *values: Any) -> Expr:
         """A new node, or an equal or simpler one that exists."""
-        nodes = [v if isinstance(v, Expr) else self.constant(v) for v in values]
+        nodes = [self._expr(v) for v in values]
         simple = self._simplify(operation, nodes)
         if simple is not None:
             return simple
@@ -60,6 +74,50 @@ class Graph:
         for index in indices:
             depends |= self.depends[index]
         return self._node(operation, indices, depends)
+
+    def loop(
+        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]]
+    ) -> tuple[list[Expr], ...]:
+        """Trace a body over rows; equal loops are one."""
+        row = [self.input(f"g{k}", ROW | VARYING) for k in range(len(columns))]
+        results = [self._expr(result) for result in body(*row)]
+        inside = [r for r in results if self.depends[r.index] & ROW]
+        table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
+        if any(self.depends[index] & ROW for column in table for index in column):
+            raise TypeError("A kernel must not put `xp.each` inside another `xp.each`.")
+        outputs = tuple(r.index for r in inside)
+        needed = [*dict.fromkeys(i for column in table for i in column), *self._outside(outputs)]
+        node = self._node("each", tuple(needed), VARYING, (table, outputs)).index
+        self.loops[node] = Loop(table, tuple(r.index for r in row), outputs)
+        rows, places = range(len(table[0])), iter(range(len(outputs)))
+        found: list[list[Expr]] = []
+        for result in results:
+            if self.depends[result.index] & ROW:
+                place = next(places)
+                found.append([self._node("item", (node,), VARYING, (place, k)) for k in rows])
+            else:
+                found.append([result for _ in rows])
+        return tuple(found)
+
+    def body(self, outputs: Sequence[int]) -> list[int]:
+        """The nodes inside the body of a loop, in order."""
+        seen: set[int] = set()
+        stack = list(outputs)
+        while stack:
+            index = stack.pop()
+            if index not in seen and self.depends[index] & ROW:
+                seen.add(index)
+                stack += () if self.operations[index] == "input" else self.arguments[index]
+        return sorted(seen)
+
+    def _outside(self, outputs: Sequence[int]) -> list[int]:
+        """The nodes that the body of a loop takes from around it."""
+        inner = [i for i in self.body(outputs) if self.operations[i] != "input"]
+        used = (argument for index in inner for argument in self.arguments[index])
+        return list(dict.fromkeys(index for index in used if not self.depends[index] & ROW))
+
+    def _expr(self, value: Any) -> Expr:
+        return value if isinstance(value, Expr) else self.constant(value)
 
     def value_of(self, node: Expr) -> float | bool | None:
         """The value of a constant node, else None."""
@@ -74,6 +132,7 @@ class Graph:
             self.operations.append(operation)
             self.arguments.append(args)
             self.depends.append(depends)
+            self.details.append(extra)
         return Expr(self, index)
 
     def _simplify(self, operation: str, nodes: list[Expr]) -> Expr | None:
@@ -189,6 +248,12 @@ class GraphNamespace:
 
         setattr(self, operation, build)
         return build
+
+    def each(
+        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
+    ) -> tuple[list[Expr], ...]:
+        """One loop over the rows of the columns."""
+        return self.graph.loop(body, columns)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
         """`x` limited to [low, high]."""

@@ -8,6 +8,7 @@ loops of fixed count only), choices by `where`, whose unused side must be safe t
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias
 
 Scalar: TypeAlias = float
@@ -75,6 +76,19 @@ class Namespace(Protocol):
 
     def quarter_sine(self, x: Scalar, /) -> Scalar:
         """sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
+        ...
+
+    def erfcx(self, x: Scalar, /) -> Scalar:
+        """exp(x²) erfc(x) for x ≥ 0 only: the scaled complementary error function."""
+        ...
+
+    def each(
+        self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]
+    ) -> tuple[Sequence[Scalar], ...]:
+        """Columns of results of `body` over the rows of equally long columns; not nested.
+
+        Traced, the body is one loop instead of as many copies as there are rows.
+        """
         ...
 
     def detach(self, x: Scalar, /) -> Scalar:

@@ -6,10 +6,10 @@ operation looks and which operations need plain names as operands.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from martensite.runtimes.graph import PARAMETER, Expr, Graph
+from martensite.runtimes.graph import PARAMETER, ROW, Expr, Graph
 
 DEEPEST = 24
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
@@ -23,6 +23,23 @@ class Dialect:
     wants_names: frozenset[str]
     assign: Callable[[str, str, bool], str]
     constant: Callable[[float | bool], str]
+    loop: Callable[[LoopText], list[str]]
+
+
+@dataclass(frozen=True)
+class LoopText:
+    """A loop over rows, in words of the language."""
+
+    name: str
+    row: Sequence[str]
+    """Names of the inputs of the body."""
+    columns: Sequence[Sequence[str]]
+    body: Sequence[str]
+    outputs: Sequence[str]
+
+    def results(self) -> list[str]:
+        """Names of the columns of results."""
+        return [f"{self.name}_{k}" for k in range(len(self.outputs))]
 
 
 class Printer:
@@ -36,11 +53,19 @@ class Printer:
     def block(self, outputs: Iterable[Expr], assigned: str = "v") -> tuple[list[str], list[str]]:
         """Return the assignments that compute `outputs`, and the outputs as expressions."""
         wanted = [node.index for node in outputs]
-        uses = self._uses(wanted)
         text: dict[int, str] = {}
+        lines = self._lines(self._uses(wanted), text, assigned)
+        return lines, [text[i] for i in wanted]
+
+    def _lines(self, uses: Mapping[int, int], text: dict[int, str], assigned: str) -> list[str]:
+        """Assignments of the named ones among the used nodes; puts all into `text`."""
         depth: dict[int, int] = {}
         lines: list[str] = []
         for index in sorted(uses):
+            if index in self.graph.loops and index not in self.shared:
+                text[index] = f"e{index}"
+                lines += self._loop(index, text)
+                continue
             expression = self._expression(index, text)
             arguments = self._children(index)
             depth[index] = 1 + max((depth.get(a, 0) for a in arguments), default=0)
@@ -51,7 +76,21 @@ class Printer:
             name = f"{assigned}{index}"
             lines.append(self.dialect.assign(name, expression, self.is_flag(index)))
             text[index], depth[index] = name, 0
-        return lines, [text[i] for i in wanted]
+        return lines
+
+    def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
+        """A loop over rows, its body printed with names of its own."""
+        loop, inner = self.graph.loops[index], dict(text)
+        uses = self._uses(loop.outputs, inside=True)
+        body = self._lines(uses, inner, "b")
+        named = LoopText(
+            name=text[index],
+            row=[str(self.graph.arguments[i][0]) for i in loop.row],
+            columns=[[text[i] for i in column] for column in loop.columns],
+            body=body,
+            outputs=[inner[i] for i in loop.outputs],
+        )
+        return self.dialect.loop(named)
 
     def share(self, nodes: Iterable[Expr], name: Callable[[int], str]) -> None:
         """Declare that these nodes are available under a name from now on."""
@@ -70,8 +109,11 @@ class Printer:
             return ()
         return self.graph.arguments[index]
 
-    def _uses(self, wanted: list[int]) -> dict[int, int]:
-        """How often each needed node is used; names wanted by an operation count double."""
+    def _uses(self, wanted: Sequence[int], inside: bool = False) -> dict[int, int]:
+        """How often each needed node is used; names wanted by an operation count double.
+
+        Inside the body of a loop only its own nodes count: the others have names already.
+        """
         uses: dict[int, int] = {}
         stack = list(wanted)
         for index in wanted:
@@ -82,8 +124,11 @@ class Printer:
             if index in seen:
                 continue
             seen.add(index)
-            weight = 2 if self.graph.operations[index] in self.dialect.wants_names else 1
+            wants = self.graph.operations[index] in self.dialect.wants_names
+            weight = 2 if wants or index in self.graph.loops else 1
             for child in self._children(index):
+                if inside and not self.graph.depends[child] & ROW:
+                    continue
                 uses[child] = uses.get(child, 0) + weight
                 stack.append(child)
         return uses
@@ -96,6 +141,9 @@ class Printer:
             return str(args[0])
         if operation == "constant":
             return self.dialect.constant(args[0])
+        if operation == "item":
+            place, row = self.graph.details[index]
+            return f"{text[args[0]]}_{place}[{row}]"
         return self.dialect.templates[operation].format(*(text[a] for a in args))
 
 
@@ -135,6 +183,30 @@ PYTHON_OPERATORS = {
     "ge": "({} >= {})",
 }
 
+
+def _float_loop(loop: LoopText) -> list[str]:
+    """A Python loop that appends to lists."""
+    columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
+    results = list(zip(loop.results(), loop.outputs, strict=True))
+    inner = [*loop.body, *(f"{name}.append({value})" for name, value in results)]
+    return [
+        *(f"{name} = []" for name, _ in results),
+        f"for {', '.join(loop.row)}, in zip({columns}):",
+        *(f"    {line}" for line in inner),
+    ]
+
+
+def _array_loop(loop: LoopText) -> list[str]:
+    """All rows at once, along a new first axis."""
+    columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
+    results = zip(loop.results(), loop.outputs, strict=True)
+    return [
+        f"{', '.join(loop.row)}, = xp.stack({columns})",
+        *loop.body,
+        *(f"{name} = {value}" for name, value in results),
+    ]
+
+
 FLOAT_DIALECT = Dialect(
     templates={
         **PYTHON_OPERATORS,
@@ -152,6 +224,7 @@ FLOAT_DIALECT = Dialect(
         "cos": "_cos({})",
         "tanh": "_tanh({})",
         "quarter_sine": "_sin(1.5707963267948966 * {})",
+        "erfcx": "_erfcx({})",
         "detach": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
@@ -159,6 +232,7 @@ FLOAT_DIALECT = Dialect(
     wants_names=frozenset({"minimum", "maximum", "abs", "sqrt", "exp", "log"}),
     assign=lambda name, expression, flag: f"{name} = {expression}",
     constant=python_constant,
+    loop=_float_loop,
 )
 
 ARRAY_DIALECT = Dialect(
@@ -169,11 +243,12 @@ ARRAY_DIALECT = Dialect(
             for name, arity in {
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
                 "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
-                "quarter_sine": 1, "detach": 1, "store": 1, "eps": 0,
+                "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
             }.items()
         },
     },
     wants_names=frozenset(),
     assign=lambda name, expression, flag: f"{name} = {expression}",
     constant=python_constant,
+    loop=_array_loop,
 )  # fmt: skip

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.graph import PARAMETER, VARYING, Expr, Graph, GraphNamespace
 from martensite.runtimes.printer import (
@@ -24,7 +25,7 @@ from martensite.runtimes.printer import (
 
 FLOAT_GLOBALS = {
     "_sqrt": math.sqrt, "_exp": math.exp, "_log": math.log,
-    "_sin": math.sin, "_cos": math.cos, "_tanh": math.tanh,
+    "_sin": math.sin, "_cos": math.cos, "_tanh": math.tanh, "_erfcx": floats.erfcx,
 }  # fmt: skip
 
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.program import Program
-from martensite.system import OUTPUTS, Report, System
+from martensite.system import OUTPUTS, System
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,91 @@
+"""One move of a law whose end feeds back on the stress and temperature that drive it.
+
+Let z be the phase fractions at the end of a step. Load line and heat balance give stress and
+temperature as functions of z, the law gives fractions f(σ, T): the step is the fixed point
+z = f(σ(z), T(z)). With frozen fractions the move ends at the elastic trial, where the law
+overshoots to f₀, for feedback restrains every transformation: more martensite means a hotter
+and less stressed wire. On the chord from the present fractions z₀ to f₀,
+
+    z(q) = (1 - q) z₀ + q f₀,        g(q) = q - n·[f(σ(z(q)), T(z(q))) - z₀],   n·(f₀ - z₀) = 1,
+
+g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration
+cannot diverge. For laws whose fractions change in a fixed proportion the chord holds the
+solution. For the others the aim is corrected: a second chord runs through the answer of the
+law at the end of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
+from martensite.runtimes.namespace import Namespace, Scalar
+
+Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
+"""Stress [Pa] and temperature [K] at the end of the step, given the fractions there."""
+
+LEAST = 1e-30
+"""Overshoot [-] below which nothing transforms."""
+
+
+class Report(NamedTuple):
+    """What a step says about itself: the basis of its status."""
+
+    residual: Scalar
+    """Largest mismatch |z - f| of a fraction at the end of the step."""
+    crossing: Scalar
+    """Share of a transformation strip crossed by the elastic trial."""
+
+
+def advance(
+    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
+    iterations: int = ITERATIONS,
+) -> tuple[Any, Report]:  # fmt: skip
+    """The memory after a step of dt [s], and how well the step was solved."""
+    start = law.fractions(memory)
+    trial = settle(xp, start)
+    move = law.select(xp, memory, *trial)
+
+    def answer(xp: Namespace, fractions: Fractions) -> Fractions:
+        return law.follow(xp, move, *settle(xp, fractions), dt)
+
+    count = max(iterations, law.iterations)
+    end = _seek(xp, answer, start, answer(xp, start), 0.0, count)
+    found = answer(xp, end)
+    if not law.one_way:
+        end = _seek(xp, answer, start, found, 1.0, count)
+        found = answer(xp, end)
+    stress, temperature = settle(xp, end)
+    residual = xp.maximum(
+        xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented)
+    )
+    after = law.commit(xp, memory, move, end, stress, temperature, dt)
+    return after, Report(residual, law.crossing(xp, memory, move, *trial))
+
+
+def _seek(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
+    aim: Fractions, guess: Scalar, iterations: int,
+) -> Fractions:  # fmt: skip
+    """The point of the chord from `start` through `aim` that the law answers with itself."""
+    m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
+    size = xp.abs(m) + xp.abs(o)
+    moves = size > LEAST
+    share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
+    per_m, per_o = xp.where(m < 0.0, -share, share), xp.where(o < 0.0, -share, share)
+
+    def at(q: Scalar) -> Fractions:
+        rest = 1.0 - q
+        return Fractions(
+            q * aim.martensite + rest * start.martensite, q * aim.oriented + rest * start.oriented
+        )
+
+    def mismatch(xp: Namespace, q: Scalar) -> Scalar:
+        found = answer(xp, at(q))
+        way = per_m * (found.martensite - start.martensite)
+        return q - way - per_o * (found.oriented - start.oriented)
+
+    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), iterations)
+    return at(xp.where(moves, q, 0.0))
