@@ -19,6 +19,9 @@ globals().pop("simulate", None)
 
 if TYPE_CHECKING:
     from martensite.electrical.current import CurrentSource as CurrentSource
+    from martensite.electrical.furst_seelecke import (
+        FurstSeeleckeResistance as FurstSeeleckeResistance,
+    )
     from martensite.electrical.mixture import MixtureResistance as MixtureResistance
     from martensite.electrical.per_length import PerLengthResistance as PerLengthResistance
     from martensite.electrical.power import PowerSource as PowerSource
@@ -40,7 +43,10 @@ if TYPE_CHECKING:
     from martensite.io.scenario import Scenario as Scenario
     from martensite.io.scenario import load as load
     from martensite.io.tables import read_table as read_table
+    from martensite.laws.brinson import Brinson as Brinson
+    from martensite.laws.elahinia import Elahinia as Elahinia
     from martensite.laws.liang_rogers import LiangRogers as LiangRogers
+    from martensite.laws.tanaka import Tanaka as Tanaka
     from martensite.materials.base import Material as Material
     from martensite.materials.base import load_material as load_material
     from martensite.materials.base import material_names as material_names
@@ -72,12 +78,15 @@ if TYPE_CHECKING:
 _HOME = {
     "Batch": "simulate.batch",
     "BiasSpring": "mechanisms.bias_spring",
+    "Brinson": "laws.brinson",
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
     "CurrentSource": "electrical.current",
     "DeadWeight": "mechanisms.dead_weight",
+    "Elahinia": "laws.elahinia",
     "Environment": "thermal.base",
     "FilmFit": "identify.film",
+    "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "InputError": "errors",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
@@ -100,6 +109,7 @@ _HOME = {
     "Step": "signals.step",
     "System": "system",
     "Table": "signals.table",
+    "Tanaka": "laws.tanaka",
     "Triangle": "signals.triangle",
     "VoltageSource": "electrical.voltage",
     "Wire": "elements.wire",

@@ -70,8 +70,8 @@ class Wire(AbstractElement):
 
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
         """Heat released by the whole forward transformation [J] at (stress, temperature)."""
-        by_law = self.law.heat(xp, stress, temperature) * self.section() * self.length
-        return self.mass() * self.latent_heat + by_law
+        latent = self.density * self.latent_heat
+        return self.law.heat(xp, latent, stress, temperature) * self.section() * self.length
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """h(T) S (T - T_a) [W]."""

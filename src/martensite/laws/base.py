@@ -41,8 +41,10 @@ class AbstractLaw(Parametrised):
     """True if martensite may be present that is not oriented; else all of it counts."""
     one_way: ClassVar[bool] = True
     """True if one move changes both fractions in a fixed proportion, wherever it ends."""
+    steep: ClassVar[bool] = False
+    """True if the law offers `drive`."""
     iterations: ClassVar[int] = ITERATIONS
-    """Of the solve that couples the law with what feeds back on it; steep laws need more."""
+    """Of the solve that couples the law with what feeds back on it."""
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""
@@ -101,12 +103,22 @@ class AbstractLaw(Parametrised):
         free = self.free_strain(xp, fractions, temperature)
         return free + self.compliance(xp, fractions) * stress
 
-    def heat(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+    def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
         """Heat released per volume by the whole forward transformation [J/m³].
 
-        Comes on top of the latent heat of the element; zero unless the law says otherwise.
+        It is the constant `latent` heat of the element unless the law says otherwise.
         """
-        return 0.0
+        return latent
+
+    def drive(
+        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """How far beyond balance the selected process would end, on any scale.
+
+        Nearly linear in (stress, temperature), 0 where it would come to rest: from it the solve
+        of a `steep` law, whose answer changes within a small part of a move, guesses its start.
+        """
+        raise NotImplementedError
 
     def crossing(
         self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar

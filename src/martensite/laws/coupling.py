@@ -10,8 +10,7 @@ and less stressed wire. On the chord from the present fractions z₀ to f₀,
 
 g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration
 cannot diverge. For laws whose fractions change in a fixed proportion the chord holds the
-solution. For the others the aim is corrected: a second chord runs through the answer of the
-law at the end of the first.
+solution. For the others it is near, and Newton's method in both fractions follows.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ from typing import Any, NamedTuple
 
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
+from martensite.runtimes.dual import values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 
 Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
@@ -52,17 +52,28 @@ def advance(
         return law.follow(xp, move, *settle(xp, fractions), dt)
 
     count = max(iterations, law.iterations)
-    end = _seek(xp, answer, start, answer(xp, start), 0.0, count)
-    found = answer(xp, end)
+    aim = answer(xp, start)
+    guess = 0.0
+    if law.steep:
+        full = settle(xp, aim)
+        guess = _guess(xp, law.drive(xp, move, *trial, dt), law.drive(xp, move, *full, dt))
+    end = _seek(xp, answer, start, aim, guess, count)
     if not law.one_way:
-        end = _seek(xp, answer, start, found, 1.0, count)
-        found = answer(xp, end)
+        end = _polish(xp, answer, end, 1 + iterations // 2)
+    found = answer(xp, end)
     stress, temperature = settle(xp, end)
     residual = xp.maximum(
         xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented)
     )
     after = law.commit(xp, memory, move, end, stress, temperature, dt)
     return after, Report(residual, law.crossing(xp, memory, move, *trial))
+
+
+def _guess(xp: Namespace, first: Scalar, last: Scalar) -> Scalar:
+    """Where on the chord a steep law comes to rest, if its drive fell linearly."""
+    falls = first - last
+    safe = xp.where(falls > 0.0, falls, 1.0)
+    return xp.where(falls > 0.0, xp.clip(first / safe, 0.0, 1.0), 0.0)
 
 
 def _seek(
@@ -89,3 +100,38 @@ def _seek(
 
     q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), iterations)
     return at(xp.where(moves, q, 0.0))
+
+
+def _polish(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
+    iterations: int,
+) -> Fractions:  # fmt: skip
+    """Newton's method in both fractions; a step that does not help is shortened."""
+    best, step, length = start, Fractions(0.0, 0.0), 1.0
+    least: Scalar = float("inf")
+    for _ in range(iterations):
+        tried = Fractions(*(b + length * s for b, s in zip(best, step, strict=True)))
+        newton, residual = _newton(xp, answer, tried)
+        better = residual < least
+        best, step = (
+            Fractions(*(xp.where(better, a, b) for a, b in zip(new, old, strict=True)))
+            for new, old in ((tried, best), (newton, step))
+        )
+        least = xp.where(better, residual, least)
+        length = xp.where(better, 1.0, 0.25 * length)
+    last = Fractions(*(b + length * s for b, s in zip(best, step, strict=True)))
+    return last
+
+
+def _newton(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
+) -> tuple[Fractions, Scalar]:
+    """The Newton step of z - f(z) = 0, and the size of the mismatch."""
+    found, by_m = values_and_slopes(xp, lambda xp, m: answer(xp, Fractions(m, at.oriented)), at[0])
+    _, by_o = values_and_slopes(xp, lambda xp, o: answer(xp, Fractions(at.martensite, o)), at[1])
+    a, b, c, d = 1.0 - by_m[0], -by_o[0], -by_m[1], 1.0 - by_o[1]
+    short_m, short_o = found[0] - at.martensite, found[1] - at.oriented
+    determinant = a * d - b * c
+    safe = xp.where(xp.abs(determinant) > 0.0, determinant, 1.0)
+    step = Fractions((d * short_m - b * short_o) / safe, (a * short_o - c * short_m) / safe)
+    return step, xp.maximum(xp.abs(short_m), xp.abs(short_o))

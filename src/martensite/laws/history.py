@@ -15,12 +15,17 @@ on y = ξ. Two rules say what v₀ is:
 Where both processes could act (strips overlap when C_A and C_M differ) the branch in
 progress goes on, else the one met first, else reverse. The result does not depend on how a
 straight leg is cut into increments.
+
+A strip may be endless: its process goes on beyond the finish line, where v < 0, and forgets
+where it began, left(a)/left(b) = left(1 - (b - a)). The memory then holds the lowest v reached
+on the branch (resume) instead of a scale, so that no tail underflows. Where both processes
+could act, one that is past its finish line yields to one that is not, else to reverse.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 
@@ -38,10 +43,26 @@ class Strip(NamedTuple):
     """1/(start - finish) [1/K]; negative for the reverse process."""
     per_slope: Scalar
     """1/C [K/Pa]."""
+    endless: bool = False
+    """The process goes on beyond its finish line; a word of the law, not a value."""
 
     def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
         """Distance to the finish line in widths of the strip [-]; unlimited."""
         return (temperature - stress * self.per_slope - self.finish) * self.per_width
+
+
+class Point(Protocol):
+    """Where a leg starts: a memory, or a place on the way."""
+
+    @property
+    def stress(self) -> Scalar:
+        """Stress [Pa]."""
+        ...
+
+    @property
+    def temperature(self) -> Scalar:
+        """Temperature [K]."""
+        ...
 
 
 class Memory(NamedTuple):
@@ -51,7 +72,10 @@ class Memory(NamedTuple):
     branch: Scalar
     """+1 forward, -1 reverse in progress, 0 none yet."""
     scale: Scalar
-    """What would be left to transform at the start line of this branch [-]."""
+    """What would be left to transform at the start line of this branch [-].
+
+    Of an endless process: the lowest distance it has reached on this branch.
+    """
     stress: Scalar
     temperature: Scalar
 
@@ -67,12 +91,19 @@ class Move(NamedTuple):
     per_width: Scalar
     per_slope: Scalar
 
+    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
+        strip = Strip(self.finish, self.per_width, self.per_slope)
+        return strip.distance(stress, temperature)
+
 
 class Course(NamedTuple):
     """One strip along one straight leg."""
 
     begin: Scalar
-    """Distance at the start, limited to [0, 1]."""
+    """Distance at the start, limited to [0, 1], or to at most 1 if endless."""
+    ahead: Flag
+    """The finish line is not reached yet at the start."""
     passes: Flag
     """The leg moves towards the finish line inside the strip, from a point not on that line."""
     acts: Flag
@@ -83,22 +114,39 @@ class Course(NamedTuple):
     """Share of the leg after which the finish line is reached."""
 
 
+def round_off(
+    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar
+) -> Scalar:
+    """What rounding alone may make of the distance [-] travelled on a leg."""
+    size = xp.abs(start.temperature) + xp.abs(temperature)
+    size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
+    return 8.0 * xp.eps() * size * xp.abs(strip.per_width)
+
+
 def course(
-    xp: Namespace, strip: Strip, memory: Memory, stress: Scalar, temperature: Scalar, left: Scalar
+    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar, left: Scalar
 ) -> Course:
-    """Follow one strip's coordinate along the leg from the memory's point."""
-    first = strip.distance(memory.stress, memory.temperature)
+    """Follow one strip's coordinate along the leg from its starting point.
+
+    What differs by rounding alone is equal: a point so near to the start line lies on it, and
+    a leg that gets no further into the strip does not pass.
+    """
+    first = strip.distance(start.stress, start.temperature)
     last = strip.distance(stress, temperature)
-    begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
-    size = xp.abs(memory.temperature) + xp.abs(temperature)
-    size = size + (xp.abs(memory.stress) + xp.abs(stress)) * strip.per_slope
-    travel, hair = first - last, 8.0 * xp.eps() * size * xp.abs(strip.per_width)
+    travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
     moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
-    passes = xp.both(xp.both(moving, end < begin), begin > hair)
-    enters = xp.clip((first - 1.0) / safe, 0.0, 1.0)
+    enters = xp.clip((first - 1.0 - hair) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
-    return Course(begin, passes, xp.both(passes, left > 0.0), enters, leaves)
+    if strip.endless:
+        before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
+        begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
+        passes = xp.both(moving, last + hair < 1.0)
+        return Course(begin, begin > hair, passes, xp.both(passes, left > 0.0), enters, leaves)
+    begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
+    ahead = begin > hair
+    passes = xp.both(begin - end > hair, ahead)
+    return Course(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
 
 
 def courses(
@@ -108,9 +156,30 @@ def courses(
     """Both courses of a leg, and whether the reverse process is the one that acts first."""
     f = course(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
     r = course(xp, reverse, memory, stress, temperature, memory.fraction)
+    if forward.endless:
+        return endless_turns(xp, f, r, memory.branch)
     tie = xp.both(r.enters <= f.enters, memory.branch <= 0.0)
     earlier = xp.either(r.enters < f.enters, tie)
     return f, r, xp.both(r.acts, xp.either(xp.negate(f.acts), earlier))
+
+
+def endless_turns(
+    xp: Namespace, f: Course, r: Course, branch: Scalar
+) -> tuple[Course, Course, Flag]:
+    """The same for endless processes.
+
+    One in progress has always something left to transform, though rounding may hide it. From
+    where both could act, one that is past its finish line waits for the other.
+    """
+    f_acts = xp.either(f.acts, xp.both(f.passes, branch > 0.0))
+    r_acts = xp.either(r.acts, xp.both(r.passes, branch < 0.0))
+    r_turn = xp.either(xp.negate(f.ahead), xp.both(xp.both(branch <= 0.0, r.ahead), r_acts))
+    level = xp.both(r.enters <= f.enters, f.enters <= r.enters)
+    level = xp.both(level, xp.both(f.passes, r.passes))
+    first = xp.either(xp.negate(f_acts), r.enters < f.enters)
+    r_first = xp.either(xp.both(level, r_turn), xp.both(xp.negate(level), first))
+    f = f._replace(acts=xp.both(f_acts, xp.negate(xp.both(level, r_turn))))
+    return f, r, xp.both(r_acts, r_first)
 
 
 def select(
@@ -123,9 +192,11 @@ def select(
     ahead = direction > 0.0
     begin = xp.where(ahead, f.begin, r.begin)
     remaining = xp.store(xp.where(ahead, 1.0 - memory.fraction, memory.fraction))
-    share = left(xp, begin)
-    usable = share > 0.0
-    scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
+    scale = begin
+    if not forward.endless:
+        share = left(xp, begin)
+        usable = share > 0.0
+        scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
         scale = xp.where(memory.branch * direction > 0.0, memory.scale, scale)
     return Move(
@@ -138,11 +209,17 @@ def select(
     )
 
 
-def follow(xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar) -> Scalar:
+def follow(
+    xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar,
+    endless: bool = False,
+) -> Scalar:  # fmt: skip
     """Martensite fraction if the move ends at (stress, temperature)."""
-    strip = Strip(move.finish, move.per_width, move.per_slope)
-    distance = xp.clip(strip.distance(stress, temperature), 0.0, 1.0)
-    wanted = xp.minimum(move.scale * left(xp, distance), move.remaining)
+    distance = move.distance(stress, temperature)
+    if endless:
+        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0))
+    else:
+        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0))
+        wanted = xp.minimum(wanted, move.remaining)
     remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
     return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
 
@@ -154,13 +231,17 @@ def commit(
     fraction: Scalar,
     stress: Scalar,
     temperature: Scalar,
+    endless: bool = False,
 ) -> Memory:
     """The memory after the accepted move."""
     acted = xp.abs(move.direction) > 0.0
+    scale = move.scale
+    if endless:
+        scale = xp.minimum(scale, move.distance(stress, temperature))
     return Memory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
-        scale=xp.where(acted, move.scale, memory.scale),
+        scale=xp.where(acted, scale, memory.scale),
         stress=stress,
         temperature=temperature,
     )
@@ -173,11 +254,17 @@ def handover(
     """The point of a leg at which its first process is done and a second may begin.
 
     It lies some roundings beyond the finish line, so that the first process is complete. The
-    second needs nothing to transform before: the first one makes it.
+    second needs nothing to transform before: the first one makes it. Two endless processes may
+    share a leg in three parts: reverse, forward, reverse.
     """
     f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
     two = xp.both(f.passes, r.passes)
-    done = xp.where(back, r.leaves, f.leaves)
+    first, second = r.leaves, f.leaves
+    if forward.endless:  # see courses: forward is followed by reverse, reverse by forward
+        first = xp.maximum(f.enters, r.leaves)
+        first = xp.where(first < f.leaves, first, 1.0)
+        second = xp.maximum(r.enters, f.leaves)
+    done = xp.where(back, first, second)
     share = xp.where(two, xp.minimum(1.0, done + 64.0 * xp.eps()), 1.0)
     whole = share >= 1.0
     turn_stress = memory.stress + share * (stress - memory.stress)

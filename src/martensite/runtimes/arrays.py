@@ -78,11 +78,15 @@ class ArrayNamespace:
         t = (x - ERFCX_CENTRE) / (x + ERFCX_CENTRE)
         return horner(ERFCX, t) / (1.0 + 2.0 * x)
 
-    def stack(self, *columns: Sequence[Any]) -> list[Any]:
-        """Every column as one array, its rows along a new first axis."""
-        flat = self.np.broadcast_arrays(*(item for column in columns for item in column))
-        rows = len(columns[0])
-        return [self.np.stack(flat[k : k + rows]) for k in range(0, len(flat), rows)]
+    def stack(self, around: Sequence[Any], *columns: Sequence[Any]) -> list[Any]:
+        """Every column as one array, its rows along a first axis before those of `around`."""
+        everything = (*around, *(item for column in columns for item in column))
+        rank = max(self.np.ndim(item) for item in everything)
+        return [self._rows(column, rank) for column in columns]
+
+    def _rows(self, column: Sequence[Any], rank: int) -> Any:
+        rows = self.np.stack(self.np.broadcast_arrays(*column))
+        return rows.reshape(rows.shape[:1] + (1,) * (rank + 1 - rows.ndim) + rows.shape[1:])
 
 
 def horner(coefficients: Sequence[float], x: Any) -> Any:

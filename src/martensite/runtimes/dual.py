@@ -273,6 +273,14 @@ def value_and_slope(
     xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Return f(x) and df/dx, where `function(xp, x)` is a kernel in the namespace it is given."""
+    (value,), (slope,) = values_and_slopes(xp, lambda xp, x: (function(xp, x),), x)
+    return value, slope
+
+
+def values_and_slopes(
+    xp: Namespace, function: Callable[[Namespace, Scalar], Sequence[Scalar]], x: Scalar
+) -> tuple[list[Scalar], list[Scalar]]:
+    """The same for a function with several results."""
     dual: Any = DualNamespace(xp)
-    value, tangent = dual.parts(function(dual, dual.pair(x, 1.0)))
-    return value, (0.0 if tangent is None else tangent)
+    pairs = [dual.parts(result) for result in function(dual, dual.pair(x, 1.0))]
+    return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]

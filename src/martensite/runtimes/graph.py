@@ -41,6 +41,8 @@ class Loop(NamedTuple):
     row: tuple[int, ...]
     """The inputs of the body, one per column."""
     outputs: tuple[int, ...]
+    around: tuple[int, ...]
+    """What the body takes from around it."""
 
 
 class Graph:
@@ -86,9 +88,10 @@ class Graph:
         if any(self.depends[index] & ROW for column in table for index in column):
             raise TypeError("A kernel must not put `xp.each` inside another `xp.each`.")
         outputs = tuple(r.index for r in inside)
-        needed = [*dict.fromkeys(i for column in table for i in column), *self._outside(outputs)]
-        node = self._node("each", tuple(needed), VARYING, (table, outputs)).index
-        self.loops[node] = Loop(table, tuple(r.index for r in row), outputs)
+        around = tuple(self._outside(outputs))
+        needed = (*dict.fromkeys(i for column in table for i in column), *around)
+        node = self._node("each", needed, VARYING, (table, outputs)).index
+        self.loops[node] = Loop(table, tuple(r.index for r in row), outputs, around)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
         for result in results:

@@ -36,6 +36,7 @@ class LoopText:
     columns: Sequence[Sequence[str]]
     body: Sequence[str]
     outputs: Sequence[str]
+    around: Sequence[str]
 
     def results(self) -> list[str]:
         """Names of the columns of results."""
@@ -89,6 +90,7 @@ class Printer:
             columns=[[text[i] for i in column] for column in loop.columns],
             body=body,
             outputs=[inner[i] for i in loop.outputs],
+            around=[text[i] for i in loop.around if not self.is_flag(i)],
         )
         return self.dialect.loop(named)
 
@@ -201,7 +203,7 @@ def _array_loop(loop: LoopText) -> list[str]:
     columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
     results = zip(loop.results(), loop.outputs, strict=True)
     return [
-        f"{', '.join(loop.row)}, = xp.stack({columns})",
+        f"{', '.join(loop.row)}, = xp.stack(({''.join(f'{a}, ' for a in loop.around)}), {columns})",
         *loop.body,
         *(f"{name} = {value}" for name, value in results),
     ]

@@ -48,7 +48,8 @@ class _Shape:
 
     def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
         if isinstance(example, tuple):
-            return type(example)(*(self._fill(item, numbers) for item in example))  # type: ignore[call-arg]
+            items = (self._fill(item, numbers) for item in example)  # type: ignore[misc]
+            return tuple(items) if type(example) is tuple else type(example)(*items)  # type: ignore[call-arg]
         return next(numbers)
 
 

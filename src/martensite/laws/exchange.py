@@ -1,0 +1,68 @@
+r"""Exact exchange of three phases at constant rates over a step.
+
+With P the rates times the step (dimensionless), x± the variants and A = 1 - x₊ - x₋,
+
+    dx₊ = P_A₊ A - P_₊A x₊,      dx₋ = P_A₋ A - P_₋A x₋,
+
+a linear system whose matrix M has two real eigenvalues λ₂ ≤ λ₁ ≤ 0. The state after the step
+is x + ψ(M) f, with f the present net flow and ψ(λ) = (exp λ - 1)/λ: no division by the
+determinant, no growing exponential, and nothing changes where all rates vanish.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.laws.layers import Variants
+from martensite.runtimes.namespace import Namespace, Scalar
+
+SMALL = 1e-2
+CLOSE = 1e-4
+"""Eigenvalues nearer than this are taken as equal in the divided difference of ψ."""
+
+
+class Flows(NamedTuple):
+    """Rates of the four processes times the step."""
+
+    to_plus: Scalar
+    from_plus: Scalar
+    to_minus: Scalar
+    from_minus: Scalar
+
+
+def exchange(xp: Namespace, before: Variants, flows: Flows) -> Variants:
+    """The fractions after a step at constant rates."""
+    up, down, over, back = flows
+    out_plus, out_minus = up + down, over + back
+    half = 0.5 * (out_plus - out_minus)
+    spread = xp.sqrt(half * half + up * over)
+    low = -0.5 * (out_plus + out_minus) - spread
+    product = up * back + over * down + down * back
+    high = product / xp.where(low < 0.0, low, 1.0)
+    austenite = 1.0 - before.plus - before.minus
+    flow_plus = up * austenite - down * before.plus
+    flow_minus = over * austenite - back * before.minus
+    first, second = _functions(xp, low, high, 2.0 * spread)
+    turn_plus = -(out_plus + high) * flow_plus - up * flow_minus
+    turn_minus = -(out_minus + high) * flow_minus - over * flow_plus
+    # limits at the size of rounding: the exact solution keeps them
+    plus = xp.clip(before.plus + first * flow_plus + second * turn_plus, 0.0, 1.0)
+    minus = before.minus + first * flow_minus + second * turn_minus
+    return Variants(plus, xp.clip(minus, 0.0, 1.0 - plus))
+
+
+def _functions(xp: Namespace, low: Scalar, high: Scalar, apart: Scalar) -> tuple[Scalar, Scalar]:
+    """ψ(high), and the divided difference of ψ: its slope where the eigenvalues are close."""
+    at_low, at_high = _psi(xp, low), _psi(xp, high)
+    close, small = apart < CLOSE, xp.abs(high) < 0.1
+    series = 0.5 + high * (1.0 / 3.0 + high * (1.0 / 8.0 + high * (1.0 / 30.0 + high / 144.0)))
+    exact = (1.0 + (high - 1.0) * at_high) / xp.where(small, 1.0, high)
+    difference = (at_high - at_low) / xp.where(close, 1.0, apart)
+    return at_high, xp.where(close, xp.where(small, series, exact), difference)
+
+
+def _psi(xp: Namespace, x: Scalar) -> Scalar:
+    """(exp x - 1)/x for x ≤ 0."""
+    small = xp.abs(x) < SMALL
+    series = 1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x / 720.0))))
+    return xp.where(small, series, (xp.exp(x) - 1.0) / xp.where(small, 1.0, x))

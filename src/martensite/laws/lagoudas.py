@@ -1,0 +1,184 @@
+r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
+
+One-dimensional form. Surfaces, calibration and their sources are described in
+`martensite.laws.surfaces`, the hardening shares h in `martensite.laws.hardening`:
+
+    ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
+    dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
+    H(σ) = H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min
+
+Both surfaces are inverted for the fraction, which makes ξ a play operator of (σ, T):
+
+    ξ₁ = max{ξ_f(σ, T), min[ξ_r(σ, T, Λ), ξ₀]},        Λ = ε_t/ξ
+
+with ξ_f on the forward and ξ_r on the reverse surface, exact for steps of any size. Any
+initial state is legal; one outside its surfaces moves onto them at once. Where both processes
+could act (unoriented martensite under high stress) forward is stronger: martensite stays if it
+would form again at once.
+
+ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress
+∫H dξ has no closed form; H is taken as a parabola in h over the part of the way on which ξ
+grows, with the corners of h(ξ) integrated exactly. This converges with the step, at least in
+second order; ξ sees it through Λ on the next reverse transformation only.
+
+Not in the law: reorientation (martensite keeps the strain with which it formed until it
+transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+from martensite.laws.base import LAWS, Fractions
+from martensite.laws.hardening import hardening, hardening_integral, transformed
+from martensite.laws.surfaces import AbstractSurfaceLaw
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+class Memory(NamedTuple):
+    """All that the law remembers."""
+
+    fraction: Scalar
+    ratio: Scalar
+    """Oriented share of the martensite, ε_t/(ξ H_sat) [-]; kept on reverse."""
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """The state before, and where on a straight way from there ξ would grow."""
+
+    fraction: Scalar
+    ratio: Scalar
+    stress: Scalar
+    temperature: Scalar
+    grows_from: Scalar
+    """Share of the way at which the forward surface is met [-]."""
+    grows_to: Scalar
+    """Share of the way at which all is martensite [-]; 1 if that is not reached."""
+
+
+@LAWS.register("lagoudas")
+class Lagoudas(AbstractSurfaceLaw):
+    """Boyd–Lagoudas law with smooth hardening and stress-dependent transformation strain."""
+
+    cites = ("lagoudas2012", "boyd1996", "hartl2010")
+    twins: ClassVar[bool] = True
+    one_way: ClassVar[bool] = False
+    iterations: ClassVar[int] = 6
+
+    alpha_A: Scalar = param(
+        "1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0
+    )
+    alpha_M: Scalar = param(
+        "1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0
+    )
+    T_ref: Scalar = param(
+        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
+    )
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
+        some = fractions.martensite > 0.0
+        ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
+        ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
+        return Memory(fractions.martensite, ratio, stress, temperature)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """The phase state stored in a memory."""
+        return Fractions(memory.fraction, memory.ratio * memory.fraction)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
+        here = hardening(xp, memory.fraction, self.n_1, self.n_2)
+        way = memory.stress, memory.temperature, stress, temperature
+        start, end = (self.forward_meeting(xp, share, *way) for share in (here, 1.0))
+        return Move(*memory, grows_from=xp.store(start), grows_to=xp.store(end))
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        more, warmer = stress - move.stress, temperature - move.temperature
+        strain = move.ratio * self.H_sat
+        turn = self.reverse_peak(xp, strain, move.stress, more, warmer)
+        hottest = move.stress + turn * more, move.temperature + turn * warmer
+        share = self.reverse_share(xp, strain, *hottest)
+        left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
+        share = self.forward_share(xp, stress, temperature)
+        fraction = xp.maximum(transformed(xp, share, self.n_1, self.n_2), left)
+        gained = self._gained(xp, move, xp.maximum(fraction, move.fraction), more, warmer)
+        kept = move.ratio * xp.minimum(fraction, move.fraction)
+        return Fractions(fraction, kept + gained / self.H_sat)
+
+    def _gained(
+        self, xp: Namespace, move: Move, fraction: Scalar, more: Scalar, warmer: Scalar
+    ) -> Scalar:
+        """∫H dξ [-] up to a fraction, along a way of `more` [Pa] and `warmer` [K].
+
+        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right in the middle.
+        """
+        exponents = self.n_1, self.n_2
+        first, last = (hardening(xp, x, *exponents) for x in (move.fraction, fraction))
+        begin, end = (move.stress + share * more for share in (move.grows_from, move.grows_to))
+        middle = 0.5 * (move.grows_from + move.grows_to)
+        between = move.stress + middle * more, move.temperature + middle * warmer
+        grown, climb = fraction - move.fraction, last - first
+        climbs = climb > 0.0
+        safe = xp.where(climbs, climb, 1.0)
+        at = xp.clip((self.forward_share(xp, *between) - first) / safe, 0.1, 0.9)
+        slow = self.current(xp, begin)
+        rise = self.current(xp, end) - slow
+        areas = (hardening_integral(xp, x, *exponents) for x in (fraction, move.fraction))
+        area = next(areas) - next(areas) - first * grown
+        bulge = (self.current(xp, between[0]) - slow - at * rise) / (6.0 * at * (1.0 - at))
+        return grown * (slow + bulge) + xp.where(climbs, area / safe, 0.0) * rise
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Memory,
+        move: Move,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> Memory:
+        """The memory after the accepted move."""
+        grown = fractions.martensite > memory.fraction
+        ratio = fractions.oriented / xp.where(grown, fractions.martensite, 1.0)
+        ratio = xp.where(grown, xp.clip(ratio, -1.0, 1.0), memory.ratio)
+        return Memory(fractions.martensite, ratio, stress, temperature)
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg, with stops where it begins and where forward turns."""
+        memory, _ = super().kinetics(xp, memory, memory.stress, memory.temperature, 0.0)
+        more, warmer = stress - memory.stress, temperature - memory.temperature
+        turn = self.forward_peak(xp, memory.stress, more, warmer)
+        stop = memory.stress + turn * more, memory.temperature + turn * warmer
+        memory, _ = super().kinetics(xp, memory, *stop, dt)
+        return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+        """H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
+        alpha = self.alpha_A + fractions.martensite * (self.alpha_M - self.alpha_A)
+        return self.H_sat * fractions.oriented + alpha * (temperature - self.T_ref)
+
+    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""
+        return 1.0 / self.E_A + fractions.martensite * self.softening()
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Share of a transformation range by which the move goes beyond its surface [-]."""
+        ahead = xp.clip(self.forward_share(xp, stress, temperature), 0.0, 1.0)
+        behind = self.reverse_share(xp, memory.ratio * self.H_sat, stress, temperature)
+        ahead = ahead - hardening(xp, memory.fraction, self.n_1, self.n_2)
+        behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - xp.clip(behind, 0.0, 1.0)
+        return xp.maximum(xp.maximum(ahead, behind), 0.0)

@@ -1,0 +1,111 @@
+r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermally activated jumps.
+
+    dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
+    ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
+
+with the wells of `laws.layers` and the rates of `laws.barriers`. A plateau lies a little
+inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
+V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
+rates.
+
+With a published latent heat the free energy is rarely consistent: `heat_model =
+"free-energy"` takes the heat -T dβ/dT from it instead (β the difference of the wells at
+rest); `stress` adds the work and the elastic part σ ε_T + ½ σ² (1/E_A - 1/E_M).
+
+Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 as in a public
+implementation of the Saarland group (Ullrich 2014).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.laws.activated import AbstractActivated
+from martensite.laws.barriers import Start, begin, rate
+from martensite.laws.base import LAWS, Fractions
+from martensite.laws.exchange import Flows, exchange
+from martensite.laws.layers import Pull, Variants, together, variants
+from martensite.parameters import option
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+class Memory(NamedTuple):
+    """All that a single crystal remembers."""
+
+    present: Variants
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """A step from the remembered point."""
+
+    present: Variants
+    starts: tuple[Start, ...]
+    pull: Pull
+
+
+@LAWS.register("mas")
+class MullerAchenbachSeelecke(AbstractActivated):
+    """Single crystal with austenite and two martensite variants, rate dependent."""
+
+    cites = ("seelecke2004", "ullrich2014")
+
+    rates: str = option(
+        "barrier: saddle height; well: layers at the edge of their well (erfc); "
+        "edge: saddle with a rigid bridge",
+        "barrier", "well", "edge", default="barrier",
+    )  # fmt: skip
+
+    @property
+    def form(self) -> str:
+        """Form of the rates."""
+        return self.rates
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in a phase state that has no history."""
+        return Memory(variants(fractions), stress, temperature)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """ξ = x₊ + x₋, oriented x₊ - x₋."""
+        return together(memory.present)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The barriers at the start of a step."""
+        found = self.barriers(xp, memory.stress, memory.temperature)
+        starts = tuple(begin(xp, process) for process in found)
+        return Move(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        flows = self.flows(xp, move.starts, self.barriers(xp, stress, temperature), dt)
+        return together(exchange(xp, move.present, flows))
+
+    def commit(
+        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
+        temperature: Scalar, dt: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The memory after the accepted step."""
+        return Memory(variants(fractions), stress, temperature)
+
+    def drive(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """Distance beyond rest of the process that the trial drives hardest [Pa]."""
+        return self.driven(xp, move.pull, stress, temperature, dt)
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-]."""
+        over = self.overshoot(xp, move.pull, stress, temperature)
+        return xp.maximum(over, 0.0) / self.Delta_sigma
+
+    def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
+        """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
+        found = self.barriers(xp, stress, temperature)
+        return Flows(*(rate(xp, process, self.layer_time) for process in found))

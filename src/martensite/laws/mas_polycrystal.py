@@ -1,0 +1,187 @@
+r"""Müller–Achenbach–Seelecke law of a polycrystal: groups of layers in series.
+
+    ε = Σ wᵢ { ε_T (x₊ᵢ - x₋ᵢ) + σ [(x₊ᵢ + x₋ᵢ)/E_M + Aᵢ/E_A] }
+
+Every group follows the single-crystal law with the barrier form of the rates. Groups differ
+by a normal distribution of standard deviation `spread`, at the medians of equally probable
+classes, so that all weights are equal:
+
+- `barriers` (default): each group has its own threshold σ_A + δᵢ. Plateaus get slopes, minor
+  loops are smooth, a wire under tension comes back to its start.
+- `internal-stress`: each group feels its own stress σ + σᵢ. Groups with σ + σᵢ < 0 turn into
+  M- on cooling and a weak bias cannot turn them back: part of the stroke is lost. Known defect
+  of this variant for tension wires; it is here for comparison.
+
+With zero spread both are the single crystal.
+
+Sources: Heintze and Seelecke (2008) and Massad and Smith (2005) for the superposition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from statistics import NormalDist
+from typing import NamedTuple
+
+from martensite.laws.activated import AbstractActivated
+from martensite.laws.barriers import Process, Start, begin, scales, wells
+from martensite.laws.base import LAWS, Fractions
+from martensite.laws.exchange import exchange
+from martensite.laws.layers import Pull, Variants, variants
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+Column = Sequence[Scalar]
+
+
+class Memory(NamedTuple):
+    """All that a polycrystal remembers: the variants of every group."""
+
+    plus: Column
+    minus: Column
+    mean: Fractions
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """A step from the remembered point; one entry per group."""
+
+    plus: Column
+    minus: Column
+    starts: tuple[Column, ...]
+    pull: Pull
+    rest: Scalar
+    """Overshoot at the start [Pa]: a process in progress stays near it."""
+
+
+@LAWS.register("mas-polycrystal")
+class MullerAchenbachSeeleckePolycrystal(AbstractActivated):
+    """Groups of layers with distributed barriers (or internal stresses), in series."""
+
+    iterations = 10
+    cites = ("heintze2008", "massad2005", "ullrich2014")
+
+    spread: Scalar = param(
+        "Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9,
+        default=20e6,
+    )  # fmt: skip
+    groups: str = option("number of groups", "31", "15", default="31")
+    distribution: str = option(
+        "what differs between groups", "barriers", "internal-stress", default="barriers"
+    )
+
+    def quantiles(self) -> tuple[float, ...]:
+        """Deviations of the groups in standard deviations [-]."""
+        count = int(self.groups)
+        return tuple(NormalDist().inv_cdf((k + 0.5) / count) for k in range(count))
+
+    def shifts(self, quantile: Scalar) -> tuple[Scalar, Scalar]:
+        """Shift of the threshold and of the stress of a group [Pa]."""
+        shift = self.spread * quantile
+        return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in a phase state that has no history; all groups are alike."""
+        present, count = variants(fractions), int(self.groups)
+        columns = (present.plus,) * count, (present.minus,) * count
+        return Memory(*columns, fractions, stress, temperature)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
+        return memory.mean
+
+    def mean(self, xp: Namespace, plus: Column, minus: Column) -> Fractions:
+        """Fractions of all groups together."""
+        share = 1.0 / len(plus)
+        a, b = share * total(plus), share * total(minus)
+        return Fractions(xp.minimum(a + b, 1.0), a - b)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The barriers of all groups at the start of a step."""
+        group = self.group(xp, memory.stress, memory.temperature)
+
+        def start(quantile: Scalar) -> tuple[Scalar, ...]:
+            return tuple(n for process in group(quantile) for n in begin(xp, process))
+
+        pull = self.strongest(xp, variants(memory.mean), stress, temperature)
+        rest = self.overshoot(xp, pull, memory.stress, memory.temperature)
+        starts = xp.each(start, self.quantiles())
+        return Move(memory.plus, memory.minus, starts, pull, rest)
+
+    def group(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], tuple[Process, ...]]:
+        """The four processes at a point, as a function of the quantile of a group.
+
+        The bridge between the wells is that of the mean threshold for all groups; beyond the
+        far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
+        """
+        constants, threshold = self.material(), self.threshold(temperature)
+        middle = wells(xp, constants, threshold, temperature, self.form)
+        scale = scales(xp, constants, middle, self.form)
+
+        def four(quantile: Scalar) -> tuple[Process, ...]:
+            barrier, inner = self.shifts(quantile)
+            rise, local = xp.maximum(threshold + barrier, 0.0), stress + inner
+            fall = rise - self.Delta_sigma
+            distances = (
+                (rise - local) * scale.A, (local - fall) * scale.M,
+                (rise + local) * scale.A, (-local - fall) * scale.M,
+            )  # fmt: skip
+            return tuple(Process(y, 1.0) for y in distances)
+
+        return four
+
+    def groups_after(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Variants of all groups if the step of dt [s] ends at (stress, temperature)."""
+        group = self.group(xp, stress, temperature)
+
+        def advance(
+            quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar
+        ) -> tuple[Scalar, Scalar]:
+            starts = [Start(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
+            return exchange(xp, Variants(plus, minus), self.flows(xp, starts, group(quantile), dt))
+
+        plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
+        return plus, minus
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        return self.mean(xp, *self.groups_after(xp, move, stress, temperature, dt))
+
+    def commit(
+        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
+        temperature: Scalar, dt: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The memory after the accepted step."""
+        plus, minus = self.groups_after(xp, move, stress, temperature, dt)
+        mean = self.mean(xp, plus, minus)
+        return Memory(tuple(plus), tuple(minus), mean, stress, temperature)
+
+    def drive(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """Distance beyond the start of the process that the trial drives hardest [Pa]."""
+        return self.overshoot(xp, move.pull, stress, temperature) - move.rest
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Overshoot of the trial beyond the mean threshold, in widths of the hysteresis [-]."""
+        over = self.overshoot(xp, move.pull, stress, temperature)
+        return xp.maximum(over, 0.0) / self.Delta_sigma
+
+
+def total(column: Column) -> Scalar:
+    """Sum of a column."""
+    result = column[0]
+    for number in column[1:]:
+        result = result + number
+    return result

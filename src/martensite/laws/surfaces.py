@@ -1,0 +1,265 @@
+r"""Transformation surfaces of the Boyd–Lagoudas model, and their constants from calibration.
+
+With ΔS = 1/E_M - 1/E_A, the current transformation strain H(σ) and the hardening shares h of
+`martensite.laws.hardening`, transformation needs (forward; reverse, with Λ = ε_t/ξ)
+
+    (1 - D) H σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₁ h_f(ξ) - a₃ - Y₀ = 0
+    (1 + D) Λ σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₂ h_r(ξ) + a₃ + Y₀ = 0
+
+Seven constants follow from what is measured. At σ = 0 the surfaces lie at M_s (ξ = 0) and M_f
+(ξ = 1), at A_f (ξ = 0) and A_s (ξ = 1):
+
+    a₁ = ρΔs₀ (M_f - M_s),   a₂ = ρΔs₀ (A_s - A_f),   ρΔu₀ = ½ ρΔs₀ (M_s + A_f),
+    Y₀ + a₃ = ½ ρΔs₀ (M_s - A_f),
+
+and equal hardening energy both ways, ∫(a₁ h_f + a₃) dξ = ∫(a₂ h_r - a₃) dξ, separates the last:
+
+    4 a₃ = a₂ (1 + 1/(n₃+1) - 1/(n₄+1)) - a₁ (1 + 1/(n₁+1) - 1/(n₂+1)).
+
+At σ_cal the lines of constant ξ have the slopes dσ/dT = C_M and C_A. With G = d(Hσ)/dσ there
+(Λ = H(σ): cycles at constant stress), -ρΔs₀ = C_M [(1-D) G + σ ΔS] = C_A [(1+D) G + σ ΔS], so
+
+    ρΔs₀ = -2 C_M C_A (G + σ ΔS)/(C_M + C_A),     D = (C_M - C_A)(G + σ ΔS)/[(C_M + C_A) G].
+
+Divided by ρΔs₀ the surfaces are temperatures: forward runs while T - s_f(σ) falls below
+M_s - (M_s - M_f) h_f, reverse while T - s_r(σ, Λ) rises above A_f - (A_f - A_s) h_r. Tension is
+positive; in compression H = H_min and the elastic term is left out, so that stress never
+works against martensite.
+
+Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
+smooth hardening of Hartl and Lagoudas. The derivation is written out for this package.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.errors import ParameterError
+from martensite.laws.base import AbstractLaw
+from martensite.laws.hardening import LEAST_EXPONENT, hardening
+from martensite.parameters import param
+from martensite.runtimes import floats
+from martensite.runtimes.bracket import solve_bracketed
+from martensite.runtimes.namespace import Namespace, Scalar
+
+SAMPLES = 201
+"""Fractions at which the order of the surfaces is checked."""
+
+
+class Constants(NamedTuple):
+    """What calibration gives, in the symbols of the module's equations."""
+
+    rho_Delta_s0: Scalar
+    """Difference of entropy per volume, martensite less austenite [J/m³/K]; negative."""
+    rho_Delta_u0: Scalar
+    """Difference of internal energy per volume [J/m³]."""
+    a_1: Scalar
+    a_2: Scalar
+    a_3: Scalar
+    """Hardening [J/m³]."""
+    Y_0: Scalar
+    """Threshold of dissipation at no stress [J/m³]."""
+    D: Scalar
+    """Its growth with the work of transformation [-]."""
+
+
+class AbstractSurfaceLaw(AbstractLaw):
+    """Parameters, constants and surfaces; a law adds memory and flow."""
+
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11)
+    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11)
+    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0)
+    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
+    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
+    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
+    C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9)
+    C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9)
+    sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9)
+    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2)
+    H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2)
+    H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5)
+    sigma_crit: Scalar = param(
+        "Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0
+    )
+    n_1: Scalar = param(
+        "1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_2: Scalar = param(
+        "1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_3: Scalar = param(
+        "1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_4: Scalar = param(
+        "1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
+        for low, high in (("M_f", "M_s"), ("A_s", "A_f"), ("M_f", "A_s"), ("M_s", "A_f")):
+            if not getattr(self, low) < getattr(self, high):
+                raise ParameterError(
+                    f"Parameter `{low}` of `lagoudas` must be below `{high}`, but is "
+                    f"{getattr(self, low) - 273.15:.4g} degC against "
+                    f"{getattr(self, high) - 273.15:.4g} degC."
+                )
+        if self.H_min > self.H_sat:
+            raise ParameterError(
+                f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} "
+                f"against {self.H_sat}."
+            )
+        if not self._work(floats, self.sigma_cal) > 0.0:
+            raise ParameterError(
+                "Parameter `sigma_cal` of `lagoudas` must be a stress at which H(sigma)*sigma "
+                f"grows, but is {self.sigma_cal} Pa, where H = {self.H_min}."
+            )
+        constants = self.constants(floats)
+        if not (constants.rho_Delta_s0 < 0.0 and abs(constants.D) < 1.0):
+            raise ParameterError(
+                "Parameters `C_A` and `C_M` of `lagoudas` must give an entropy difference below 0 "
+                f"and a ratio D between -1 and 1, but give {constants.rho_Delta_s0:.4g} J/m^3/K "
+                f"and {constants.D:.4g}; bring `C_A` nearer to `C_M`, or `E_M` nearer to `E_A`."
+            )
+        if self.gap() <= 0.0:
+            raise ParameterError(
+                "Parameters `n_1` to `n_4` of `lagoudas` must keep the reverse surface above the "
+                f"forward surface at every fraction, but let them cross by {-self.gap():.3g} K."
+            )
+
+    def gap(self) -> float:
+        """The least distance from the forward to the reverse surface at zero stress [K]."""
+        least = float("inf")
+        for i in range(SAMPLES):
+            xi = i / (SAMPLES - 1)
+            forward = self.M_s - (self.M_s - self.M_f) * hardening(floats, xi, self.n_1, self.n_2)
+            reverse = self.A_f - (self.A_f - self.A_s) * hardening(floats, xi, self.n_3, self.n_4)
+            least = min(least, reverse - forward)
+        return least
+
+    def cautions(self) -> list[str]:
+        """Surfaces that meet under stress, a martensite that is stiffer than austenite."""
+        found: list[str] = []
+        constants = self.constants(floats)
+        if constants.D < 0.0:
+            limit = constants.rho_Delta_s0 * self.gap() / (2.0 * constants.D * self.H_sat)
+            if limit < 1e9:
+                found.append(
+                    f"C_A > C_M: forward and reverse surface meet above {limit / 1e6:.4g} MPa, "
+                    "where loops lose their width; prefer equal slopes there."
+                )
+        if self.E_M > self.E_A:
+            found.append("E_M is above E_A: martensite is usually the softer phase.")
+        return found
+
+    def constants(self, xp: Namespace) -> Constants:
+        """The seven constants, from temperatures at zero stress and slopes at `sigma_cal`."""
+        work = self._work(xp, self.sigma_cal)
+        softer = work + self.sigma_cal * self.softening()
+        share = softer / (self.C_M + self.C_A)
+        entropy = -2.0 * self.C_M * self.C_A * share
+        a_1 = entropy * (self.M_f - self.M_s)
+        a_2 = entropy * (self.A_s - self.A_f)
+        forward = 1.0 + 1.0 / (self.n_1 + 1.0) - 1.0 / (self.n_2 + 1.0)
+        reverse = 1.0 + 1.0 / (self.n_3 + 1.0) - 1.0 / (self.n_4 + 1.0)
+        a_3 = 0.25 * (a_2 * reverse - a_1 * forward)
+        return Constants(
+            rho_Delta_s0=entropy,
+            rho_Delta_u0=0.5 * entropy * (self.M_s + self.A_f),
+            a_1=a_1,
+            a_2=a_2,
+            a_3=a_3,
+            Y_0=0.5 * entropy * (self.M_s - self.A_f) - a_3,
+            D=(self.C_M - self.C_A) * share / work,
+        )
+
+    def current(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """H(σ) [-]: strain of martensite that forms under a stress [Pa]."""
+        excess = xp.maximum(stress - self.sigma_crit, 0.0)
+        return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
+
+    def forward_share(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
+        constants = self.constants(xp)
+        work = (1.0 - constants.D) * self.current(xp, stress) * stress
+        shift = (work + self._elastic(xp, stress)) / -constants.rho_Delta_s0
+        return (self.M_s - temperature + shift) / (self.M_s - self.M_f)
+
+    def reverse_share(
+        self, xp: Namespace, per_martensite: Scalar, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """h_r that reverse transformation of martensite of strain Λ would leave; unlimited."""
+        constants = self.constants(xp)
+        work = (1.0 + constants.D) * per_martensite * stress
+        shift = (work + self._elastic(xp, stress)) / -constants.rho_Delta_s0
+        return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
+
+    def forward_meeting(
+        self, xp: Namespace, share: Scalar, stress: Scalar, temperature: Scalar,
+        to_stress: Scalar, to_temperature: Scalar,
+    ) -> Scalar:  # fmt: skip
+        """Where `forward_share` rises to a share on a straight way, as a part of it; else 1."""
+        first = self.forward_share(xp, stress, temperature)
+        climb = self.forward_share(xp, to_stress, to_temperature) - first
+        rises = first + climb > share
+
+        def beyond(xp: Namespace, part: Scalar) -> Scalar:
+            at = stress + part * (to_stress - stress)
+            kelvin = temperature + part * (to_temperature - temperature)
+            return self.forward_share(xp, at, kelvin) - share + 1e-13 * part
+
+        guess = xp.clip((share - first) / xp.where(climb > 0.0, climb, 1.0), 0.0, 1.0)
+        part = solve_bracketed(xp, beyond, guess, (-1.0, 2.0), 6)
+        return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
+
+    def forward_peak(
+        self, xp: Namespace, stress: Scalar, more: Scalar, warmer: Scalar
+    ) -> Scalar:  # fmt: skip
+        """Share of a straight leg at which `forward_share` may have a maximum inside.
+
+        The leg leads from `stress` over `more` [Pa] and `warmer` [K]. Over t = k σ the slope
+        of s_f falls about t = 3 only, and from there Newton's way to the slope of the leg is
+        monotone. Where there is no maximum, any point does.
+        """
+        constants = self.constants(xp)
+        moves = xp.abs(more) > 1.0
+        size = xp.where(moves, more, 1.0)
+        leg = xp.store(-constants.rho_Delta_s0 * warmer / size)
+        rate = xp.maximum(self.H_k, 1e-15)
+        first = rate * self.sigma_crit
+        spread = self.H_sat - self.H_min
+
+        def slower(xp: Namespace, t: Scalar) -> Scalar:
+            work = self.H_sat + spread * xp.exp(first - t) * (t - 1.0)
+            slope = (1.0 - constants.D) * work + self.softening() * t / rate
+            return leg - slope + 1e-12 * t
+
+        start = xp.maximum(first, 3.0)
+        t = solve_bracketed(xp, slower, start, (first, first + 100.0), 8)
+        return xp.where(moves, xp.clip((t / rate - stress) / size, 0.0, 1.0), 0.0)
+
+    def reverse_peak(
+        self, xp: Namespace, per_martensite: Scalar, stress: Scalar, more: Scalar, warmer: Scalar
+    ) -> Scalar:  # fmt: skip
+        """Share of a straight leg at which `reverse_share` may have a minimum inside."""
+        constants = self.constants(xp)
+        bend = self.softening() * more * more
+        bends = bend > 1e-40
+        slope = (1.0 + constants.D) * per_martensite + self.softening() * stress
+        share = (-constants.rho_Delta_s0 * warmer - slope * more) / xp.where(bends, bend, 1.0)
+        return xp.where(bends, xp.clip(share, 0.0, 1.0), 0.0)
+
+    def softening(self) -> Scalar:
+        """ΔS [1/Pa]."""
+        return 1.0 / self.E_M - 1.0 / self.E_A
+
+    def _elastic(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """½ ΔS σ² in tension [J/m³]."""
+        tension = xp.maximum(stress, 0.0)
+        return 0.5 * self.softening() * tension * tension
+
+    def _work(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """G = d(Hσ)/dσ [-]."""
+        excess = stress - self.sigma_crit
+        steep = self.H_k * xp.exp(-self.H_k * xp.maximum(excess, 0.0))
+        grows = xp.where(excess > 0.0, (self.H_sat - self.H_min) * steep, 0.0)
+        return self.current(xp, stress) + grows * stress

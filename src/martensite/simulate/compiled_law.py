@@ -1,0 +1,128 @@
+"""Tracing a law alone: a material point driven by stress or by strain, cached by structure.
+
+Functions over the flat memory m of a law:
+
+    init(ξ, ξ_S, σ, T),    stress_step(m…, σ, T, dt),    strain_step(m…, ε, T, dt)
+
+all return the memory and then what `ROW` names. Given a strain, the stress at the end of a step
+follows from the fractions there,
+
+    σ = [ε - ε_free(ξ, ξ_S, T)] · E(ξ),    at least 0 if tension only,
+
+and the step is the fixed point of `laws.coupling`. Numbers never enter the trace.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.laws.coupling import advance
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.program import Program
+from martensite.simulate.compiled import _Shape as Shape  # pyright: ignore[reportPrivateUsage]
+from martensite.simulate.compiled import flatten, structure
+
+ROW = ("martensite", "oriented", "strain", "stress", "residual")
+"""What every function returns after the memory: [-], [-], [-], [Pa], [-]."""
+AUSTENITE = Fractions(0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledLaw:
+    """A traced law; functions `init`, `stress_step` and `strain_step` over flat memories."""
+
+    program: Program
+    paths: tuple[str, ...]
+    """Parameter paths in the order in which the program takes them."""
+    size: int
+    """Number of memory variables."""
+
+    def values(self, law: AbstractLaw) -> list[float]:
+        """Parameter values of a law of this structure, in order."""
+        known = {leaf.path: leaf.value for leaf in law.leaves()}
+        return [known[path] for path in self.paths]
+
+
+def compile_law(
+    law: AbstractLaw, iterations: int = ITERATIONS, *, tension_only: bool = True
+) -> CompiledLaw:
+    """Trace a law, or return the program of an earlier one of the same structure.
+
+    Args:
+        law: any law; its numbers do not matter.
+        iterations: fixed count of the solve of every strain-driven step.
+        tension_only: a strain-driven point goes slack instead of being compressed.
+    """
+    return _compile(_Keyed(structure(law), law), iterations, tension_only)
+
+
+@dataclass(frozen=True)
+class _Keyed:
+    key: tuple[Any, ...]
+    law: AbstractLaw
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Keyed) and self.key == other.key
+
+
+@lru_cache(maxsize=64)
+def _compile(keyed: _Keyed, iterations: int, tension_only: bool) -> CompiledLaw:
+    program = Program()
+    paths = tuple(leaf.path for leaf in keyed.law.leaves())
+    law = keyed.law.rebuilt({path: program.parameter(path) for path in paths})
+    found: list[Any] = []
+
+    def init(xp: Any, martensite: Any, oriented: Any, stress: Any, temperature: Any) -> list[Any]:
+        memory = law.init(xp, Fractions(martensite, oriented), stress, temperature)
+        found.append(memory)
+        return _row(xp, law, memory, 0.0)
+
+    program.add("init", ["xi", "xi_S", "sigma", "T"], init)
+    shape, size = Shape(found[0]), len(flatten(found[0]))
+    names = [f"m{i}" for i in range(size)]
+    program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
+    program.add(
+        "strain_step", [*names, "eps", "T", "dt"],
+        _strain_step(law, shape, iterations, tension_only),
+    )  # fmt: skip
+    return CompiledLaw(program, paths, size)
+
+
+def _row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[Any]:
+    fractions = law.fractions(memory)
+    strain = law.strain(xp, fractions, memory.stress, memory.temperature)
+    return [*flatten(memory), *fractions, strain, memory.stress, residual]
+
+
+def _stress_step(law: AbstractLaw, shape: Shape) -> Callable[..., list[Any]]:
+    def step(xp: Any, *arguments: Any) -> list[Any]:
+        *numbers, stress, temperature, dt = arguments
+        after, _ = law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)
+        return _row(xp, law, after, 0.0)
+
+    return step
+
+
+def _strain_step(
+    law: AbstractLaw, shape: Shape, iterations: int, tension_only: bool
+) -> Callable[..., list[Any]]:
+    def step(xp: Any, *arguments: Any) -> list[Any]:
+        *numbers, strain, temperature, dt = arguments
+
+        def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
+            elastic = strain - law.free_strain(xp, fractions, temperature)
+            stress = elastic / law.compliance(xp, fractions)
+            return (xp.maximum(stress, 0.0) if tension_only else stress), temperature
+
+        after, report = advance(xp, law, shape.rebuild(numbers), settle, dt, iterations)
+        return _row(xp, law, after, report.residual)
+
+    return step

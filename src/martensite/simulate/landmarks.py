@@ -1,0 +1,176 @@
+"""Where a law transforms, found by driving it: along isobars, and by loading at a temperature.
+
+Nothing is asked of the law but its kinetics, so this holds for every law. A sweep goes in
+coarse steps; the step in which a fraction passes a level is taken again in ten smaller ones,
+three times over. Isobars are one thermal cycle: austenite is cooled, what has formed is heated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.simulate.compiled_law import AUSTENITE, ROW, compile_law
+
+COLDEST, HOTTEST = 100.0, 800.0
+"""Ends of a thermal sweep [K]."""
+STRONGEST = 3e9
+"""End of a loading sweep [Pa]."""
+PIECES, SMALLER, DEPTH = 70, 10, 3
+HEATING, LOADING = 1.0, 10e6
+"""Rates of the sweeps [K/s], [Pa/s]; they matter for laws with rates only."""
+LEVEL = 0.01
+"""Share of the transformation at which it counts as begun; as much is left at its end."""
+MARTENSITE, ORIENTED, STRAIN = (ROW.index(n) for n in ("martensite", "oriented", "strain"))
+
+State = tuple[float, ...]
+Test = Callable[[State], bool]
+
+
+class Marks(NamedTuple):
+    """Start and finish temperatures at one stress [K]; NaN where there is none."""
+
+    A_s: float
+    A_f: float
+    M_s: float
+    M_f: float
+
+
+class Loaded(NamedTuple):
+    """A point on a loading sweep."""
+
+    stress: float
+    """[Pa]"""
+    strain: float
+    """[-]"""
+
+
+class Place(NamedTuple):
+    """A point of the plane."""
+
+    stress: float
+    temperature: float
+
+
+@dataclass(frozen=True)
+class Passed:
+    """Where a sweep first passed a test, as a share of its way, and the row there."""
+
+    share: float
+    row: State
+
+
+@dataclass(frozen=True)
+class Explorer:
+    """A law that can be driven along straight lines of the plane of stress and temperature."""
+
+    law: AbstractLaw
+
+    @cached_property
+    def _bound(self) -> tuple[Callable[..., State], Callable[..., State], int]:
+        compiled = compile_law(self.law)
+        functions = compiled.program.bind_floats(*compiled.values(self.law))
+        return functions["init"], functions["stress_step"], compiled.size
+
+    def start(self, fractions: Fractions, at: Place) -> State:
+        """Memory in a phase state that has no history."""
+        init, _, size = self._bound
+        return init(*fractions, *at)[:size]
+
+    def sweep(
+        self, state: State, begin: Place, end: Place, duration: float, tests: Sequence[Test]
+    ) -> tuple[list[Passed | None], State]:
+        """Where the tests are first passed on the way, and the memory at its end."""
+        found: list[Passed | None] = [None] * len(tests)
+        for k in range(PIECES):
+            shares = k / PIECES, (k + 1) / PIECES
+            after, row = self._step(state, begin, end, duration, shares)
+            for i, test in enumerate(tests):
+                if found[i] is None and test(row):
+                    found[i] = self._closer(state, begin, end, duration, shares, test, DEPTH)
+            state = after
+        return found, state
+
+    def _step(
+        self, state: State, begin: Place, end: Place, duration: float, shares: tuple[float, float]
+    ) -> tuple[State, State]:
+        _, step, size = self._bound
+        x, y = (a + shares[1] * (b - a) for a, b in zip(begin, end, strict=True))
+        after = step(*state, x, y, (shares[1] - shares[0]) * duration)
+        return after[:size], after[size:]
+
+    def _closer(
+        self, state: State, begin: Place, end: Place, duration: float,
+        shares: tuple[float, float], test: Test, depth: int,
+    ) -> Passed:  # fmt: skip
+        """The same within a piece of the way, in smaller steps."""
+        low, high = shares
+        pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER)
+                  for k in range(SMALLER)]  # fmt: skip
+        row: State = ()
+        for piece in pieces:
+            after, row = self._step(state, begin, end, duration, piece)
+            if test(row) or piece is pieces[-1]:
+                if depth > 1:
+                    return self._closer(state, begin, end, duration, piece, test, depth - 1)
+                return Passed(0.5 * (piece[0] + piece[1]), row)
+            state = after
+        return Passed(high, row)
+
+
+@lru_cache(maxsize=256)
+def isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
+    """Transformation temperatures at a constant stress [Pa].
+
+    Args:
+        law: any law.
+        stress: held during the thermal cycle [Pa].
+        level: share of the transformation at which it counts as begun.
+    """
+    explorer = Explorer(law)
+    hot, cold = Place(stress, HOTTEST), Place(stress, COLDEST)
+    duration = (HOTTEST - COLDEST) / HEATING
+
+    def above(share: float) -> Test:
+        return lambda row: row[MARTENSITE] >= share
+
+    def below(share: float) -> Test:
+        return lambda row: row[MARTENSITE] <= share
+
+    state = explorer.start(AUSTENITE, hot)
+    tests = above(level), above(1.0 - level)
+    cooling, state = explorer.sweep(state, hot, cold, duration, tests)
+    tests = below(1.0 - level), below(level)
+    heating, _ = explorer.sweep(state, cold, hot, duration, tests)
+    span = HOTTEST - COLDEST
+    M_s, M_f = (math.nan if p is None else HOTTEST - p.share * span for p in cooling)
+    A_s, A_f = (math.nan if p is None else COLDEST + p.share * span for p in heating)
+    if math.isnan(M_f):  # what never was all martensite has no start of its return
+        A_s = math.nan
+    return Marks(A_s, A_f, M_s, M_f)
+
+
+@lru_cache(maxsize=256)
+def loaded(
+    law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE,
+    share: float = 1.0 - LEVEL,
+) -> Loaded | None:  # fmt: skip
+    """Where loading at a temperature [K] has oriented (or formed) a share of martensite.
+
+    None if that takes more than 3 GPa. What counts is martensite if there is none at the start,
+    else its orientation.
+    """
+    explorer = Explorer(law)
+    begin, end = Place(0.0, temperature), Place(STRONGEST, temperature)
+    counted = ORIENTED if fractions.martensite > 0.5 else MARTENSITE
+    state = explorer.start(fractions, begin)
+    (found,), _ = explorer.sweep(
+        state, begin, end, STRONGEST / LOADING, (lambda row: row[counted] >= share,)
+    )
+    if found is None:
+        return None
+    return Loaded(found.share * STRONGEST, found.row[STRAIN])

@@ -1,0 +1,354 @@
+"""Named paths of a material point, sized by the law that is to follow them.
+
+A named path is one or several courses: a start and the legs from there. What is not chosen
+comes from the law, found by driving it (`simulate.landmarks`): transformation temperatures
+without load, and the stress and strain that complete a transformation at a temperature.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from martensite.errors import ParameterError, UnknownNameError
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.simulate.compiled_law import AUSTENITE
+from martensite.simulate.landmarks import Loaded, Marks, isobar, loaded
+from martensite.simulate.point import Leg, PointResult, material_point
+
+TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
+STARTS = {"austenite": AUSTENITE, "martensite": ORIENTED, "twinned": TWINNED}
+"""Phase states by name: `martensite` is all oriented, `twinned` not at all."""
+ZERO = 273.15
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How fast paths go; matters for laws with rates only."""
+
+    temperature: float = 1.0
+    """[K/s]"""
+    stress: float = 10e6
+    """[Pa/s]"""
+    strain: float = 1e-3
+    """[1/s]"""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What is chosen of a path; the rest follows from the law."""
+
+    temperatures: tuple[float, ...] = ()
+    """[K]"""
+    stresses: tuple[float, ...] = ()
+    """[Pa]"""
+    strain: float | None = None
+    """[-]"""
+    fractions: Fractions | None = None
+    """Phase state at the start."""
+    rates: Rates = field(default_factory=Rates)
+
+
+@dataclass(frozen=True)
+class Course:
+    """One path: where it begins and its legs."""
+
+    label: str
+    stress: float
+    """At the start [Pa]."""
+    temperature: float
+    """At the start [K]."""
+    fractions: Fractions
+    legs: tuple[Leg, ...]
+
+    def follow(
+        self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4,
+        runtime: str = "floats",
+    ) -> PointResult:  # fmt: skip
+        """Drive a law along this path; arguments as of `material_point`."""
+        return material_point(
+            law, self.legs, start=(self.stress, self.temperature), fractions=self.fractions,
+            steps=steps, tolerance=tolerance, runtime=runtime, label=self.label,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class NamedPath:
+    """A function that lays out courses, and what it can be told."""
+
+    name: str
+    uses: tuple[str, ...]
+    """Fields of `Choices` that it reads, apart from phase state and rates."""
+    plane: tuple[str, str]
+    """The two columns in which it is best seen: horizontal, vertical."""
+    lay: Callable[[Guide], list[Course]]
+
+    @property
+    def summary(self) -> str:
+        """First line of its description."""
+        return (self.lay.__doc__ or "").partition("\n")[0]
+
+
+PATHS: dict[str, NamedPath] = {}
+"""Every named path."""
+LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
+
+
+def path(
+    name: str, *uses: str, plane: tuple[str, str]
+) -> Callable[[Callable[[Guide], list[Course]]], Callable[[Guide], list[Course]]]:
+    """File a function under a name."""
+
+    def file_under(lay: Callable[[Guide], list[Course]]) -> Callable[[Guide], list[Course]]:
+        PATHS[name] = NamedPath(name, uses, plane, lay)
+        return lay
+
+    return file_under
+
+
+def find_path(name: str) -> NamedPath:
+    """A named path.
+
+    Raises:
+        UnknownNameError: there is none of that name.
+    """
+    if name not in PATHS:
+        raise UnknownNameError("path", name, PATHS)
+    return PATHS[name]
+
+
+def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[Course]:
+    """The courses of a named path, sized by a law.
+
+    Args:
+        name: a name from `PATHS`.
+        law: the law that is to follow them.
+        choices: what is not to be taken from the law.
+
+    Raises:
+        UnknownNameError: there is no path of that name.
+        ParameterError: the law does not transform where the path needs it to.
+    """
+    found = find_path(name)
+    chosen = choices or Choices()
+    idle = next(
+        (n for n in ("temperatures", "stresses", "strain")
+         if n not in found.uses and getattr(chosen, n) not in ((), None)), None
+    )  # fmt: skip
+    if idle is not None:
+        raise ParameterError(
+            f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}."
+        )
+    return found.lay(Guide(law, chosen))
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A law and choices, and what follows from both."""
+
+    law: AbstractLaw
+    choices: Choices
+
+    @cached_property
+    def marks(self) -> Marks:
+        """Transformation temperatures without load [K]."""
+        return self.marks_at(0.0)
+
+    def marks_at(self, stress: float) -> Marks:
+        """Transformation temperatures at a stress [K]."""
+        found = isobar(self.law, stress)
+        if any(math.isnan(value) for value in found):
+            raise ParameterError(
+                f"The law `{self.law.registered_name}` does not transform fully between 100 K and "
+                f"800 K at {stress / 1e6:.4g} MPa; choose other numbers, or a path of your own."
+            )
+        return found
+
+    @cached_property
+    def cold(self) -> tuple[float, Fractions]:
+        """Where martensite stays without load, and the phase state to begin with there.
+
+        Twinned martensite below M_f, if the law turns it under stress; else austenite between
+        M_s and A_s.
+        """
+        temperature = self.marks.M_f - 10.0
+        fractions = TWINNED
+        if not (self.law.twins and loaded(self.law, temperature, TWINNED)):
+            temperature = 0.5 * (self.marks.M_s + self.marks.A_s)
+            fractions = AUSTENITE
+        if self.choices.temperatures:
+            temperature = self.choices.temperatures[0]
+        return temperature, self.choices.fractions or fractions
+
+    def hot(self, *above: float) -> tuple[float, ...]:
+        """The chosen temperatures, or some above A_f [K]."""
+        return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
+
+    def top(self, temperature: float, fractions: Fractions) -> Loaded:
+        """Where loading has completed the transformation."""
+        found = loaded(self.law, round(temperature, 6), fractions)
+        if found is None or found.stress < 1e6:
+            found = loaded(self.law, round(temperature, 6), AUSTENITE)
+        if found is None:
+            raise ParameterError(
+                f"The law `{self.law.registered_name}` is not transformed by 3 GPa at "
+                f"{temperature - ZERO:.4g} degC; choose another temperature."
+            )
+        return found
+
+    def load(self, temperature: float, fractions: Fractions) -> float:
+        """The chosen stress, or a round one beyond the end of the transformation [Pa]."""
+        if self.choices.stresses:
+            return self.choices.stresses[0]
+        return 10e6 * math.ceil((1.08 * self.top(temperature, fractions).stress + 15e6) / 10e6)
+
+    def stress(self, change: float, end: float) -> Leg:
+        """A leg that changes stress."""
+        return Leg(stress=end, duration=_time(change, self.choices.rates.stress))
+
+    def strain(self, change: float, end: float) -> Leg:
+        """A leg that changes strain."""
+        return Leg(strain=end, duration=_time(change, self.choices.rates.strain))
+
+    def heat(self, begin: float, end: float, hold: str | None = None) -> Leg:
+        """A leg that changes temperature."""
+        duration = _time(end - begin, self.choices.rates.temperature)
+        return Leg(temperature=end, hold=hold, duration=duration)
+
+
+def _time(change: float, rate: float) -> float:
+    return max(abs(change) / rate, 1e-3)
+
+
+def celsius(temperature: float) -> str:
+    """A temperature for a label."""
+    return f"{temperature - ZERO:.4g} °C"
+
+
+def megapascal(stress: float) -> str:
+    """A stress for a label."""
+    return f"{stress / 1e6:.4g} MPa"
+
+
+# ---------------------------------------------------------------- the paths
+
+
+@path("superelastic", "temperatures", "stresses", plane=LOOP)
+def superelastic(guide: Guide) -> list[Course]:
+    """Load austenite to a stress and unload it, at each of several temperatures.
+
+    Temperatures: A_f + 10, 25 and 40 K. Stress: the first one given for all temperatures, else
+    beyond the end of the transformation at each.
+    """
+    fractions = guide.choices.fractions or AUSTENITE
+
+    def course(temperature: float) -> Course:
+        peak = guide.load(temperature, fractions)
+        legs = guide.stress(peak, peak), guide.stress(peak, 0.0)
+        return Course(celsius(temperature), 0.0, temperature, fractions, legs)
+
+    return [course(temperature) for temperature in guide.hot(10.0, 25.0, 40.0)]
+
+
+@path("tension", "temperatures", "strain", plane=LOOP)
+def tension(guide: Guide) -> list[Course]:
+    """Stretch to a strain and back to the start, at each of several temperatures.
+
+    Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
+    transformation. A specimen that stays elongated goes slack.
+    """
+    temperatures = guide.choices.temperatures or (guide.cold[0], *guide.hot(15.0))
+
+    def course(temperature: float) -> Course:
+        near = abs(temperature - guide.cold[0]) < 1e-9
+        fractions = guide.choices.fractions or (guide.cold[1] if near else AUSTENITE)
+        peak = guide.choices.strain or guide.top(temperature, fractions).strain + 0.004
+        legs = guide.strain(peak, peak), guide.strain(peak, 0.0)
+        return Course(celsius(temperature), 0.0, temperature, fractions, legs)
+
+    return [course(temperature) for temperature in temperatures]
+
+
+@path("isobaric", "stresses", plane=RECOVERY)
+def isobaric(guide: Guide) -> list[Course]:
+    """Cool austenite and heat it again, at each of several constant stresses.
+
+    Stresses: 50, 100 and 200 MPa. Temperatures: from beyond A_f at the highest to beyond M_f at
+    the lowest.
+    """
+    stresses = guide.choices.stresses or (50e6, 100e6, 200e6)
+    hot = max(guide.marks_at(stress).A_f for stress in stresses) + 10.0
+    cold = min(guide.marks_at(stress).M_f for stress in stresses) - 10.0
+    legs = guide.heat(hot, cold), guide.heat(cold, hot)
+    fractions = guide.choices.fractions or AUSTENITE
+    return [Course(megapascal(stress), stress, hot, fractions, legs) for stress in stresses]
+
+
+@path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
+def free_recovery(guide: Guide) -> list[Course]:
+    """Load and unload cold, then heat without load: the strain comes back.
+
+    Temperature: the cold one; by default below M_f where twinned martensite turns under stress,
+    else between M_s and A_s. Stress: beyond the end of the transformation there.
+    """
+    return [_recovery(guide, "load, unload, heat", cool=False)]
+
+
+@path("shape-memory", "temperatures", "stresses", plane=RECOVERY)
+def shape_memory(guide: Guide) -> list[Course]:
+    """Load and unload cold, heat without load and cool again: the one-way effect.
+
+    Temperature and stress as for free-recovery.
+    """
+    return [_recovery(guide, "load, unload, heat, cool", cool=True)]
+
+
+def _recovery(guide: Guide, label: str, *, cool: bool) -> Course:
+    temperature, fractions = guide.cold
+    peak, hot = guide.load(temperature, fractions), guide.marks.A_f + 20.0
+    legs = [guide.stress(peak, peak), guide.stress(peak, 0.0), guide.heat(temperature, hot)]
+    if cool:
+        legs.append(guide.heat(hot, temperature))
+    return Course(label, 0.0, temperature, fractions, tuple(legs))
+
+
+@path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
+def constrained_recovery(guide: Guide) -> list[Course]:
+    """Stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
+
+    Temperature: as for free-recovery. Strain: half of what completes the transformation there.
+    """
+    temperature, fractions = guide.cold
+    peak = guide.choices.strain or 0.5 * guide.top(temperature, fractions).strain
+    hot = guide.marks.A_f + 60.0
+    unload = guide.stress(peak / guide.choices.rates.strain * guide.choices.rates.stress, 0.0)
+    legs = (
+        guide.strain(peak, peak), unload, guide.heat(temperature, hot, "strain"),
+        guide.heat(hot, temperature, "strain"),
+    )  # fmt: skip
+    return [Course("stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs)]
+
+
+@path("minor-loops", "stresses", plane=RECOVERY)
+def minor_loops(guide: Guide) -> list[Course]:
+    """A whole thermal cycle at constant stress, then partial heatings from cold.
+
+    Stress: 100 MPa. The partial heatings end 75, 60, 45 and 30 % of the way from A_s to A_f.
+    """
+    stresses = guide.choices.stresses or (100e6,)
+
+    def course(stress: float) -> Course:
+        marks = guide.marks_at(stress)
+        hot, cold = marks.A_f + 10.0, marks.M_f - 10.0
+        turns: Sequence[float] = [
+            hot, *(marks.A_s + share * (marks.A_f - marks.A_s) for share in (0.75, 0.6, 0.45, 0.3))
+        ]  # fmt: skip
+        legs = [guide.heat(hot, cold)]
+        for turn in turns:
+            legs += [guide.heat(cold, turn), guide.heat(turn, cold)]
+        fractions = guide.choices.fractions or AUSTENITE
+        return Course(megapascal(stress), stress, hot, fractions, tuple(legs))
+
+    return [course(stress) for stress in stresses]

@@ -1,0 +1,280 @@
+"""A material point on a path: a law without wire, heat balance or mechanism.
+
+A path is made of legs. On each, temperature and either stress or strain go in a straight line
+in time to their ends. Stress-driven legs are steps of the law itself; strain-driven legs solve
+for the stress of every step (`simulate.compiled_law`). Tension and elongation are positive;
+strain counts from unloaded austenite at the law's reference temperature.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
+
+from martensite.errors import InputError, ParameterError, SolveError, suggestion
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.simulate.compiled_law import AUSTENITE, ROW
+from martensite.simulate.point_march import Drive, PointTrack, Section, march
+from martensite.status import Status
+
+RUNTIMES = ("floats", "c")
+CONTROLS = ("stress", "strain")
+JUDGED = {"strain": 1e-4, "stress": 1e6, "martensite": 0.01}
+"""Columns whose convergence is judged, with the least range that counts."""
+STEPS = 100
+MOST_STEPS = 100_000
+"""Steps beyond which a path is not refined further, but returned with a warning."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Leg:
+    """One straight piece of a path; what is not given stays as it is."""
+
+    temperature: float | None = None
+    """At its end [K]."""
+    stress: float | None = None
+    """At its end [Pa]; not together with `strain`."""
+    strain: float | None = None
+    """At its end [-]; not together with `stress`."""
+    hold: str | None = None
+    """Without stress and strain: which of both is held, `stress` or `strain`; if not given,
+    the one that the leg before prescribed (stress at the beginning)."""
+    duration: float = 1.0
+    """[s]; matters for laws with rates only."""
+    steps: int | None = None
+    """Samples on this leg, and its coarsest steps; if not given, as for the whole path."""
+
+    def __post_init__(self) -> None:
+        if self.stress is not None and self.strain is not None:
+            raise ParameterError(
+                "A leg takes `stress` or `strain` at its end, but both are given; leave one out."
+            )
+        if self.hold is not None and self.hold not in CONTROLS:
+            raise ParameterError(
+                f"Argument `hold` of a leg is `{self.hold}`. {suggestion(self.hold, CONTROLS)}"
+            )
+        if self.hold is not None and self.control is not None:
+            raise ParameterError(
+                f"A leg that is given its `{self.control}` holds nothing; leave `hold` out."
+            )
+        self._check_numbers()
+
+    @property
+    def control(self) -> str | None:
+        """`stress` or `strain` if it is given at the end of the leg."""
+        if self.stress is not None:
+            return "stress"
+        return None if self.strain is None else "strain"
+
+    def _check_numbers(self) -> None:
+        if not 0.0 < self.duration < math.inf:
+            raise ParameterError(
+                f"Argument `duration` of a leg must be above 0 s, but is {self.duration} s."
+            )
+        if self.steps is not None and self.steps < 1:
+            raise ParameterError(
+                f"Argument `steps` of a leg must be at least 1, but is {self.steps}."
+            )
+        for name in ("temperature", "stress", "strain"):
+            value = getattr(self, name)
+            if value is not None and not math.isfinite(value):
+                raise ParameterError(f"Argument `{name}` of a leg must be finite, but is {value}.")
+        if self.temperature is not None and self.temperature <= 0.0:
+            raise ParameterError(
+                f"Argument `temperature` of a leg must be above 0 K, but is {self.temperature} K."
+            )
+
+
+@dataclass(frozen=True)
+class PointResult:
+    """A path of a material point: equally long columns in SI units."""
+
+    law: AbstractLaw
+    legs: tuple[Leg, ...]
+    time: list[float]
+    """[s]"""
+    stress: list[float]
+    """[Pa]"""
+    strain: list[float]
+    """[-]; that of the material, which exceeds a prescribed strain where it is slack."""
+    temperature: list[float]
+    """[K]"""
+    martensite: list[float]
+    """Martensite fraction [-]."""
+    oriented: list[float]
+    """Net oriented fraction [-]."""
+    ends: list[int]
+    """Index of the first sample, and of the last one of each leg."""
+    status: Status
+    residual: float
+    """Largest mismatch of a fraction at the end of a strain-driven step [-]."""
+    steps: int
+    accuracy: float | None
+    """Largest change on halving the steps, as a share of each column's range; None if only one
+    run was made."""
+    label: str = ""
+    warnings: list[str] = field(default_factory=list[str])
+
+    def __getitem__(self, name: str) -> list[float]:
+        """A column by name."""
+        if name not in COLUMNS:
+            raise InputError(f"There is no column `{name}`. {suggestion(name, COLUMNS)}")
+        return getattr(self, name)
+
+    @property
+    def work(self) -> float:
+        """Work done on the point along the path, ∫ σ dε [J/m³]; what a closed loop loses."""
+        points = pairwise(zip(self.strain, self.stress, strict=True))
+        return math.fsum(0.5 * (s0 + s1) * (e1 - e0) for (e0, s0), (e1, s1) in points)
+
+
+COLUMNS = ("time", "stress", "strain", "temperature", "martensite", "oriented")
+
+
+def material_point(
+    law: AbstractLaw,
+    legs: Sequence[Leg],
+    *,
+    start: tuple[float, float],
+    fractions: Fractions = AUSTENITE,
+    steps: int = STEPS,
+    tolerance: float | None = 1e-4,
+    tension_only: bool = True,
+    runtime: str = "floats",
+    label: str = "",
+) -> PointResult:
+    """Drive a law along a path of stress or strain and temperature.
+
+    Steps are halved until halving changes strain, stress and martensite fraction at the samples
+    by less than `tolerance` times their range.
+
+    Args:
+        law: any law.
+        legs: pieces of the path.
+        start: stress [Pa] and temperature [K] where the path begins.
+        fractions: martensite and net oriented fraction at the start [-]; austenite by default.
+        steps: samples per leg, and its coarsest steps, where the leg does not say.
+        tolerance: accepted change on halving, as a share of range; None for one run with
+            exactly the given steps.
+        tension_only: a strain-driven point goes slack instead of being compressed.
+        runtime: floats (default), or c (compiled on the spot; for laws with many variables).
+        label: a name for figures and tables.
+
+    Raises:
+        InputError: an argument is out of range.
+        SolveError: a step could not be solved; the sentence says where and what to try.
+    """
+    _check(legs, start, fractions, steps, tolerance, runtime)
+    sections = _sections(legs, steps, start[1])
+    drive = Drive(law, fractions, *start, sections, tension_only, runtime)
+    track, accuracy = _refine(drive, tolerance)
+    if track.status.failed:
+        raise SolveError(
+            f"The law `{law.registered_name or type(law).__name__}` could not be driven along its "
+            f"path: leg {track.leg + 1} failed at t = {track.time:.6g} s. "
+            f"{_SENTENCES.get(track.status, track.status.sentence)}"
+        )
+    result = _result(law, legs, drive, track, accuracy, label)
+    if tolerance is not None and accuracy is not None and accuracy > tolerance:
+        result.warnings.append(
+            f"Warning: the tolerance of {tolerance:.1e} was not reached in {result.steps:,} "
+            f"steps; halving still changes the path by {accuracy:.1e} of its range."
+        )
+    return result
+
+
+_SENTENCES = {
+    Status.UNSOLVED: (
+        "The stress of a prescribed strain was not found to its tolerance. Try more steps, a "
+        "slower leg, or a start at which the given fractions are stable."
+    )
+}
+
+
+def _check(
+    legs: Sequence[Leg], start: tuple[float, float], fractions: Fractions, steps: int,
+    tolerance: float | None, runtime: str,
+) -> None:  # fmt: skip
+    if not legs:
+        raise ParameterError("A path needs at least one leg; none given.")
+    if not (math.isfinite(start[0]) and 0.0 < start[1] < math.inf):
+        raise ParameterError(
+            "Argument `start` must be a finite stress [Pa] and a temperature above 0 K, but is "
+            f"{start}."
+        )
+    martensite, oriented = fractions
+    if not (0.0 <= martensite <= 1.0 and abs(oriented) <= martensite):
+        raise ParameterError(
+            "Argument `fractions` must be a martensite fraction between 0 and 1 and an oriented "
+            f"one of at most that size, but is ({martensite}, {oriented})."
+        )
+    if steps < 1:
+        raise ParameterError(f"Argument `steps` must be at least 1, but is {steps}.")
+    if tolerance is not None and not 0.0 < tolerance < math.inf:
+        raise ParameterError(f"Argument `tolerance` must be above 0, but is {tolerance}.")
+    if runtime not in RUNTIMES:
+        raise InputError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
+
+
+def _sections(legs: Sequence[Leg], steps: int, temperature: float) -> list[Section]:
+    """The legs with everything filled in that can be known before the march."""
+    found: list[Section] = []
+    control, first = "stress", temperature
+    for leg in legs:
+        control = leg.control or leg.hold or control
+        last = first if leg.temperature is None else leg.temperature
+        target = leg.strain if control == "strain" else leg.stress
+        found.append(Section(control, target, first, last, leg.duration, leg.steps or steps))
+        first = last
+    return found
+
+
+def _refine(drive: Drive, tolerance: float | None) -> tuple[PointTrack, float | None]:
+    """Halve the steps until halving changes little; the finest run and its last change."""
+    finer, found = 1, march(drive, 1)
+    if tolerance is None:
+        return found, None
+    accuracy = math.inf
+    while accuracy > tolerance or found.status.failed:
+        if finer > 1 and 2 * finer * drive.samples > MOST_STEPS:
+            break
+        finer *= 2
+        fine = march(drive, finer)
+        found, accuracy = fine, _difference(found, fine)
+    return found, accuracy
+
+
+def _difference(coarse: PointTrack, fine: PointTrack) -> float:
+    """Largest difference of the judged columns as a share of their range."""
+    if len(coarse.rows) != len(fine.rows):
+        return math.inf
+    worst = 0.0
+    for name, least in JUDGED.items():
+        i = ROW.index(name)
+        a, b = [row[i] for row in coarse.rows], [row[i] for row in fine.rows]
+        apart = max(abs(x - y) for x, y in zip(a, b, strict=True))
+        worst = max(worst, apart / max(max(b) - min(b), least))
+    return worst if math.isfinite(worst) else math.inf
+
+
+def _result(
+    law: AbstractLaw, legs: Sequence[Leg], drive: Drive, track: PointTrack,
+    accuracy: float | None, label: str,
+) -> PointResult:  # fmt: skip
+    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(ROW)}
+    times, temperatures = [0.0], [drive.temperature]
+    for section in drive.sections:
+        shares = [k / section.samples for k in range(1, section.samples + 1)]
+        begin, warmer = times[-1], section.last - section.first
+        times += [begin + share * section.duration for share in shares]
+        temperatures += [section.first + share * warmer for share in shares]
+    return PointResult(
+        law=law, legs=tuple(legs), time=times, temperature=temperatures,
+        stress=columns["stress"], strain=columns["strain"],
+        martensite=columns["martensite"], oriented=columns["oriented"],
+        ends=list(accumulate((section.samples for section in drive.sections), initial=0)),
+        status=track.status, residual=track.residual, steps=track.steps, accuracy=accuracy,
+        label=label,
+    )  # fmt: skip

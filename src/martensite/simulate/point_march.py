@@ -1,0 +1,208 @@
+"""The march of a material point along its legs, on plain floats or in C.
+
+A step that is left unsolved by the usual few iterations is taken again with more of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
+from martensite.simulate.march import classify
+from martensite.status import Status
+
+THOROUGH = 24
+"""Iterations of the solve when the usual few are not enough."""
+ENOUGH = 1e-10
+"""Mismatch [-] above which they are not, on floats; in C it is `SOLVED`: compiling them costs."""
+STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
+
+Step = Callable[..., tuple[float, ...]]
+
+
+class Section(NamedTuple):
+    """One leg with everything filled in that is known before the march."""
+
+    control: str
+    """`stress` or `strain`."""
+    target: float | None
+    """Stress [Pa] or strain [-] at the end; None holds what is there."""
+    first: float
+    last: float
+    """Temperatures at its two ends [K]."""
+    duration: float
+    samples: int
+
+
+class Ramp(NamedTuple):
+    """A section whose prescribed quantity is known at both ends, in equal steps."""
+
+    control: str
+    begin: float
+    end: float
+    first: float
+    last: float
+    dt: float
+    samples: int
+    finer: int
+    """Steps between samples."""
+
+    def at(self, k: int) -> tuple[float, float]:
+        """Prescribed quantity and temperature after k steps; exact at the end."""
+        n = self.samples * self.finer
+        if k == n:
+            return self.end, self.last
+        share = k / n
+        return (
+            self.begin + share * (self.end - self.begin),
+            self.first + share * (self.last - self.first),
+        )
+
+
+class Ridden(NamedTuple):
+    """What a march along one section returns."""
+
+    memory: tuple[float, ...]
+    """With the row that follows it."""
+    rows: list[tuple[float, ...]]
+    residual: float
+    step: int
+    """The first step with this residual."""
+
+
+class Rider(Protocol):
+    """A way to march."""
+
+    def start(self, *numbers: float) -> tuple[float, ...]:
+        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
+        ...
+
+    def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
+        """Along one section."""
+        ...
+
+
+@dataclass(frozen=True)
+class PointTrack:
+    """Rows at the samples, and how the steps ended."""
+
+    rows: list[tuple[float, ...]]
+    """As `compiled_law.ROW`."""
+    status: Status
+    residual: float
+    leg: int
+    time: float
+    """Leg and time [s] of the worst step."""
+    steps: int
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A law and its path; everything about a march but its steps."""
+
+    law: AbstractLaw
+    fractions: Fractions
+    stress: float
+    temperature: float
+    sections: Sequence[Section]
+    tension_only: bool
+    runtime: str
+
+    @property
+    def samples(self) -> int:
+        """Samples after the first one."""
+        return sum(section.samples for section in self.sections)
+
+    @cached_property
+    def rider(self) -> Rider:
+        """The runtime, with the parameters bound."""
+        if self.runtime == "c":
+            from martensite.simulate.point_native import NativeRider
+
+            return NativeRider(self.compiled(ITERATIONS), self.compiled(THOROUGH), self.law)
+        return FloatRider(self)
+
+    def compiled(self, iterations: int) -> CompiledLaw:
+        """The traced law."""
+        return compile_law(self.law, iterations, tension_only=self.tension_only)
+
+
+def march(drive: Drive, finer: int) -> PointTrack:
+    """March with `finer` steps between samples; failures are a status."""
+    rider = drive.rider
+    size = drive.compiled(ITERATIONS).size
+    state = rider.start(*drive.fractions, drive.stress, drive.temperature)
+    rows = [state[size:]]
+    worst, leg, when = 0.0, 0, 0.0
+    clock, imposed = 0.0, None
+    for number, section in enumerate(drive.sections):
+        ramp = _ramp(section, finer, rows[-1], imposed)
+        imposed = ramp.end if section.control == "strain" else None
+        try:
+            ridden = rider.ride(state[:size], ramp)
+        except ArithmeticError:  # a division by zero or an overflow
+            return PointTrack(rows, Status.NOT_FINITE, math.inf, number, clock, 0)
+        if not ridden.residual <= worst:
+            worst, leg, when = ridden.residual, number, clock + ramp.dt * ridden.step
+        rows += ridden.rows
+        state = ridden.memory
+        clock += section.duration
+    finite = all(math.isfinite(value) for row in rows for value in row)
+    status = classify(worst, 0.0) if finite else Status.NOT_FINITE
+    return PointTrack(rows, status, worst, leg, when, finer * drive.samples)
+
+
+def _ramp(section: Section, finer: int, row: tuple[float, ...], imposed: float | None) -> Ramp:
+    """Where a section begins: a slack point is longer than the strain imposed on it."""
+    begin = row[STRESS]
+    if section.control == "strain":
+        begin = row[STRAIN] if imposed is None else imposed
+    end = begin if section.target is None else section.target
+    dt = section.duration / (section.samples * finer)
+    return Ramp(
+        section.control, begin, end, section.first, section.last, dt, section.samples, finer
+    )
+
+
+class FloatRider:
+    """Traced functions as plain Python."""
+
+    def __init__(self, drive: Drive) -> None:
+        self._drive = drive
+        compiled = drive.compiled(ITERATIONS)
+        self._size = compiled.size
+        self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
+
+    def start(self, *numbers: float) -> tuple[float, ...]:
+        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
+        return self._functions["init"](*numbers)
+
+    @cached_property
+    def _thorough(self) -> Step:
+        compiled = self._drive.compiled(THOROUGH)
+        functions = compiled.program.bind_floats(*compiled.values(self._drive.law))
+        return functions["strain_step"]
+
+    def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
+        """Along one section."""
+        step, size, dt = self._functions[f"{ramp.control}_step"], self._size, ramp.dt
+        rows: list[tuple[float, ...]] = []
+        worst, where = 0.0, 0
+        state = memory
+        for k in range(1, ramp.samples * ramp.finer + 1):
+            given = ramp.at(k)
+            after = step(*state, *given, dt)
+            if not after[-1] <= ENOUGH:
+                after = self._thorough(*state, *given, dt)
+            if not after[-1] <= worst:
+                worst, where = after[-1], k - 1
+            state = after[:size]
+            if k % ramp.finer == 0:
+                rows.append(after[size:])
+        return Ridden((*state, *rows[-1]), rows, worst, where)

@@ -1,0 +1,150 @@
+"""Bare laws of layers in wells on prescribed paths of stress or strain, traced once per structure.
+
+`TABLE_1` is the single crystal of the finger prototype (material `finger-mas`).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.laws.base import Fractions
+from martensite.laws.coupling import advance
+from martensite.laws.mas import MullerAchenbachSeelecke
+from martensite.runtimes import floats
+from martensite.runtimes.program import Program
+from martensite.simulate.compiled import flatten, structure
+
+TABLE_1 = {
+    "E_A": 50e9, "E_M": 30e9, "eps_T": 0.04, "sigma_L": 1e6, "T_L": 320.0, "dsigma_dT": 4e6,
+    "Delta_sigma": 52e6, "layer_volume": 5e-23, "layer_time": 1e-2,
+}  # fmt: skip
+
+
+def table_1(cls: Any = MullerAchenbachSeelecke, **changes: Any) -> Any:
+    """A law with the numbers of Table 1; keyword arguments replace numbers and options."""
+    return cls(**(TABLE_1 | changes))
+
+
+class Point(NamedTuple):
+    """A corner of a path; between corners everything runs straight."""
+
+    time: float
+    """[s]"""
+    value: float
+    """Stress [Pa] or strain [-]."""
+    temperature: float
+    """[K]"""
+
+
+class Path(NamedTuple):
+    """What a law answers at the ends of all steps, and at the start."""
+
+    time: Any
+    stress: Any
+    temperature: Any
+    strain: Any
+    plus: Any
+    minus: Any
+    residual: float
+    """Largest mismatch of the solves; 0 under prescribed stress."""
+
+    def when(self, name: str, level: float, falling: bool) -> int:
+        """First sample at which a column passes a level downwards or upwards."""
+        column = getattr(self, name)
+        return int(np.argmax(column < level if falling else column > level))
+
+
+_PROGRAMS: dict[Any, Any] = {}
+
+
+def traced(law: Any, iterations: int = 16) -> Any:
+    """(functions bound to the numbers of the law, rebuild) for a law."""
+    key = structure(law), iterations
+    if key not in _PROGRAMS:
+        _PROGRAMS[key] = _trace(law, iterations)
+    program, paths = _PROGRAMS[key]
+    known = {leaf.path: leaf.value for leaf in law.leaves()}
+    return program.bind_floats(*(known[path] for path in paths))
+
+
+def _trace(law: Any, iterations: int) -> tuple[Program, list[str]]:
+    program, paths = Program(), [leaf.path for leaf in law.leaves()]
+    twin = law.rebuilt({path: program.parameter(path) for path in paths})
+    example = law.init(floats, Fractions(0.5, 0.5), 0.0, 300.0)
+    names = [f"m{i}" for i in range(len(flatten(example)))]
+
+    def answers(xp: Any, memory: Any, residual: Any) -> list[Any]:
+        found = twin.fractions(memory)
+        strain = twin.strain(xp, found, memory.stress, memory.temperature)
+        return [*flatten(memory), strain, *found, residual]
+
+    def by_stress(xp: Any, *inputs: Any) -> list[Any]:
+        *numbers, stress, temperature, dt = inputs
+        memory, _ = twin.kinetics(xp, rebuilt(example, iter(numbers)), stress, temperature, dt)
+        return answers(xp, memory, 0.0)
+
+    def by_strain(xp: Any, *inputs: Any) -> list[Any]:
+        *numbers, strain, temperature, dt = inputs
+
+        def settle(xp: Any, fractions: Fractions) -> tuple[Any, Any]:
+            free = twin.free_strain(xp, fractions, temperature)
+            return (strain - free) / twin.compliance(xp, fractions), temperature
+
+        memory, report = advance(xp, twin, rebuilt(example, iter(numbers)), settle, dt, iterations)
+        return answers(xp, memory, report.residual)
+
+    for name, kernel in (("stress", by_stress), ("strain", by_strain)):
+        program.add(name, [*names, "value", "temperature", "dt"], kernel)
+    return program, paths
+
+
+def rebuilt(example: Any, numbers: Any) -> Any:
+    """Nested tuples like the example from an iterator of numbers."""
+    if not isinstance(example, tuple):
+        return next(numbers)
+    items = [rebuilt(item, numbers) for item in example]
+    return tuple(items) if type(example) is tuple else type(example)(*items)
+
+
+def follow(
+    law: Any, start: tuple[float, float], corners: list[Any], step: float, control: str = "stress"
+) -> Path:
+    """The law from (x₊, x₋) along straight lines through corners (time, value, temperature).
+
+    `control` says whether the values are stresses [Pa] or strains [-]; a strain-driven path
+    starts at the stress that its first strain needs.
+    """
+    advance_by = traced(law)[control]
+    fractions = Fractions(start[0] + start[1], start[0] - start[1])
+    first = Point(*corners[0])
+    stress = first.value
+    if control == "strain":
+        free = law.free_strain(floats, fractions, first.temperature)
+        stress = (first.value - free) / law.compliance(floats, fractions)
+    memory = law.init(floats, fractions, stress, first.temperature)
+    numbers: Any = flatten(memory)
+    size = len(numbers)
+    strain = law.strain(floats, fractions, stress, first.temperature)
+    rows = [(first.time, *numbers[-2:], strain, *fractions, 0.0)]
+    for a, b in pairwise(Point(*corner) for corner in corners):
+        count = max(1, round((b.time - a.time) / step))
+        for k in range(1, count + 1):
+            t, value, temperature = (p + (q - p) * k / count for p, q in zip(a, b, strict=True))
+            out = advance_by(*numbers, value, temperature, (b.time - a.time) / count)
+            numbers = out[:size]
+            rows.append((t, *numbers[-2:], *out[size:]))
+    t, stress, temperature, strain, martensite, oriented, residual = np.array(rows).T
+    half = 0.5 * (martensite + oriented), 0.5 * (martensite - oriented)
+    return Path(t, stress, temperature, strain, *half, float(residual.max()))
+
+
+def there_and_back(most: float, rate: float, temperature: float) -> list[Point]:
+    """Corners of a path from 0 to `most` and back at a rate per second."""
+    seconds = most / rate
+    return [
+        Point(0.0, 0.0, temperature), Point(seconds, most, temperature),
+        Point(2 * seconds, 0.0, temperature),
+    ]  # fmt: skip
