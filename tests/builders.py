@@ -10,6 +10,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from martensite.electrical.base import RESISTANCES, SOURCES, AbstractSource
@@ -28,7 +30,9 @@ from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.registry import Registry
 from martensite.runtimes import floats
+from martensite.runtimes.program import Program
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.simulate.compiled import Shape, flatten, structure
 from martensite.system import System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.thermal.constant import ConstantCooling
@@ -169,18 +173,57 @@ def through(points: list[float], seconds: float = 1.0) -> FunctionWaveform:
 # ---------------------------------------------------------------- a bare law along a path
 
 
+def stepper(law: Any) -> Callable[[Any, float, float, float], Any]:
+    """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
+    bind, shape = _traced_kinetics(_Structure(structure(law), law))
+    function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
+    return lambda memory, *point: shape.rebuild(function(*flatten(memory), *point))
+
+
+@dataclass(frozen=True)
+class _Structure:
+    """A law as a key: two of one structure have one program."""
+
+    key: Any
+    law: Any
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Structure) and self.key == other.key
+
+
+@cache
+def _traced_kinetics(keyed: _Structure) -> Any:
+    program = Program()
+    law = keyed.law.rebuilt(
+        {leaf.path: program.parameter(leaf.path) for leaf in keyed.law.leaves()}
+    )
+    shape = Shape(keyed.law.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
+
+    def kinetics(xp: Any, *arguments: Any) -> list[Any]:
+        *numbers, stress, temperature, dt = arguments
+        return flatten(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
+
+    names = [f"m{i}" for i in range(len(flatten(shape.example)))]
+    program.add("kinetics", [*names, "stress", "temperature", "dt"], kinetics)
+    return program.bind_floats, shape
+
+
 def along(
     law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> list[Any]:
     """Memories of a law at the points (stress [Pa], temperature [K]), legs cut into substeps."""
     memory = law.init(floats, Fractions(fraction, fraction), *points[0])
     memories = [memory]
+    advance = stepper(law)
     for (s0, t0), (s1, t1) in itertools.pairwise(points):
         for k in range(1, substeps + 1):
             share = k / substeps
             stress = s1 if k == substeps else s0 + share * (s1 - s0)
             temperature = t1 if k == substeps else t0 + share * (t1 - t0)
-            memory, _ = law.kinetics(floats, memory, stress, temperature, dt / substeps)
+            memory = advance(memory, stress, temperature, dt / substeps)
         memories.append(memory)
     return memories
 
@@ -283,9 +326,7 @@ def example(cls: type[Parametrised], **choices: Any) -> Any:
 def variants(cls: type[Parametrised]) -> list[Any]:
     """An example of a class, and one for every other choice of each of its options."""
     skipped = UNTRIED.get(cls.registered_name, ())
-    options = {
-        n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in skipped
-    }
+    options = {n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in skipped}
     usual = {n: d.choices[0] if d.default is REQUIRED else d.default for n, d in options.items()}
     others = [usual | {n: w} for n, d in options.items() for w in d.choices if w != usual[n]]
     return [example(cls, **words) for words in (usual, *others)]

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from martensite.io.tables import read_table as read_table
     from martensite.laws.brinson import Brinson as Brinson
     from martensite.laws.elahinia import Elahinia as Elahinia
+    from martensite.laws.lagoudas import Lagoudas as Lagoudas
     from martensite.laws.liang_rogers import LiangRogers as LiangRogers
     from martensite.laws.tanaka import Tanaka as Tanaka
     from martensite.materials.base import Material as Material
@@ -88,6 +89,7 @@ _HOME = {
     "FilmFit": "identify.film",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "InputError": "errors",
+    "Lagoudas": "laws.lagoudas",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
     "MartensiteError": "errors",

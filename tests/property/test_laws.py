@@ -6,7 +6,7 @@ from itertools import pairwise
 import builders
 import numpy as np
 import pytest
-from builders import along, examples, label, strain_of
+from builders import along, examples, label, stepper, strain_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -100,13 +100,10 @@ def test_a_law_that_depends_on_cuts_is_noticed():
 
 def strains_after(law, points, xi, celsius=None):
     """Strains after moves from the end of a path to many stresses at one temperature."""
-    memory = along(law, points, xi)[-1]
+    memory, advance = along(law, points, xi)[-1], stepper(law)
     target = memory.temperature if celsius is None else celsius
-    found = []
-    for sigma in np.linspace(0.0, 500e6, 101).tolist():
-        _, fractions = law.kinetics(floats, memory, sigma, target, 1.0)
-        found.append(law.strain(floats, fractions, sigma, target))
-    return np.array(found)
+    ends = [advance(memory, sigma, target, 1.0) for sigma in np.linspace(0, 500e6, 101).tolist()]
+    return np.array([strain_of(law, end) for end in ends])
 
 
 @EVERY
@@ -142,12 +139,12 @@ def austenitic(law) -> float:
 def work(law, celsius, stresses):
     """∮ σ dε [J/m³] along an isotherm, in steps of about 2 MPa."""
     points = [(s, celsius) for s in stresses]
-    memory = law.init(floats, Fractions(0.0, 0.0), *points[0])
+    memory, advance = law.init(floats, Fractions(0.0, 0.0), *points[0]), stepper(law)
     total, last_stress, last_strain = 0.0, points[0][0], strain_of(law, memory)
     for (a, t), (b, _) in pairwise(points):
         for sigma in np.linspace(a, b, 2 + int(abs(b - a) / 2e6)).tolist()[1:]:
-            memory, fractions = law.kinetics(floats, memory, sigma, t, 1.0)
-            strain = law.strain(floats, fractions, sigma, t)
+            memory = advance(memory, sigma, t, 1.0)
+            strain = strain_of(law, memory)
             total += 0.5 * (sigma + last_stress) * (strain - last_strain)
             last_stress, last_strain = sigma, strain
     return total, law.fractions(memory).martensite
@@ -193,10 +190,10 @@ def random_points(rng, count):
 
 def turning_stress(law, memory, kelvin, share):
     """Stress at which the answer of the law has made a share of its change, by bisection."""
-    low, high = 0.0, 500e6
+    low, high, advance = 0.0, 500e6, stepper(law)
 
     def answer(sigma):
-        return law.kinetics(floats, memory, sigma, kelvin, 1.0)[1].oriented
+        return law.fractions(advance(memory, sigma, kelvin, 1.0)).oriented
 
     wanted = answer(low) + share * (answer(high) - answer(low))
     for _ in range(40):

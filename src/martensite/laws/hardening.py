@@ -8,8 +8,8 @@ variable p = ξ^m, above it in p = (1 - ξ)^n, with the exponents exchanged,
 
     φ(p) = p + 1 - (1 - p^(1/m))^n = 2 h
 
-is convex with slopes from 1 on, so that Newton's iteration from the right comes down to the
-root and never leaves the range: six steps reach rounding for all exponents from 0.05 to 1.
+is convex with slopes from 1 on. Newton's iteration from the right therefore comes down to the
+root and needs no bracket: six steps reach rounding for all exponents from 0.05 to 1.
 
 Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the inversion
 is this package's.
@@ -17,7 +17,6 @@ is this package's.
 
 from __future__ import annotations
 
-from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar
 
 LEAST_EXPONENT = 0.05
@@ -49,15 +48,14 @@ def transformed(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Sca
     share = xp.clip(share, 0.0, 1.0)
     middle = hardening(xp, 0.5, start, end)
     below = share < middle
-    near = xp.where(below, start, end)
-    far = xp.where(below, end, start)
+    near = xp.store(xp.where(below, start, end))
+    far = xp.store(xp.where(below, end, start))
     twice = xp.store(2.0 * xp.where(below, share, 1.0 - share))
-
-    def excess(xp: Namespace, p: Scalar) -> Scalar:
-        rest = 1.0 - power(xp, p, 1.0 / near)
-        return p + 1.0 - power(xp, rest, far) - twice
-
-    top = power(xp, 0.5, near)
-    root = solve_bracketed(xp, excess, xp.minimum(twice, top), (-1.0, 2.0), ITERATIONS)
-    part = power(xp, root, 1.0 / near)
+    p = xp.minimum(twice, power(xp, 0.5, near))
+    for _ in range(ITERATIONS):
+        part = xp.store(power(xp, p, 1.0 / near))
+        rest = power(xp, 1.0 - part, far)
+        slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
+        p = xp.store(xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0))
+    part = power(xp, p, 1.0 / near)
     return xp.where(below, part, 1.0 - part)

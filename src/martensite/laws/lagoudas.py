@@ -31,7 +31,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.hardening import hardening, hardening_integral, transformed
-from martensite.laws.surfaces import AbstractSurfaceLaw
+from martensite.laws.surfaces import AbstractSurfaceLaw, Scale, Way
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -54,9 +54,14 @@ class Move(NamedTuple):
     stress: Scalar
     temperature: Scalar
     grows_from: Scalar
-    """Share of the way at which the forward surface is met [-]."""
+    """Part of the way after which the forward surface is met [-]."""
     grows_to: Scalar
-    """Share of the way at which all is martensite [-]; 1 if that is not reached."""
+    """Part of the way after which all is martensite [-]; 1 if that is not reached."""
+
+    def way(self, stress: Scalar, temperature: Scalar) -> Way:
+        """The straight way from the state before to a point."""
+        begin = self.stress, self.temperature
+        return Way(*begin, stress - self.stress, temperature - self.temperature)
 
 
 @LAWS.register("lagoudas")
@@ -93,49 +98,49 @@ class Lagoudas(AbstractSurfaceLaw):
 
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
+        scale = self.scale(xp)
+        move = Move(*memory, grows_from=0.0, grows_to=1.0)
+        way = move.way(stress, temperature)
         here = hardening(xp, memory.fraction, self.n_1, self.n_2)
-        way = memory.stress, memory.temperature, stress, temperature
-        start, end = (self.forward_meeting(xp, share, *way) for share in (here, 1.0))
-        return Move(*memory, grows_from=xp.store(start), grows_to=xp.store(end))
+        start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
+        return move._replace(grows_from=xp.store(start), grows_to=xp.store(end))
 
     def follow(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        more, warmer = stress - move.stress, temperature - move.temperature
+        scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
-        turn = self.reverse_peak(xp, strain, move.stress, more, warmer)
-        hottest = move.stress + turn * more, move.temperature + turn * warmer
-        share = self.reverse_share(xp, strain, *hottest)
+        turn = way.at(self.reverse_peak(xp, scale, way, strain))
+        share = self.reverse_share(xp, scale, strain, *turn)
+        share = xp.minimum(share, self.reverse_share(xp, scale, strain, stress, temperature))
         left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
-        share = self.forward_share(xp, stress, temperature)
-        fraction = xp.maximum(transformed(xp, share, self.n_1, self.n_2), left)
-        gained = self._gained(xp, move, xp.maximum(fraction, move.fraction), more, warmer)
+        share = self.forward_share(xp, scale, stress, temperature)
+        fraction = xp.store(xp.maximum(transformed(xp, share, self.n_1, self.n_2), left))
+        gained = self._gained(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
         return Fractions(fraction, kept + gained / self.H_sat)
 
     def _gained(
-        self, xp: Namespace, move: Move, fraction: Scalar, more: Scalar, warmer: Scalar
+        self, xp: Namespace, scale: Scale, move: Move, way: Way, fraction: Scalar
     ) -> Scalar:
-        """∫H dξ [-] up to a fraction, along a way of `more` [Pa] and `warmer` [K].
+        """∫H dξ [-] up to a fraction.
 
         H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right in the middle.
         """
         exponents = self.n_1, self.n_2
         first, last = (hardening(xp, x, *exponents) for x in (move.fraction, fraction))
-        begin, end = (move.stress + share * more for share in (move.grows_from, move.grows_to))
-        middle = 0.5 * (move.grows_from + move.grows_to)
-        between = move.stress + middle * more, move.temperature + middle * warmer
         grown, climb = fraction - move.fraction, last - first
         climbs = climb > 0.0
-        safe = xp.where(climbs, climb, 1.0)
-        at = xp.clip((self.forward_share(xp, *between) - first) / safe, 0.1, 0.9)
-        slow = self.current(xp, begin)
-        rise = self.current(xp, end) - slow
-        areas = (hardening_integral(xp, x, *exponents) for x in (fraction, move.fraction))
-        area = next(areas) - next(areas) - first * grown
-        bulge = (self.current(xp, between[0]) - slow - at * rise) / (6.0 * at * (1.0 - at))
-        return grown * (slow + bulge) + xp.where(climbs, area / safe, 0.0) * rise
+        safe = xp.store(xp.where(climbs, climb, 1.0))
+        middle = way.at(0.5 * (move.grows_from + move.grows_to))
+        at = xp.clip((self.forward_share(xp, scale, *middle) - first) / safe, 0.1, 0.9)
+        slow = self.current(xp, way.at(move.grows_from)[0])
+        rise = self.current(xp, way.at(move.grows_to)[0]) - slow
+        areas = [hardening_integral(xp, x, *exponents) for x in (move.fraction, fraction)]
+        area = xp.where(climbs, (areas[1] - areas[0] - first * grown) / safe, 0.0)
+        bulge = (self.current(xp, middle[0]) - slow - at * rise) / (6.0 * at * (1.0 - at))
+        return grown * (slow + bulge) + area * rise
 
     def commit(
         self,
@@ -157,11 +162,13 @@ class Lagoudas(AbstractSurfaceLaw):
         self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Memory, Fractions]:
         """Advance along a straight leg, with stops where it begins and where forward turns."""
-        memory, _ = super().kinetics(xp, memory, memory.stress, memory.temperature, 0.0)
-        more, warmer = stress - memory.stress, temperature - memory.temperature
-        turn = self.forward_peak(xp, memory.stress, more, warmer)
-        stop = memory.stress + turn * more, memory.temperature + turn * warmer
-        memory, _ = super().kinetics(xp, memory, *stop, dt)
+        here = memory.stress, memory.temperature
+        there = Move(*memory, grows_from=0.0, grows_to=1.0)
+        found = self.follow(xp, there, *here, 0.0)
+        memory = self.commit(xp, memory, there, found, *here, 0.0)
+        way = there.way(stress, temperature)
+        turn = way.at(self.forward_peak(xp, self.scale(xp), way))
+        memory, _ = super().kinetics(xp, memory, *turn, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
@@ -177,8 +184,10 @@ class Lagoudas(AbstractSurfaceLaw):
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of a transformation range by which the move goes beyond its surface [-]."""
-        ahead = xp.clip(self.forward_share(xp, stress, temperature), 0.0, 1.0)
-        behind = self.reverse_share(xp, memory.ratio * self.H_sat, stress, temperature)
+        scale = self.scale(xp)
+        ahead = xp.clip(self.forward_share(xp, scale, stress, temperature), 0.0, 1.0)
+        strain = memory.ratio * self.H_sat
+        behind = xp.clip(self.reverse_share(xp, scale, strain, stress, temperature), 0.0, 1.0)
         ahead = ahead - hardening(xp, memory.fraction, self.n_1, self.n_2)
-        behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - xp.clip(behind, 0.0, 1.0)
+        behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - behind
         return xp.maximum(xp.maximum(ahead, behind), 0.0)

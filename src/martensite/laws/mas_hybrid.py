@@ -11,7 +11,7 @@ activation moves the resting stress inside the thresholds by the barrier that la
 the `transit_time` t_c,
 
     σ̂_A = max(0, σ_A - √ln(t_c/τ)/k_A),   σ̂_M = σ_M + √ln(t_c/τ)/k_M,
-    k² = ½ λ (1/E + 1/K),   λ = V/(k_B T),
+    k² = ½ λ (1/E + 1/K),   λ = V/(k_B T_L),
 
 so that plateaus lie where the rate law has them at a rate of about 1/t_c; a decade of rate is
 0.3 MPa. Without it (t_c ≤ τ) plateaus lie at the nominal thresholds.
@@ -67,13 +67,21 @@ class MullerAchenbachSeeleckeHybrid(AbstractActivated):
         "Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5
     )
 
-    def rests(self, xp: Namespace, temperature: Scalar) -> Rests:
-        """Thresholds with thermal activation [Pa]."""
+    def inside(self, xp: Namespace) -> Rests:
+        """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""
         constants = self.material()
-        at = wells(xp, constants, self.threshold(temperature), temperature, self.form)
+        at = wells(xp, constants, self.sigma_L, self.T_L, self.form)
         scale = scales(xp, constants, at, self.form)
         slow = xp.sqrt(xp.log(xp.maximum(self.transit_time / self.layer_time, 1.0)))
-        return Rests(xp.maximum(at.stress_A - slow / scale.A, 0.0), at.stress_M + slow / scale.M)
+        return Rests(slow / scale.A, slow / scale.M)
+
+    def rests(self, xp: Namespace, temperature: Scalar) -> Rests:
+        """Thresholds with thermal activation [Pa]."""
+        inside, threshold = self.inside(xp), self.threshold(temperature)
+        return Rests(
+            xp.maximum(threshold - inside.A, 0.0),
+            xp.maximum(threshold, 0.0) - self.Delta_sigma + inside.M,
+        )
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
@@ -114,6 +122,21 @@ class MullerAchenbachSeeleckeHybrid(AbstractActivated):
         share = xp.where(short, austenite / xp.where(short, wanted, 1.0), 1.0)
         plus = plus + share * more
         return Variants(plus, xp.minimum(minus + share * other, 1.0 - plus))
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg, cut where the forward threshold reaches zero."""
+        bend = self.T_L + (self.inside(xp).A - self.sigma_L) / self.dsigma_dT
+        way = temperature - memory.temperature
+        moves = xp.abs(way) > 0.0
+        share = (bend - memory.temperature) / xp.where(moves, way, 1.0)
+        share = xp.where(moves, xp.clip(share, 0.0, 1.0), 0.0)
+        between = (
+            memory.stress + share * (stress - memory.stress), memory.temperature + share * way
+        )  # fmt: skip
+        halfway, _ = super().kinetics(xp, memory, *between, dt)
+        return super().kinetics(xp, halfway, stress, temperature, dt)
 
     def commit(
         self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,

@@ -39,11 +39,12 @@ from martensite.laws.base import AbstractLaw
 from martensite.laws.hardening import LEAST_EXPONENT, hardening
 from martensite.parameters import param
 from martensite.runtimes import floats
-from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar
 
 SAMPLES = 201
 """Fractions at which the order of the surfaces is checked."""
+MEETING, PEAK = 3, 8
+"""Newton steps."""
 
 
 class Constants(NamedTuple):
@@ -61,6 +62,32 @@ class Constants(NamedTuple):
     """Threshold of dissipation at no stress [J/m³]."""
     D: Scalar
     """Its growth with the work of transformation [-]."""
+
+
+class Scale(NamedTuple):
+    """What turns work into shifts of temperature."""
+
+    forward: Scalar
+    """(1 - D)/(-ρΔs₀) [m³ K/J]."""
+    reverse: Scalar
+    """(1 + D)/(-ρΔs₀) [m³ K/J]."""
+    elastic: Scalar
+    """ΔS/(-ρΔs₀) [K/Pa²]."""
+
+
+class Way(NamedTuple):
+    """A straight way in stress and temperature, from a point over a distance."""
+
+    stress: Scalar
+    temperature: Scalar
+    more: Scalar
+    """[Pa]"""
+    warmer: Scalar
+    """[K]"""
+
+    def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
+        """Stress [Pa] and temperature [K] after a part of the way [-]."""
+        return self.stress + part * self.more, self.temperature + part * self.warmer
 
 
 class AbstractSurfaceLaw(AbstractLaw):
@@ -172,90 +199,95 @@ class AbstractSurfaceLaw(AbstractLaw):
             D=(self.C_M - self.C_A) * share / work,
         )
 
+    def scale(self, xp: Namespace) -> Scale:
+        """What the surfaces need of the constants."""
+        constants = self.constants(xp)
+        per_entropy = -1.0 / constants.rho_Delta_s0
+        return Scale(
+            forward=xp.store((1.0 - constants.D) * per_entropy),
+            reverse=xp.store((1.0 + constants.D) * per_entropy),
+            elastic=xp.store(self.softening() * per_entropy),
+        )
+
     def current(self, xp: Namespace, stress: Scalar) -> Scalar:
         """H(σ) [-]: strain of martensite that forms under a stress [Pa]."""
         excess = xp.maximum(stress - self.sigma_crit, 0.0)
         return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
 
-    def forward_share(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+    def forward_share(
+        self, xp: Namespace, scale: Scale, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
         """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
-        constants = self.constants(xp)
-        work = (1.0 - constants.D) * self.current(xp, stress) * stress
-        shift = (work + self._elastic(xp, stress)) / -constants.rho_Delta_s0
+        tension = xp.maximum(stress, 0.0)
+        shift = scale.forward * self.current(xp, stress) * stress
+        shift = shift + 0.5 * scale.elastic * tension * tension
         return (self.M_s - temperature + shift) / (self.M_s - self.M_f)
 
     def reverse_share(
-        self, xp: Namespace, per_martensite: Scalar, stress: Scalar, temperature: Scalar
+        self, xp: Namespace, scale: Scale, strain: Scalar, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """h_r that reverse transformation of martensite of strain Λ would leave; unlimited."""
-        constants = self.constants(xp)
-        work = (1.0 + constants.D) * per_martensite * stress
-        shift = (work + self._elastic(xp, stress)) / -constants.rho_Delta_s0
+        """h_r that reverse transformation of martensite of a strain Λ would leave; unlimited."""
+        tension = xp.maximum(stress, 0.0)
+        shift = scale.reverse * strain * stress + 0.5 * scale.elastic * tension * tension
         return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
 
-    def forward_meeting(
-        self, xp: Namespace, share: Scalar, stress: Scalar, temperature: Scalar,
-        to_stress: Scalar, to_temperature: Scalar,
-    ) -> Scalar:  # fmt: skip
-        """Where `forward_share` rises to a share on a straight way, as a part of it; else 1."""
-        first = self.forward_share(xp, stress, temperature)
-        climb = self.forward_share(xp, to_stress, to_temperature) - first
-        rises = first + climb > share
+    def forward_meeting(self, xp: Namespace, scale: Scale, way: Way, share: Scalar) -> Scalar:
+        """The part of a way after which `forward_share` has risen to a share; 1 if it does not.
 
-        def beyond(xp: Namespace, part: Scalar) -> Scalar:
-            at = stress + part * (to_stress - stress)
-            kelvin = temperature + part * (to_temperature - temperature)
-            return self.forward_share(xp, at, kelvin) - share + 1e-13 * part
-
-        guess = xp.clip((share - first) / xp.where(climb > 0.0, climb, 1.0), 0.0, 1.0)
-        part = solve_bracketed(xp, beyond, guess, (-1.0, 2.0), 6)
-        return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
-
-    def forward_peak(
-        self, xp: Namespace, stress: Scalar, more: Scalar, warmer: Scalar
-    ) -> Scalar:  # fmt: skip
-        """Share of a straight leg at which `forward_share` may have a maximum inside.
-
-        The leg leads from `stress` over `more` [Pa] and `warmer` [K]. Over t = k σ the slope
-        of s_f falls about t = 3 only, and from there Newton's way to the slope of the leg is
-        monotone. Where there is no maximum, any point does.
+        Newton's method from the chord, with the slope kept above a quarter of the chord's.
         """
-        constants = self.constants(xp)
-        moves = xp.abs(more) > 1.0
-        size = xp.where(moves, more, 1.0)
-        leg = xp.store(-constants.rho_Delta_s0 * warmer / size)
+        first = self.forward_share(xp, scale, *way.at(0.0))
+        climb = xp.store(self.forward_share(xp, scale, *way.at(1.0)) - first)
+        rises = xp.both(climb > 0.0, first + climb > share)
+        chord = xp.store(xp.where(rises, climb, 1.0))
+        width = self.M_s - self.M_f
+        part = xp.clip((share - first) / chord, 0.0, 1.0)
+        for _ in range(MEETING):
+            stress, temperature = way.at(part)
+            slope = self._forward_slope(xp, scale, stress) * way.more - way.warmer
+            slope = xp.maximum(slope / width, 0.25 * chord)
+            excess = self.forward_share(xp, scale, stress, temperature) - share
+            part = xp.store(xp.clip(part - excess / slope, 0.0, 1.0))
+        return xp.where(rises, part, 1.0)
+
+    def forward_peak(self, xp: Namespace, scale: Scale, way: Way) -> Scalar:
+        """The part of a way at which `forward_share` may have a maximum inside.
+
+        Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
+        way to the point with the slope of the leg is monotone. Without a maximum any point does.
+        """
+        moves = xp.abs(way.more) > 1.0
+        size = xp.where(moves, way.more, 1.0)
         rate = xp.maximum(self.H_k, 1e-15)
         first = rate * self.sigma_crit
-        spread = self.H_sat - self.H_min
+        spread = scale.forward * (self.H_sat - self.H_min)
+        bend = scale.elastic / rate
+        rest = xp.store(scale.forward * self.H_sat - way.warmer / size)
+        t = xp.maximum(first, 3.0)
+        for _ in range(PEAK):
+            decay = xp.store(spread * xp.exp(first - t))
+            falls = decay * (t - 2.0) - bend
+            usable = falls > 0.0
+            step = (rest + decay * (t - 1.0) + bend * t) / xp.where(usable, falls, 1.0)
+            t = xp.store(xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0))
+        return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
-        def slower(xp: Namespace, t: Scalar) -> Scalar:
-            work = self.H_sat + spread * xp.exp(first - t) * (t - 1.0)
-            slope = (1.0 - constants.D) * work + self.softening() * t / rate
-            return leg - slope + 1e-12 * t
-
-        start = xp.maximum(first, 3.0)
-        t = solve_bracketed(xp, slower, start, (first, first + 100.0), 8)
-        return xp.where(moves, xp.clip((t / rate - stress) / size, 0.0, 1.0), 0.0)
-
-    def reverse_peak(
-        self, xp: Namespace, per_martensite: Scalar, stress: Scalar, more: Scalar, warmer: Scalar
-    ) -> Scalar:  # fmt: skip
-        """Share of a straight leg at which `reverse_share` may have a minimum inside."""
-        constants = self.constants(xp)
-        bend = self.softening() * more * more
-        bends = bend > 1e-40
-        slope = (1.0 + constants.D) * per_martensite + self.softening() * stress
-        share = (-constants.rho_Delta_s0 * warmer - slope * more) / xp.where(bends, bend, 1.0)
-        return xp.where(bends, xp.clip(share, 0.0, 1.0), 0.0)
+    def reverse_peak(self, xp: Namespace, scale: Scale, way: Way, strain: Scalar) -> Scalar:
+        """The part of a way at which `reverse_share` is least, if that is inside."""
+        bend = scale.elastic * way.more * way.more
+        bends = bend > 1e-30
+        slope = scale.reverse * strain + scale.elastic * way.stress
+        part = (way.warmer - slope * way.more) / xp.where(bends, bend, 1.0)
+        ends = xp.where(way.warmer > slope * way.more, 1.0, 0.0)
+        return xp.where(bends, xp.clip(part, 0.0, 1.0), ends)
 
     def softening(self) -> Scalar:
         """ΔS [1/Pa]."""
         return 1.0 / self.E_M - 1.0 / self.E_A
 
-    def _elastic(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """½ ΔS σ² in tension [J/m³]."""
-        tension = xp.maximum(stress, 0.0)
-        return 0.5 * self.softening() * tension * tension
+    def _forward_slope(self, xp: Namespace, scale: Scale, stress: Scalar) -> Scalar:
+        """ds_f/dσ [K/Pa]."""
+        return scale.forward * self._work(xp, stress) + scale.elastic * xp.maximum(stress, 0.0)
 
     def _work(self, xp: Namespace, stress: Scalar) -> Scalar:
         """G = d(Hσ)/dσ [-]."""

@@ -36,7 +36,7 @@ class Compiled:
         return [known[path] for path in self.paths]
 
 
-class _Shape:
+class Shape:
     """Rebuilds nested NamedTuples from a flat sequence."""
 
     def __init__(self, example: Any) -> None:
@@ -95,11 +95,11 @@ def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.system.leaves())
     system = keyed.system.rebuilt({path: program.parameter(path) for path in paths})
-    found: list[_Shape] = []
+    found: list[Shape] = []
 
     def init(xp: Any, drive: Any) -> list[Any]:
         state = system.init(xp, drive)
-        found.append(_Shape(state))
+        found.append(Shape(state))
         return flatten(state)
 
     program.add("init", ["u"], init)
@@ -110,7 +110,7 @@ def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     return Compiled(program, paths, size)
 
 
-def _step_kernel(system: System, shape: _Shape, iterations: int) -> Callable[..., list[Any]]:
+def _step_kernel(system: System, shape: Shape, iterations: int) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, drive, dt = arguments
         state, report = system.step(xp, shape.rebuild(numbers), drive, dt, iterations)
@@ -119,7 +119,7 @@ def _step_kernel(system: System, shape: _Shape, iterations: int) -> Callable[...
     return step
 
 
-def _observe_kernel(system: System, shape: _Shape) -> Callable[..., list[Any]]:
+def _observe_kernel(system: System, shape: Shape) -> Callable[..., list[Any]]:
     def observe(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, drive = arguments
         return flatten(system.observe(xp, shape.rebuild(numbers), drive))

@@ -24,8 +24,7 @@ from martensite.laws.coupling import advance
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.program import Program
-from martensite.simulate.compiled import _Shape as Shape  # pyright: ignore[reportPrivateUsage]
-from martensite.simulate.compiled import flatten, structure
+from martensite.simulate.compiled import Shape, flatten, structure
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """What every function returns after the memory: [-], [-], [-], [Pa], [-]."""

@@ -14,6 +14,7 @@ from functools import cached_property
 
 from martensite.errors import ParameterError, UnknownNameError
 from martensite.laws.base import AbstractLaw, Fractions
+from martensite.runtimes import floats
 from martensite.simulate.compiled_law import AUSTENITE
 from martensite.simulate.landmarks import Loaded, Marks, isobar, loaded
 from martensite.simulate.point import Leg, PointResult, material_point
@@ -198,6 +199,10 @@ class Guide:
             )
         return found
 
+    def rest(self, temperature: float, fractions: Fractions) -> float:
+        """Strain without load [-]."""
+        return self.law.strain(floats, fractions, 0.0, temperature)
+
     def load(self, temperature: float, fractions: Fractions) -> float:
         """The chosen stress, or a round one beyond the end of the transformation [Pa]."""
         if self.choices.stresses:
@@ -265,7 +270,8 @@ def tension(guide: Guide) -> list[Course]:
         near = abs(temperature - guide.cold[0]) < 1e-9
         fractions = guide.choices.fractions or (guide.cold[1] if near else AUSTENITE)
         peak = guide.choices.strain or guide.top(temperature, fractions).strain + 0.004
-        legs = guide.strain(peak, peak), guide.strain(peak, 0.0)
+        rest = guide.rest(temperature, fractions)
+        legs = guide.strain(peak - rest, peak), guide.strain(peak - rest, rest)
         return Course(celsius(temperature), 0.0, temperature, fractions, legs)
 
     return [course(temperature) for temperature in temperatures]

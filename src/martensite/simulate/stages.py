@@ -1,0 +1,120 @@
+"""What a path of a material point did: where each leg transformed, and what it left.
+
+On every leg the fraction that changes more is followed, the whole martensite or its oriented
+part. Its change is followed from 1 % over half to 99 %, between samples along straight lines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from martensite.simulate.point import PointResult
+
+LEAST = 0.005
+"""Change of a fraction on a leg below which it does not count as a transformation."""
+SHARES = (0.01, 0.5, 0.99)
+STILL = {"temperature": 0.01, "stress": 1e3, "strain": 1e-7}
+"""Changes below which a column does not change on a leg, in SI."""
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point of a path."""
+
+    stress: float
+    """[Pa]"""
+    temperature: float
+    """[K]"""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One leg of a path."""
+
+    kind: str
+    """Such as `loading` or `heating`; what is prescribed decides."""
+    process: str
+    """`forward`, `reverse`, `orientation` or nothing."""
+    martensite: float
+    """Change of the martensite fraction [-]."""
+    oriented: float
+    """Change of the oriented fraction [-]."""
+    spots: tuple[Spot, Spot, Spot] | None
+    """Where the transformation starts, is half done and ends."""
+    varies: tuple[str, ...]
+    """Which of stress and temperature change on the leg."""
+    end: Spot
+    strain: float
+    """At the end [-]."""
+
+
+def stages(result: PointResult) -> list[Stage]:
+    """Every leg of a path."""
+    spans = zip(result.ends, result.ends[1:], strict=False)
+    return [_stage(result, leg, *span) for leg, span in enumerate(spans)]
+
+
+def residual_strain(result: PointResult) -> float:
+    """Strain that a path leaves [-]: last less first."""
+    return result.strain[-1] - result.strain[0]
+
+
+def _stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
+    changes = {n: result[n][last] - result[n][first] for n in (*STILL, "martensite", "oriented")}
+    martensite, oriented = changes["martensite"], changes["oriented"]
+    name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
+    varies = tuple(
+        n for n in ("stress", "temperature")
+        if max(result[n][first : last + 1]) - min(result[n][first : last + 1]) > STILL[n]
+    )  # fmt: skip
+    acts = abs(changes[name]) > LEAST
+    process = "orientation"
+    if name == "martensite":
+        process = "forward" if martensite > 0.0 else "reverse"
+    return Stage(
+        kind=_kind(result, leg, changes),
+        process=process if acts else "",
+        martensite=martensite,
+        oriented=oriented,
+        spots=_spots(result, result[name], first, last) if acts else None,
+        varies=varies,
+        end=Spot(result.stress[last], result.temperature[last]),
+        strain=result.strain[last],
+    )
+
+
+def _kind(result: PointResult, leg: int, changes: dict[str, float]) -> str:
+    control = result.legs[leg].control
+    words: list[str] = []
+    if abs(changes["temperature"]) > STILL["temperature"]:
+        words.append("heating" if changes["temperature"] > 0.0 else "cooling")
+    if control == "stress" and abs(changes["stress"]) > STILL["stress"]:
+        words.append("loading" if changes["stress"] > 0.0 else "unloading")
+    if control == "strain":
+        before = [e for e in (x.strain for x in result.legs[:leg]) if e is not None]
+        begin = before[-1] if before else result.strain[0]
+        words.append("stretching" if (result.legs[leg].strain or 0.0) > begin else "releasing")
+    return " and ".join(words) or "waiting"
+
+
+def _spots(
+    result: PointResult, fractions: list[float], first: int, last: int
+) -> tuple[Spot, Spot, Spot]:
+    start, half, end = (_spot(result, fractions, first, last, share) for share in SHARES)
+    return start, half, end
+
+
+def _spot(result: PointResult, fractions: list[float], first: int, last: int, share: float) -> Spot:
+    """Where a share of the change on a leg is done."""
+    begin, change = fractions[first], fractions[last] - fractions[first]
+    done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
+    k = next(i for i, value in enumerate(done) if value >= share)
+    if k == 0:
+        return Spot(result.stress[first], result.temperature[first])
+    part = (share - done[k - 1]) / (done[k] - done[k - 1])
+    i = first + k
+
+    def between(column: list[float]) -> float:
+        return column[i - 1] + part * (column[i] - column[i - 1])
+
+    return Spot(between(result.stress), between(result.temperature))
