@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from martensite.materials.base import material_names as material_names
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
     from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
+    from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
     from martensite.signals.constant import Constant as Constant
@@ -68,6 +69,9 @@ if TYPE_CHECKING:
     from martensite.simulate.batch import Sensitivity as Sensitivity
     from martensite.simulate.batch import sensitivity as sensitivity
     from martensite.simulate.batch import simulate_batch as simulate_batch
+    from martensite.simulate.point import Leg as Leg
+    from martensite.simulate.point import PointResult as PointResult
+    from martensite.simulate.point import material_point as material_point
     from martensite.simulate.result import Result as Result
     from martensite.system import System as System
     from martensite.thermal.base import Environment as Environment
@@ -90,12 +94,14 @@ _HOME = {
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
+    "Leg": "simulate.point",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
     "MartensiteError": "errors",
     "Material": "materials.base",
     "MixtureResistance": "electrical.mixture",
     "PerLengthResistance": "electrical.per_length",
+    "PointResult": "simulate.point",
     "PolynomialCooling": "thermal.polynomial",
     "PowerSource": "electrical.power",
     "PrescribedTemperature": "electrical.temperature",
@@ -120,7 +126,9 @@ _HOME = {
     "load": "io.scenario",
     "load_material": "materials.base",
     "material_names": "materials.base",
+    "material_point": "simulate.point",
     "open_result": "io.netcdf",
+    "plot_point": "plot.law_paths",
     "plot_result": "plot.overview",
     "read_table": "io.tables",
     "save": "io.netcdf",

@@ -9,7 +9,7 @@ from typer.core import TyperGroup
 
 from martensite.errors import MartensiteError
 
-ORDER = ("run", "demo", "study", "check", "params", "laws", "mechanisms", "materials")
+ORDER = ("run", "law", "demo", "study", "check", "params", "laws", "mechanisms", "materials")
 """Commands in the order of the help text; others follow."""
 
 

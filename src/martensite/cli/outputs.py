@@ -26,9 +26,9 @@ class Outputs:
         """The files that will be written."""
         return [path for path in (self.data, self.figure) if path is not None]
 
-    def check(self, force: bool) -> Outputs:
+    def check(self, force: bool, data: tuple[str, ...] = DATA) -> Outputs:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
-        _ending(self.data, DATA)
+        _ending(self.data, data)
         _ending(self.figure, FIGURE)
         for path in self.paths():
             if not path.parent.is_dir():

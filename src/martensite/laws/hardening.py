@@ -9,7 +9,8 @@ variable p = ξ^m, above it in p = (1 - ξ)^n, with the exponents exchanged,
     φ(p) = p + 1 - (1 - p^(1/m))^n = 2 h
 
 is convex with slopes from 1 on. Newton's iteration from the right therefore comes down to the
-root and needs no bracket: six steps reach rounding for all exponents from 0.05 to 1.
+root and needs no bracket: six steps reach rounding for all exponents from 0.05 to 1. Only the
+last of them is differentiated, which gives the slopes of the root.
 
 Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the inversion
 is this package's.
@@ -51,11 +52,17 @@ def transformed(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Sca
     near = xp.store(xp.where(below, start, end))
     far = xp.store(xp.where(below, end, start))
     twice = xp.store(2.0 * xp.where(below, share, 1.0 - share))
-    p = xp.minimum(twice, power(xp, 0.5, near))
-    for _ in range(ITERATIONS):
-        part = xp.store(power(xp, p, 1.0 / near))
-        rest = power(xp, 1.0 - part, far)
-        slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
-        p = xp.store(xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0))
-    part = power(xp, p, 1.0 / near)
+    fixed = xp.detach(twice), xp.detach(near), xp.detach(far)
+    p = xp.minimum(fixed[0], power(xp, 0.5, fixed[1]))
+    for _ in range(ITERATIONS - 1):
+        p = _newton(xp, p, *fixed)
+    part = power(xp, _newton(xp, p, twice, near, far), 1.0 / near)
     return xp.where(below, part, 1.0 - part)
+
+
+def _newton(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Scalar) -> Scalar:
+    """One step towards φ(p) = twice; of a root, it has the slopes of the root."""
+    part = xp.store(power(xp, p, 1.0 / near))
+    rest = xp.store(power(xp, 1.0 - part, far))
+    slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
+    return xp.store(xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0))

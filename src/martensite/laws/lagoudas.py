@@ -11,15 +11,15 @@ Both surfaces are inverted for the fraction, which makes ξ a play operator of (
 
     ξ₁ = max{ξ_f(σ, T), min[ξ_r(σ, T, Λ), ξ₀]},        Λ = ε_t/ξ
 
-with ξ_f on the forward and ξ_r on the reverse surface, exact for steps of any size. Any
+with ξ_f on the forward and ξ_r on the reverse surface, right for steps of any size. Any
 initial state is legal; one outside its surfaces moves onto them at once. Where both processes
 could act (unoriented martensite under high stress) forward is stronger: martensite stays if it
 would form again at once.
 
 ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress
 ∫H dξ has no closed form; H is taken as a parabola in h over the part of the way on which ξ
-grows, with the corners of h(ξ) integrated exactly. This converges with the step, at least in
-second order; ξ sees it through Λ on the next reverse transformation only.
+grows, with the corners of h(ξ) integrated exactly. This converges with the step (in fourth
+order along prescribed legs); ξ sees it through Λ, on the next reverse transformation only.
 
 Not in the law: reorientation (martensite keeps the strain with which it formed until it
 transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.

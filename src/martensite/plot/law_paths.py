@@ -8,13 +8,14 @@ paths by path.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.errors import InputError
 from martensite.plot.labels import Axis, around
-from martensite.plot.phase_diagram import STRESS, TEMPERATURE, arrow, draw_phase_diagram
+from martensite.plot.phase_diagram import ARROWS, STRESS, TEMPERATURE, arrow, draw_phase_diagram
 from martensite.plot.style import COOLING, HEATING, INK, QUIET, SIMULATED, styled
 from martensite.simulate.point import PointResult
 from martensite.simulate.stages import stages
@@ -73,7 +74,7 @@ def _one(results: Sequence[PointResult], title: str | None) -> Figure:
     draw_curves(loop, results, *LOOP)
     draw_curves(recovery, results, "temperature", "strain")
     draw_fractions(fraction, results)
-    draw_phase_diagram(diagram, results[0].law, results, _colours(results))
+    draw_phase_diagram(diagram, results[0].law, results, _leg_colours(results))
     _write(figure, title or _names([results[0]]), _legend(results))
     return figure
 
@@ -87,12 +88,17 @@ def _beside(
         curves, fraction, diagram = (row[column] for row in panels)
         draw_curves(curves, results, *plane)
         draw_fractions(fraction, results)
-        draw_phase_diagram(diagram, law, results, _colours(results))
+        draw_phase_diagram(diagram, law, results, _leg_colours(results))
         curves.set_title(law.registered_name or type(law).__name__, fontweight="bold")
     for row in panels:
         _share(row)
-    first = next(iter(by_law.values()))
-    _write(figure, title or _names([r[0] for r in by_law.values()]), _legend(first))
+    legends = [_legend(results) for results in by_law.values()]
+    alike = all(legend == legends[0] for legend in legends)
+    if not alike:  # every law has conditions of its own
+        for axes, legend in zip(panels[0], legends, strict=True):
+            axes.legend(_samples(legend), list(legend), loc="best")
+    names = _names([results[0] for results in by_law.values()])
+    _write(figure, title or names, legends[0] if alike else {})
     return figure
 
 
@@ -110,7 +116,7 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
             axes.plot(a, b, color=own, zorder=2.2)
             length = np.hypot(np.ptp(a) / spans[0], np.ptp(b) / spans[1])
-            if length > 0.12 and leg < 4:
+            if length > 0.12 and leg < ARROWS:
                 arrow(axes, a, b, own)
         start = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
         axes.plot(horizontal[:1], vertical[:1], linestyle="none", zorder=3.2, **start)
@@ -136,11 +142,20 @@ def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
 
 def _legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
     """First sample, last sample and colour of every leg."""
-    spans = zip(result.ends, result.ends[1:], strict=False)
+    spans = pairwise(result.ends)
     if not alone:
         return [(first, last, colour) for first, last in spans]
     kinds = [stage.kind for stage in stages(result)]
     return [(*span, KINDS.get(kind, INK)) for span, kind in zip(spans, kinds, strict=True)]
+
+
+def _leg_colours(results: Sequence[PointResult]) -> list[list[str]]:
+    """One colour per leg of each result."""
+    alone = len(results) == 1
+    return [
+        [own for _, _, own in _legs(result, colour, alone=alone)]
+        for result, colour in zip(results, _colours(results), strict=True)
+    ]
 
 
 def _colours(results: Sequence[PointResult]) -> list[str]:
@@ -159,9 +174,7 @@ def _legend(results: Sequence[PointResult]) -> dict[str, str]:
 
 
 def _names(results: Sequence[PointResult]) -> str:
-    names = [r.law.registered_name or type(r.law).__name__ for r in results]
-    text = ", ".join(names)
-    return text[:1].upper() + text[1:]
+    return ", ".join(r.law.registered_name or type(r.law).__name__ for r in results)
 
 
 def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
@@ -190,13 +203,19 @@ def _share(row: Any) -> None:
 
 
 def _write(figure: Figure, title: str, legend: dict[str, str]) -> None:
-    from matplotlib.lines import Line2D
-
     height = figure.get_figheight()
     place = {"va": "center", "parse_math": False}
     figure.text(0.02, 1.0 - 0.24 / height, title, fontsize=12.5, fontweight="bold", **place)
-    lines = [Line2D([], [], color=colour) for colour in legend.values()]
+    if not legend:
+        return
     figure.legend(
-        lines, list(legend), loc="upper left", bbox_to_anchor=(0.015, 1.0 - 0.38 / height),
-        ncols=min(len(legend), 7), borderpad=0.0, columnspacing=1.4, labelcolor=QUIET,
+        _samples(legend), list(legend), loc="upper left", ncols=min(len(legend), 7),
+        bbox_to_anchor=(0.015, 1.0 - 0.38 / height), borderpad=0.0, columnspacing=1.4,
+        labelcolor=QUIET,
     )  # fmt: skip
+
+
+def _samples(legend: dict[str, str]) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    return [Line2D([], [], color=colour) for colour in legend.values()]

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,8 @@ LEAST_STRESS = 200e6
 """The diagram reaches at least up to this stress [Pa]."""
 SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
 CRITICAL = ("sigma_s", "sigma_f")
+ARROWS = 4
+"""Legs that get an arrow; on more they would cover one another."""
 _ARROW = {
     "arrowstyle": "-|>,head_width=0.22,head_length=0.6", "mutation_scale": 16.0, "lw": 0.0,
     "shrinkA": 0.0, "shrinkB": 0.0,
@@ -163,7 +166,7 @@ def _orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]
 
 
 def draw_phase_diagram(
-    axes: Any, law: AbstractLaw, results: Sequence[PointResult], colours: Sequence[str]
+    axes: Any, law: AbstractLaw, results: Sequence[PointResult], colours: Sequence[Sequence[str]]
 ) -> None:
     """Draw the bands of a law, and paths through them with their direction.
 
@@ -171,7 +174,7 @@ def draw_phase_diagram(
         axes: matplotlib axes.
         law: the law of all results.
         results: paths; the diagram is cut to show them and the bands around them.
-        colours: one per result.
+        colours: one per leg of each result.
     """
     highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
     coldest = min(min(r.temperature) for r in results) - 8.0
@@ -206,17 +209,19 @@ def draw_band(axes: Any, band: Band) -> None:
         axes.plot(x, y, style, color=band.colour, linewidth=0.9, alpha=0.8, zorder=0.9)
 
 
-def draw_way(axes: Any, result: PointResult, colour: str) -> None:
+def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
     """Draw a path in the plane, with an arrow on its first legs and a ring at its start."""
     x, y = TEMPERATURE.values(result.temperature), STRESS.values(result.stress)
-    axes.plot(x, y, color=colour, linewidth=1.5, zorder=2.4)
     axes.plot(x[:1], y[:1], "o", markersize=5.0, markerfacecolor="white", color=INK, zorder=3.2)
-    for first, last in list(zip(result.ends, result.ends[1:], strict=False))[:4]:
-        arrow(axes, x[first : last + 1], y[first : last + 1], colour)
+    for leg, (first, last) in enumerate(pairwise(result.ends)):
+        a, b = x[first : last + 1], y[first : last + 1]
+        axes.plot(a, b, color=colours[leg], linewidth=1.5, zorder=2.4)
+        if leg < ARROWS:
+            arrow(axes, a, b, colours[leg])
 
 
-def arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.55) -> None:
-    """An arrowhead part of the way along a curve, as the eye measures length."""
+def arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
+    """An arrowhead part of the way along a curve; beyond its middle, so that ways back show."""
     spans = np.ptp(x) or 1.0, np.ptp(y) or 1.0
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]))])
     if way[-1] <= 0.0:

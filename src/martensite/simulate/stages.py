@@ -7,6 +7,7 @@ part. Its change is followed from 1 % over half to 99 %, between samples along s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from martensite.simulate.point import PointResult
 
@@ -50,8 +51,7 @@ class Stage:
 
 def stages(result: PointResult) -> list[Stage]:
     """Every leg of a path."""
-    spans = zip(result.ends, result.ends[1:], strict=False)
-    return [_stage(result, leg, *span) for leg, span in enumerate(spans)]
+    return [_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
 
 
 def residual_strain(result: PointResult) -> float:

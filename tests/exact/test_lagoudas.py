@@ -1,0 +1,395 @@
+"""Lagoudas law against closed forms: calibration, loops, starts, cuts, the march."""
+
+import math
+
+import numpy as np
+import pytest
+from builders import along, chamber, fraction_after, strain_of, through
+
+from martensite.errors import ParameterError
+from martensite.laws.base import Fractions
+from martensite.laws.hardening import hardening, hardening_integral, transformed
+from martensite.laws.lagoudas import Lagoudas
+from martensite.materials.base import load_material
+from martensite.runtimes import floats
+from martensite.simulate.api import simulate
+
+MPA = 1e6
+EXPONENTS = {
+    "linear": (1.0, 1.0, 1.0, 1.0),
+    "round": (0.17, 0.27, 0.25, 0.35),
+    "roundest": (0.05, 0.05, 0.05, 0.05),
+}
+
+
+def law_of(exponents=(0.95, 0.95, 0.95, 0.95), **changes):
+    """The law with the numbers of the actuator material, some of them changed."""
+    values = load_material("niti-lagoudas").values
+    numbers = {n: values[n].value for n in Lagoudas.declarations if n in values}
+    names = ("n_1", "n_2", "n_3", "n_4")
+    return Lagoudas(**(numbers | dict(zip(names, exponents, strict=True)) | changes))
+
+
+def oriented_after(law, points, xi, substeps=1):
+    return law.fractions(along(law, points, xi, substeps)[-1]).oriented
+
+
+# ---------------------------------------------------------------- hardening
+
+
+@pytest.mark.parametrize("m", [0.05, 0.2, 0.5, 0.95, 1.0])
+@pytest.mark.parametrize("n", [0.05, 0.3, 0.8, 1.0])
+def test_hardening_is_inverted_to_rounding(m, n):
+    for xi in [*np.linspace(0.0, 1.0, 101).tolist(), 1e-9, 1.0 - 1e-9]:
+        share = 0.5 * (1.0 + xi**m - (1.0 - xi) ** n)
+        assert hardening(floats, xi, m, n) == pytest.approx(share, abs=1e-15)
+        assert transformed(floats, share, m, n) == pytest.approx(xi, abs=1e-14)
+    assert transformed(floats, 0.0, m, n) == transformed(floats, -1e30, m, n) == 0.0
+    assert transformed(floats, 1.0, m, n) == transformed(floats, 1e30, m, n) == 1.0
+
+
+def test_integral_of_hardening():
+    """∫h dξ over everything is ½ [1 + 1/(m+1) - 1/(n+1)]."""
+    whole = [hardening_integral(floats, xi, 0.3, 0.8) for xi in (0.0, 1.0)]
+    assert whole[1] - whole[0] == pytest.approx(0.5 * (1 + 1 / 1.3 - 1 / 1.8), abs=1e-15)
+
+
+# ---------------------------------------------------------------- calibration
+
+
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+class TestZeroStress:
+    def test_forward_runs_from_M_s_to_M_f(self, exponents):
+        law = law_of(exponents)
+        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_s)], 0.0) == 0.0
+        assert fraction_after(law, [(0.0, 400.0), (0.0, law.M_f)], 0.0) == 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_s - 5.0)], 0.0) < 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 400.0), (0.0, law.M_f + 5.0)], 0.0) < 1.0
+
+    def test_reverse_runs_from_A_s_to_A_f(self, exponents):
+        law = law_of(exponents)
+        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_s)], 1.0) == 1.0
+        assert fraction_after(law, [(0.0, 250.0), (0.0, law.A_f)], 1.0) == 0.0
+        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_s + 3.0)], 1.0) < 1.0
+        assert 0.0 < fraction_after(law, [(0.0, 250.0), (0.0, law.A_f - 3.0)], 1.0) < 1.0
+
+    def test_between_the_curve_is_the_hardening(self, exponents):
+        law, (n_1, n_2, n_3, n_4) = law_of(exponents), exponents
+        for xi in (0.1, 0.5, 0.8):
+            cold = law.M_s - (law.M_s - law.M_f) * 0.5 * (1 + xi**n_1 - (1 - xi) ** n_2)
+            hot = law.A_f - (law.A_f - law.A_s) * 0.5 * (1 + xi**n_3 - (1 - xi) ** n_4)
+            assert fraction_after(law, [(0.0, 400.0), (0.0, cold)], 0.0) == pytest.approx(xi)
+            assert fraction_after(law, [(0.0, 250.0), (0.0, hot)], 1.0) == pytest.approx(xi)
+
+
+def temperature_of(law, stress, xi, heating):
+    """Where a cycle at constant stress passes a fraction [K], by bisection."""
+    hot, cold = (stress, 500.0), (stress, 150.0)
+    low, high = 150.0, 500.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        path = [hot, cold, (stress, middle)] if heating else [hot, (stress, middle)]
+        low, high = (middle, high) if fraction_after(law, path, 0.0) > xi else (low, middle)
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+@pytest.mark.parametrize("changes", [{}, {"C_A": 6e6, "sigma_crit": 60 * MPA, "H_min": 0.01}])
+def test_slopes_at_the_calibration_stress(exponents, changes):
+    law, step = law_of(exponents, **changes), 0.01 * MPA
+    for heating, slope in ((False, law.C_M), (True, law.C_A)):
+        for xi in (0.0, 0.5, 1.0 - 1e-12):
+            lower, upper = (
+                temperature_of(law, law.sigma_cal + s, xi, heating) for s in (-step, step)
+            )
+            assert 2 * step / (upper - lower) == pytest.approx(slope, rel=1e-5)
+
+
+def test_constants_close_the_balances():
+    """Equal hardening energy both ways, and the sum and difference of the surfaces at σ = 0."""
+    law = law_of((0.2, 0.5, 0.9, 0.4))
+    c = law.constants(floats)
+    forward = 0.5 * c.a_1 * (1 + 1 / 1.2 - 1 / 1.5) + c.a_3
+    reverse = 0.5 * c.a_2 * (1 + 1 / 1.9 - 1 / 1.4) - c.a_3
+    assert forward == pytest.approx(reverse, rel=1e-12)
+    s, u, y = c.rho_Delta_s0, c.rho_Delta_u0, c.Y_0
+    assert s * law.M_s == pytest.approx(u + c.a_3 + y)
+    assert s * law.M_f == pytest.approx(u + c.a_1 + c.a_3 + y)
+    assert s * law.A_f == pytest.approx(u - c.a_3 - y)
+    assert s * law.A_s == pytest.approx(u + c.a_2 - c.a_3 - y)
+
+
+# ---------------------------------------------------------------- loops
+
+
+@pytest.mark.parametrize("mpa", [0.0, 20.0, 150.0, 300.0])
+def test_stroke_at_constant_stress(mpa):
+    """H(σ) + σ (1/E_M - 1/E_A), whatever the number of steps."""
+    law, stress = law_of(), mpa * MPA
+    H = law.H_sat * (1 - math.exp(-law.H_k * stress))
+    for substeps in (1, 40):
+        hot, cold = along(law, [(stress, 420.0), (stress, 200.0)], 0.0, substeps)
+        stroke = strain_of(law, cold) - strain_of(law, hot)
+        assert stroke == pytest.approx(H + stress * (1 / law.E_M - 1 / law.E_A), abs=1e-12)
+
+
+class TestSuperelasticLoop:
+    """A virgin wire, austenitic above A_f: the loop that a start in martensite cannot have."""
+
+    def loop(self, law, kelvin, top=800.0, steps=400):
+        """Work [J/m³] of a loop, its remaining strain, and the largest fraction on it."""
+        memory = law.init(floats, Fractions(0.0, 0.0), 0.0, kelvin)
+        before, work, most = (0.0, strain_of(law, memory)), 0.0, 0.0
+        first = before[1]
+        up = np.linspace(0.0, top * MPA, steps)
+        for stress in [*up.tolist(), *up[::-1].tolist()]:
+            memory, fractions = law.kinetics(floats, memory, stress, kelvin, 0.0)
+            now = stress, strain_of(law, memory)
+            work += 0.5 * (now[0] + before[0]) * (now[1] - before[1])
+            before, most = now, max(most, fractions.martensite)
+        return work, before[1] - first, most
+
+    @pytest.mark.parametrize("kelvin", [331.0, 340.0, 350.0])
+    def test_it_runs_closes_and_dissipates(self, kelvin):
+        work, remains, most = self.loop(law_of(), kelvin)
+        assert most == 1.0
+        assert abs(remains) < 1e-15
+        assert work > 1e6
+
+    def test_work_of_a_loop_with_one_strain_and_equal_slopes(self):
+        """D = 0: ∮σ dε = ∫(T_r - T_f) dξ (-ρΔs₀), the same at every temperature."""
+        law = law_of((1.0, 1.0, 1.0, 1.0), H_min=0.048202422, C_A=8e6, C_M=8e6)
+        gap = 0.5 * (law.A_s + law.A_f) - 0.5 * (law.M_s + law.M_f)
+        wanted = -law.constants(floats).rho_Delta_s0 * gap
+        for kelvin in (335.0, 350.0):
+            assert self.loop(law, kelvin, steps=3000)[0] == pytest.approx(wanted, rel=1e-4)
+
+    def test_below_A_s_the_strain_stays_until_it_is_heated(self):
+        law = law_of()
+        path = [(0.0, 312.0), (600 * MPA, 312.0), (0.0, 312.0), (0.0, 340.0)]
+        *_, stretched, heated = along(law, path, 0.0, 20)
+        assert stretched.fraction == 1.0
+        assert stretched.ratio > 0.8
+        assert heated.fraction == 0.0
+
+    def test_the_material_of_the_superelastic_example(self):
+        values = load_material("niti-superelastic-lagoudas").values
+        law = Lagoudas(**{n: values[n].value for n in Lagoudas.declarations if n in values})
+        work, remains, most = self.loop(law, 298.15, 700.0)
+        assert most == 1.0
+        assert abs(remains) < 1e-15
+        assert work > 1e6
+
+    def test_a_start_in_martensite_is_noticed(self):
+        """What the loop would be if the wire began, and stayed, in martensite."""
+
+        class Stuck(Lagoudas):
+            def follow(self, xp, move, stress, temperature, dt):
+                return Fractions(1.0, 1.0)
+
+        stuck = Stuck(**{n: getattr(law_of(), n) for n in Lagoudas.declarations})
+        work, remains, _ = self.loop(stuck, 340.0)
+        assert abs(remains) > 0.01
+        assert not (abs(remains) < 1e-15 and work > 1e6)
+
+
+# ---------------------------------------------------------------- any state, inner loops
+
+
+@pytest.mark.parametrize("xi", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("share", [-0.5, 0.0, 0.4, 1.0])
+def test_any_state_may_be_the_first(xi, share):
+    """What lies inside its surfaces stays; what lies outside moves onto them at once."""
+    law = law_of()
+    start = law.init(floats, Fractions(xi, share * xi), 0.0, 312.0)
+    assert law.fractions(start) == pytest.approx(Fractions(xi, share * xi))
+    memory, fractions = law.kinetics(floats, start, 0.0, 312.5, 0.0)
+    assert fractions == pytest.approx(Fractions(xi, share * xi))
+    hot, _ = law.kinetics(floats, memory, 0.0, 335.0, 0.0)
+    assert law.fractions(hot).martensite == 0.0
+    outside = law.init(floats, Fractions(xi, share * xi), 0.0, 350.0)
+    assert law.kinetics(floats, outside, 0.0, 351.0, 0.0)[1] == Fractions(0.0, 0.0)
+
+
+def test_unoriented_martensite_recovers_unoriented():
+    """Λ = 0 stays 0 on reverse: heated under load it gives no stroke beyond the elastic."""
+    law = law_of()
+    cold = law.init(floats, Fractions(1.0, 0.0), 0.0, 290.0)
+    loaded, _ = law.kinetics(floats, cold, 30 * MPA, 290.0, 0.0)
+    half, fractions = law.kinetics(floats, loaded, 30 * MPA, 322.0, 0.0)
+    assert 0.0 < fractions.martensite < 1.0
+    assert fractions.oriented == 0.0
+    assert law.fractions(half).oriented == 0.0
+
+
+def test_martensite_stays_where_it_would_form_again():
+    """Unoriented, above A_f, under high stress: both surfaces are crossed, forward is stronger."""
+    law = law_of()
+    memory = law.init(floats, Fractions(1.0, 0.0), 0.0, 312.0)
+    memory, fractions = law.kinetics(floats, memory, 700 * MPA, 312.0, 0.0)
+    memory, fractions = law.kinetics(floats, memory, 700 * MPA, 340.0, 0.0)
+    assert fractions == Fractions(1.0, 0.0)
+    falling = [law.kinetics(floats, memory, s * MPA, 340.0, 0.0)[1] for s in range(700, -1, -10)]
+    fractions = np.array([f.martensite for f in falling])
+    assert (np.diff(fractions) <= 0.0).all()
+    assert np.abs(np.diff(fractions)).max() < 0.06
+    assert fractions[-1] == 0.0
+
+
+def rounds(law, low, high, count=16):
+    """Fraction and strain at both ends of a partial cycle, round by round."""
+    memories = along(law, [(low[0], 400.0), *[low, high] * count], 0.0, 8)[1:]
+    ends = np.array([(m.fraction, strain_of(law, m)) for m in memories])
+    return ends.reshape(count, 4)
+
+
+@pytest.mark.parametrize("exponents", list(EXPONENTS.values())[:2], ids=list(EXPONENTS)[:2])
+class TestInnerLoops:
+    def test_at_constant_stress_they_close_from_the_first_round_on(self, exponents):
+        found = rounds(law_of(exponents), (150 * MPA, 313.0), (150 * MPA, 340.5))
+        assert found == pytest.approx(np.tile(found[0], (16, 1)), abs=1e-12)
+        assert found[0, 0] - found[0, 2] > 0.1
+
+    def test_under_changing_stress_they_settle(self, exponents):
+        """Old martensite is exchanged for new, whose strain is that of the loop's own stresses."""
+        found = rounds(law_of(exponents), (430 * MPA, 345.0), (190 * MPA, 345.0))
+        drift = np.abs(np.diff(found, axis=0)).max(axis=1)
+        assert drift[0] < 2e-3
+        assert drift[-1] < 1e-3 * drift[0] + 1e-12
+        assert (drift[1:] <= drift[:-1] + 1e-12).all()
+
+
+# ---------------------------------------------------------------- cuts
+
+
+LEGS = {
+    "cooling": [(120 * MPA, 400.0), (120 * MPA, 311.0)],
+    "loading": [(0.0, 345.0), (430 * MPA, 345.0)],
+    "both": [(30 * MPA, 360.0), (260 * MPA, 322.0)],
+    "loading and heating": [(0.0, 315.0), (560 * MPA, 350.0)],
+    "unloading and cooling": [(400 * MPA, 385.0), (100 * MPA, 310.0)],
+}
+
+
+@pytest.mark.parametrize("leg", LEGS.values(), ids=LEGS)
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+def test_forward_does_not_depend_on_cuts(exponents, leg):
+    law = law_of(exponents)
+    whole = fraction_after(law, leg, 0.0)
+    for substeps in (2, 7, 100):
+        assert fraction_after(law, leg, 0.0, substeps) == pytest.approx(whole, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("xi", "leg"),
+    [
+        (1.0, [(200 * MPA, 300.0), (200 * MPA, 341.0)]),
+        (0.7, [(400 * MPA, 345.0), (190 * MPA, 345.0)]),
+        (1.0, [(300 * MPA, 340.0), (20 * MPA, 318.0)]),
+        (1.0, [(0.0, 312.0), (420 * MPA, 362.0)]),  # turns inside
+    ],
+)
+def test_reverse_does_not_depend_on_cuts(xi, leg):
+    law = law_of()
+    whole = law.fractions(along(law, leg, xi)[-1])
+    assert 0.0 < whole.martensite < xi
+    for substeps in (2, 7, 100):
+        found = law.fractions(along(law, leg, xi, substeps)[-1])
+        assert found == pytest.approx(whole, abs=1e-12)
+
+
+TURNING = {"E_M": 66.2e9, "H_k": 5e-8, "C_A": 8.34e6, "C_M": 8.34e6}
+TURNS = [(20 * MPA, 307.0), (420 * MPA, 307.0 + 400 / 8.34 * 1.02)]
+"""Along this leg the forward surface is crossed farthest at about a quarter of the way."""
+
+
+def test_a_turn_of_the_forward_surface_inside_a_leg():
+    law = law_of(**TURNING)
+    whole = fraction_after(law, TURNS, 0.0)
+    end = law.forward_share(floats, law.scale(floats), *TURNS[1])
+    assert whole > transformed(floats, end, law.n_1, law.n_2) + 0.01
+    for substeps in (3, 64, 1000):
+        assert fraction_after(law, TURNS, 0.0, substeps) == pytest.approx(whole, abs=1e-12)
+    back = TURNS[::-1]
+    whole = fraction_after(law, back, 0.0)
+    assert fraction_after(law, back, 0.0, 64) == pytest.approx(whole, abs=1e-12)
+
+
+@pytest.mark.parametrize("exponents", list(EXPONENTS.values())[:2], ids=list(EXPONENTS)[:2])
+@pytest.mark.parametrize("leg", list(LEGS.values())[1:], ids=list(LEGS)[1:])
+def test_transformation_strain_converges_with_the_cuts(exponents, leg):
+    """∫H dξ: at least third order, and within a hundredth in a single step."""
+    law = law_of(exponents)
+    exact = oriented_after(law, leg, 0.0, 2048)
+    errors = [abs(oriented_after(law, leg, 0.0, cuts) - exact) for cuts in (1, 16, 64)]
+    assert errors[0] < 1e-2
+    assert errors[2] < 2e-8
+    assert errors[2] < errors[1] / 4**3 + 1e-11
+
+
+def test_at_constant_stress_the_strain_does_not_depend_on_cuts():
+    law, leg = law_of(EXPONENTS["round"]), LEGS["cooling"]
+    whole = oriented_after(law, leg, 0.0)
+    assert oriented_after(law, leg, 0.0, 33) == pytest.approx(whole, abs=1e-14)
+
+
+def test_a_law_that_only_looks_at_the_end_is_noticed():
+    """Without the stop at the turn, the turn is seen by short steps only."""
+
+    class Hasty(Lagoudas):
+        def forward_peak(self, xp, scale, way):
+            return 0.0
+
+    law = Hasty(**{n: getattr(law_of(**TURNING), n) for n in Lagoudas.declarations})
+    assert abs(fraction_after(law, TURNS, 0.0) - fraction_after(law, TURNS, 0.0, 64)) > 0.01
+
+
+# ---------------------------------------------------------------- extremes, checks, the march
+
+
+def test_extremes_are_finite():
+    law = law_of(EXPONENTS["roundest"])
+    corners = [-1e9, 0.0, 1e-300, 1e12], [0.0, 1e-300, 300.0, 1e5]
+    for xi in (0.0, 0.5, 1.0):
+        for stress in corners[0]:
+            for kelvin in corners[1]:
+                memory = law.init(floats, Fractions(xi, xi), 1e8, 320.0)
+                memory, fractions = law.kinetics(floats, memory, stress, kelvin, 0.0)
+                numbers = *memory, *fractions, strain_of(law, memory)
+                assert all(math.isfinite(number) for number in numbers)
+                assert 0.0 <= fractions.martensite <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"M_f": 320.0}, "`M_f` of `lagoudas` must be below `M_s`"),
+        ({"A_f": 309.0, "A_s": 300.0}, "`M_s` of `lagoudas` must be below `A_f`"),
+        ({"H_min": 0.06}, "`H_min` of `lagoudas` must not exceed `H_sat`"),
+        ({"sigma_cal": 0.0}, "`sigma_cal` of `lagoudas` must be a stress at which"),
+        ({"E_M": 2e11, "E_A": 1e8}, "must give an entropy difference below 0"),
+        ({"n_1": 1.0, "n_2": 0.05, "n_3": 0.05, "n_4": 1.0, "A_s": 286.0}, "let them cross by"),
+    ],
+)
+def test_impossible_parameters_are_refused(changes, words):
+    with pytest.raises(ParameterError, match=words):
+        law_of(**changes)
+
+
+def test_narrowing_loops_are_named():
+    assert any("meet above" in text for text in law_of(C_A=14e6).cautions())
+    assert law_of(C_A=8e6, C_M=8e6).cautions() == []
+
+
+def test_in_a_system_the_law_is_the_law():
+    """Prescribed temperature under a dead weight: ξ and stroke are those of the bare law."""
+    law = law_of()
+    kelvin = [293.15, 360.0, 311.0, 337.0, 305.0, 390.0]
+    run = simulate(chamber(law, mass=1.5), through(kelvin), 5.0, step=0.01, samples=6)
+    stress = run["stress"][0]
+    start = run["martensite_fraction"][0]
+    memories = along(law, [(stress, t) for t in kelvin], start)
+    assert run["martensite_fraction"] == pytest.approx([m.fraction for m in memories], abs=1e-6)
+    assert len({round(m.fraction, 3) for m in memories}) > 3
+    strain = np.array([strain_of(law, m) for m in memories])
+    assert run["strain"][1:] == pytest.approx(strain[1:], abs=1e-7)
