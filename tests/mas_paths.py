@@ -51,16 +51,11 @@ class Path(NamedTuple):
     residual: float
     """Largest mismatch of the solves; 0 under prescribed stress."""
 
-    def when(self, name: str, level: float, falling: bool) -> int:
-        """First sample at which a column passes a level downwards or upwards."""
-        column = getattr(self, name)
-        return int(np.argmax(column < level if falling else column > level))
-
 
 _PROGRAMS: dict[Any, Any] = {}
 
 
-def traced(law: Any, iterations: int = 16) -> Any:
+def traced(law: Any, iterations: int) -> Any:
     """(functions bound to the numbers of the law, rebuild) for a law."""
     key = structure(law), iterations
     if key not in _PROGRAMS:
@@ -110,14 +105,15 @@ def rebuilt(example: Any, numbers: Any) -> Any:
 
 
 def follow(
-    law: Any, start: tuple[float, float], corners: list[Any], step: float, control: str = "stress"
-) -> Path:
+    law: Any, start: tuple[float, float], corners: list[Any], step: float,
+    control: str = "stress", iterations: int = 16,
+) -> Path:  # fmt: skip
     """The law from (x₊, x₋) along straight lines through corners (time, value, temperature).
 
     `control` says whether the values are stresses [Pa] or strains [-]; a strain-driven path
     starts at the stress that its first strain needs.
     """
-    advance_by = traced(law)[control]
+    advance_by = traced(law, iterations)[control]
     fractions = Fractions(start[0] + start[1], start[0] - start[1])
     first = Point(*corners[0])
     stress = first.value

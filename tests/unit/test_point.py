@@ -18,7 +18,8 @@ from martensite.laws.liang_rogers import LiangRogers
 from martensite.runtimes import floats
 from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
-from martensite.simulate.paths import PATHS, Choices, named_path
+from martensite.simulate.courses import Choices
+from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.simulate.stages import residual_strain, stages
 from martensite.status import Status
@@ -78,22 +79,22 @@ def test_slack_point_is_longer_than_what_is_prescribed() -> None:
     assert slack.stress[-1] == 0.0
     assert slack.strain[-1] == pytest.approx(0.05, abs=1e-12)
     pressed = material_point(law(), legs, tension_only=False, **cold)
-    assert pressed.stress[-1] == pytest.approx(-0.05 * 30e9, rel=1e-9)
+    assert pressed.stress[-1] < -50e6
     assert pressed.strain[-1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_what_is_held_stays_and_what_was_prescribed_is_held() -> None:
     legs = (
-        Leg(strain=0.02), Leg(temperature=350.0), Leg(temperature=HOT, hold="stress"),
-        Leg(duration=5.0),
+        Leg(strain=0.04), Leg(strain=0.02), Leg(temperature=350.0),
+        Leg(temperature=HOT, hold="stress"), Leg(duration=5.0),
     )  # fmt: skip
     result = material_point(law(), legs, start=(0.0, HOT))
-    a, b, c = result.ends[1:4]
+    a, b, c = result.ends[2:5]
     assert np.ptp(result.strain[a : b + 1]) < 1e-12
     assert result.stress[b] > result.stress[a] + 1e6
     assert np.ptp(result.stress[b:]) == 0.0
     assert result.temperature[c] == HOT
-    assert result.time[-1] == pytest.approx(8.0)
+    assert result.time[-1] == pytest.approx(9.0)
 
 
 def test_the_slack_strain_is_not_taken_for_the_clamped_one() -> None:
@@ -133,26 +134,26 @@ def test_stress_of_a_clamped_point_never_rises_faster_than_its_slope(name: str) 
 def test_the_slope_test_can_fail() -> None:
     """Without transformation the stress of a clamped bar may rise faster."""
     stiff = law(Theta=-9e6)
-    legs = Leg(strain=0.001), Leg(temperature=300.0)
+    legs = Leg(strain=0.0078), Leg(temperature=330.0)
     slope, change = slopes(material_point(stiff, legs, start=(0.0, HOT)), 1)
     assert np.all(change == 0.0)
-    assert np.all(slope < -7e6 * 1.01) or np.all(slope > 7e6 * 1.01)
+    assert np.all(np.abs(slope) > 7e6 * 1.1)
 
 
 # ---------------------------------------------------------------- steps
 
 
 def test_refinement_reaches_its_tolerance() -> None:
-    one = builders.example(builders.REGISTRIES["law"]["lagoudas"])
+    one = builders.example(builders.REGISTRIES["law"]["mas"])
     arguments: dict[str, Any] = {"start": (0.0, 350.0), "steps": 5}
-    legs = Leg(strain=0.06), Leg(strain=0.0)
+    legs = Leg(strain=0.06, duration=60.0), Leg(strain=0.0, duration=60.0)
     coarse = material_point(one, legs, tolerance=None, **arguments)
     fine = material_point(one, legs, tolerance=1e-4, **arguments)
-    exact = material_point(one, legs, tolerance=1e-7, **arguments)
+    exact = material_point(one, legs, tolerance=1e-5, **arguments)
     assert (coarse.accuracy, coarse.steps) == (None, 10)
     assert fine.accuracy is not None
     assert fine.accuracy <= 1e-4
-    assert fine.steps > 20
+    assert fine.steps >= 40
     assert len(fine.time) == len(coarse.time) == 11
 
     def error(result: PointResult) -> float:
@@ -165,8 +166,8 @@ def test_refinement_reaches_its_tolerance() -> None:
 
 def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(point, "MOST_STEPS", 20)
-    one = builders.example(builders.REGISTRIES["law"]["lagoudas"])
-    legs = Leg(strain=0.06), Leg(strain=0.0)
+    one = builders.example(builders.REGISTRIES["law"]["mas"])
+    legs = Leg(strain=0.06, duration=60.0), Leg(strain=0.0, duration=60.0)
     result = material_point(one, legs, start=(0.0, 350.0), steps=5, tolerance=1e-12)
     assert result.status is Status.OK
     assert len(result.warnings) == 1

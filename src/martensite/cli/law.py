@@ -14,7 +14,7 @@ from martensite.errors import ParameterError, UnitError, UnknownNameError
 
 if TYPE_CHECKING:
     from martensite.io.laws import Dressed
-    from martensite.simulate.paths import Choices, Rates
+    from martensite.simulate.courses import Choices, Rates
     from martensite.simulate.point import PointResult
     from martensite.simulate.stages import Stage
 
@@ -111,7 +111,7 @@ def law(
 def _choices(
     at: str | None, stress: str | None, strain: str | None, start: str | None, rate: str | None
 ) -> Choices:
-    from martensite.simulate.paths import STARTS, Choices
+    from martensite.simulate.courses import STARTS, Choices
 
     if start is not None and start not in STARTS:
         raise UnknownNameError("phase state", start, STARTS)
@@ -146,7 +146,7 @@ def _quantities(option: str, text: str | None, unit: str) -> tuple[float, ...]:
 def _rates(text: str | None) -> Rates:
     from dataclasses import replace
 
-    from martensite.simulate.paths import Rates
+    from martensite.simulate.courses import Rates
 
     rates = Rates()
     for part in text.split(",") if text else ():
@@ -271,11 +271,9 @@ def _rows(result: PointResult) -> list[tuple[str, ...]]:
 
 
 def _row(number: int, stage: Stage) -> tuple[str, ...]:
-    from martensite.cli import show
-
     spots = [_spot(stage, i) for i in range(3)]
     change = f"{stage.martensite:+.3f}" if stage.process != "orientation" else "0"
-    strain, stress = f"{100.0 * stage.strain:.3f} %", show.quantity(stage.end.stress, "Pa")
+    strain, stress = f"{100.0 * stage.strain:.3f} %", f"{stage.end.stress / 1e6:.1f} MPa"
     return f"{number} {stage.kind}", change, stage.process, *spots, strain, stress
 
 

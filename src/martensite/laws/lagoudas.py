@@ -71,7 +71,6 @@ class Lagoudas(AbstractSurfaceLaw):
     cites = ("lagoudas2012", "boyd1996", "hartl2010")
     twins: ClassVar[bool] = True
     one_way: ClassVar[bool] = False
-    iterations: ClassVar[int] = 6
 
     alpha_A: Scalar = param(
         "1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0

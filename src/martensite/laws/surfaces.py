@@ -43,7 +43,7 @@ from martensite.runtimes.namespace import Namespace, Scalar
 
 SAMPLES = 201
 """Fractions at which the order of the surfaces is checked."""
-MEETING, PEAK = 3, 8
+MEETING, PEAK = 6, 8
 """Newton steps."""
 
 
@@ -232,23 +232,22 @@ class AbstractSurfaceLaw(AbstractLaw):
         return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
 
     def forward_meeting(self, xp: Namespace, scale: Scale, way: Way, share: Scalar) -> Scalar:
-        """The part of a way after which `forward_share` has risen to a share; 1 if it does not.
+        """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
 
-        Newton's method from the chord, with the slope kept above a quarter of the chord's.
+        Newton's method from the end of the way, in a bracket: the share may fall before it rises.
         """
-        first = self.forward_share(xp, scale, *way.at(0.0))
-        climb = xp.store(self.forward_share(xp, scale, *way.at(1.0)) - first)
-        rises = xp.both(climb > 0.0, first + climb > share)
-        chord = xp.store(xp.where(rises, climb, 1.0))
-        width = self.M_s - self.M_f
-        part = xp.clip((share - first) / chord, 0.0, 1.0)
+        low, high, part = -1.0, 1.0, 1.0
         for _ in range(MEETING):
             stress, temperature = way.at(part)
-            slope = self._forward_slope(xp, scale, stress) * way.more - way.warmer
-            slope = xp.maximum(slope / width, 0.25 * chord)
             excess = self.forward_share(xp, scale, stress, temperature) - share
-            part = xp.store(xp.clip(part - excess / slope, 0.0, 1.0))
-        return xp.where(rises, part, 1.0)
+            slope = self._forward_slope(xp, scale, stress) * way.more - way.warmer
+            slope = slope / (self.M_s - self.M_f)
+            above, rises = excess > 0.0, slope > 0.0
+            low, high = xp.where(above, low, part), xp.where(above, part, high)
+            newton = part - excess / xp.where(rises, slope, 1.0)
+            inside = xp.both(rises, xp.both(low < newton, newton <= high))
+            part = xp.store(xp.where(inside, newton, 0.5 * (low + high)))
+        return xp.maximum(part, 0.0)
 
     def forward_peak(self, xp: Namespace, scale: Scale, way: Way) -> Scalar:
         """The part of a way at which `forward_share` may have a maximum inside.

@@ -23,8 +23,8 @@ import numpy as np
 from martensite.laws.base import AbstractLaw
 from martensite.plot.labels import Axis, around, mathematical
 from martensite.plot.style import COOLING, HEATING, INK, QUIET
+from martensite.simulate.courses import TWINNED
 from martensite.simulate.landmarks import Marks, isobar, loaded
-from martensite.simulate.paths import TWINNED
 from martensite.simulate.point import PointResult
 
 TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")

@@ -149,6 +149,8 @@ def isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks
     span = HOTTEST - COLDEST
     M_s, M_f = (math.nan if p is None else HOTTEST - p.share * span for p in cooling)
     A_s, A_f = (math.nan if p is None else COLDEST + p.share * span for p in heating)
+    if math.isnan(M_s):  # nothing formed that could return
+        A_f = math.nan
     if math.isnan(M_f):  # what never was all martensite has no start of its return
         A_s = math.nan
     return Marks(A_s, A_f, M_s, M_f)

@@ -7,72 +7,13 @@ without load, and the stress and strain that complete a transformation at a temp
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 from martensite.errors import ParameterError, UnknownNameError
-from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes import floats
+from martensite.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.landmarks import Loaded, Marks, isobar, loaded
-from martensite.simulate.point import Leg, PointResult, material_point
-
-TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
-STARTS = {"austenite": AUSTENITE, "martensite": ORIENTED, "twinned": TWINNED}
-"""Phase states by name: `martensite` is all oriented, `twinned` not at all."""
-ZERO = 273.15
-
-
-@dataclass(frozen=True)
-class Rates:
-    """How fast paths go; matters for laws with rates only."""
-
-    temperature: float = 1.0
-    """[K/s]"""
-    stress: float = 10e6
-    """[Pa/s]"""
-    strain: float = 1e-3
-    """[1/s]"""
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What is chosen of a path; the rest follows from the law."""
-
-    temperatures: tuple[float, ...] = ()
-    """[K]"""
-    stresses: tuple[float, ...] = ()
-    """[Pa]"""
-    strain: float | None = None
-    """[-]"""
-    fractions: Fractions | None = None
-    """Phase state at the start."""
-    rates: Rates = field(default_factory=Rates)
-
-
-@dataclass(frozen=True)
-class Course:
-    """One path: where it begins and its legs."""
-
-    label: str
-    stress: float
-    """At the start [Pa]."""
-    temperature: float
-    """At the start [K]."""
-    fractions: Fractions
-    legs: tuple[Leg, ...]
-
-    def follow(
-        self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4,
-        runtime: str = "floats",
-    ) -> PointResult:  # fmt: skip
-        """Drive a law along this path; arguments as of `material_point`."""
-        return material_point(
-            law, self.legs, start=(self.stress, self.temperature), fractions=self.fractions,
-            steps=steps, tolerance=tolerance, runtime=runtime, label=self.label,
-        )  # fmt: skip
+from martensite.simulate.courses import Choices, Course, Guide, celsius, megapascal
 
 
 @dataclass(frozen=True)
@@ -143,98 +84,6 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
             f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}."
         )
     return found.lay(Guide(law, chosen))
-
-
-@dataclass(frozen=True)
-class Guide:
-    """A law and choices, and what follows from both."""
-
-    law: AbstractLaw
-    choices: Choices
-
-    @cached_property
-    def marks(self) -> Marks:
-        """Transformation temperatures without load [K]."""
-        return self.marks_at(0.0)
-
-    def marks_at(self, stress: float) -> Marks:
-        """Transformation temperatures at a stress [K]."""
-        found = isobar(self.law, stress)
-        if any(math.isnan(value) for value in found):
-            raise ParameterError(
-                f"The law `{self.law.registered_name}` does not transform fully between 100 K and "
-                f"800 K at {stress / 1e6:.4g} MPa; choose other numbers, or a path of your own."
-            )
-        return found
-
-    @cached_property
-    def cold(self) -> tuple[float, Fractions]:
-        """Where martensite stays without load, and the phase state to begin with there.
-
-        Twinned martensite below M_f, if the law turns it under stress; else austenite between
-        M_s and A_s.
-        """
-        temperature = self.marks.M_f - 10.0
-        fractions = TWINNED
-        if not (self.law.twins and loaded(self.law, temperature, TWINNED)):
-            temperature = 0.5 * (self.marks.M_s + self.marks.A_s)
-            fractions = AUSTENITE
-        if self.choices.temperatures:
-            temperature = self.choices.temperatures[0]
-        return temperature, self.choices.fractions or fractions
-
-    def hot(self, *above: float) -> tuple[float, ...]:
-        """The chosen temperatures, or some above A_f [K]."""
-        return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
-
-    def top(self, temperature: float, fractions: Fractions) -> Loaded:
-        """Where loading has completed the transformation."""
-        found = loaded(self.law, round(temperature, 6), fractions)
-        if found is None or found.stress < 1e6:
-            found = loaded(self.law, round(temperature, 6), AUSTENITE)
-        if found is None:
-            raise ParameterError(
-                f"The law `{self.law.registered_name}` is not transformed by 3 GPa at "
-                f"{temperature - ZERO:.4g} degC; choose another temperature."
-            )
-        return found
-
-    def rest(self, temperature: float, fractions: Fractions) -> float:
-        """Strain without load [-]."""
-        return self.law.strain(floats, fractions, 0.0, temperature)
-
-    def load(self, temperature: float, fractions: Fractions) -> float:
-        """The chosen stress, or a round one beyond the end of the transformation [Pa]."""
-        if self.choices.stresses:
-            return self.choices.stresses[0]
-        return 10e6 * math.ceil((1.08 * self.top(temperature, fractions).stress + 15e6) / 10e6)
-
-    def stress(self, change: float, end: float) -> Leg:
-        """A leg that changes stress."""
-        return Leg(stress=end, duration=_time(change, self.choices.rates.stress))
-
-    def strain(self, change: float, end: float) -> Leg:
-        """A leg that changes strain."""
-        return Leg(strain=end, duration=_time(change, self.choices.rates.strain))
-
-    def heat(self, begin: float, end: float, hold: str | None = None) -> Leg:
-        """A leg that changes temperature."""
-        duration = _time(end - begin, self.choices.rates.temperature)
-        return Leg(temperature=end, hold=hold, duration=duration)
-
-
-def _time(change: float, rate: float) -> float:
-    return max(abs(change) / rate, 1e-3)
-
-
-def celsius(temperature: float) -> str:
-    """A temperature for a label."""
-    return f"{temperature - ZERO:.4g} °C"
-
-
-def megapascal(stress: float) -> str:
-    """A stress for a label."""
-    return f"{stress / 1e6:.4g} MPa"
 
 
 # ---------------------------------------------------------------- the paths

@@ -1,6 +1,7 @@
 """The march of a material point along its legs, on plain floats or in C.
 
-A step that is left unsolved by the usual few iterations is taken again with more of them.
+A step that is left unsolved by the usual few iterations is taken again with more of them, and
+on floats in halves if that does not help.
 """
 
 from __future__ import annotations
@@ -14,13 +15,15 @@ from typing import NamedTuple, Protocol
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
-from martensite.simulate.march import classify
+from martensite.simulate.march import SOLVED, classify
 from martensite.status import Status
 
 THOROUGH = 24
 """Iterations of the solve when the usual few are not enough."""
 ENOUGH = 1e-10
 """Mismatch [-] above which they are not, on floats; in C it is `SOLVED`: compiling them costs."""
+SPLITS = 4
+"""How often a step that stays unsolved is halved, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
 
 Step = Callable[..., tuple[float, ...]]
@@ -189,6 +192,19 @@ class FloatRider:
         functions = compiled.program.bind_floats(*compiled.values(self._drive.law))
         return functions["strain_step"]
 
+    def _carefully(
+        self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float],
+        dt: float, splits: int,
+    ) -> tuple[float, ...]:  # fmt: skip
+        """A strain-driven step with more iterations; in two halves where it stays unsolved."""
+        after = self._thorough(*state, *end, dt)
+        if after[-1] <= SOLVED or splits == 0:
+            return after
+        middle = 0.5 * (begin[0] + end[0]), 0.5 * (begin[1] + end[1])
+        first = self._carefully(state, begin, middle, 0.5 * dt, splits - 1)
+        last = self._carefully(first[: self._size], middle, end, 0.5 * dt, splits - 1)
+        return (*last[:-1], max(first[-1], last[-1]))
+
     def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
         """Along one section."""
         step, size, dt = self._functions[f"{ramp.control}_step"], self._size, ramp.dt
@@ -199,7 +215,7 @@ class FloatRider:
             given = ramp.at(k)
             after = step(*state, *given, dt)
             if not after[-1] <= ENOUGH:
-                after = self._thorough(*state, *given, dt)
+                after = self._carefully(state, ramp.at(k - 1), given, dt, SPLITS)
             if not after[-1] <= worst:
                 worst, where = after[-1], k - 1
             state = after[:size]

@@ -1,0 +1,162 @@
+"""martensite on problem B: one system, marched on every runtime, single or for many wires.
+
+What: the wire of `problem_b` with the rate law `mas`, or with its rate-independent limit
+`mas-hybrid`, over 201 samples and steps of at most the given length. Single runs and the C lanes
+are timed without the preparation of the grid; the JAX batch is `simulate_batch` as a user calls it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
+from martensite.simulate.arrays import jitted_march, schedule
+from martensite.simulate.batch import simulate_batch
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.grid import Grid, build_grid
+from martensite.simulate.march import classify, march_floats
+from martensite.simulate.native import march_lanes
+
+LANES = 256
+SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1
+COLUMNS = ("position", "stress", "strain")
+SHARES = {
+    "h": 0.10, "eps_T": 0.10, "latent": 0.10, "c": 0.10, "E_M": 0.10, "sigma_L": 0.05,
+    "dsigma_dT": 0.05, "Delta_sigma": 0.10, "layer_volume": 0.20, "layer_time": 0.30,
+}  # fmt: skip
+NAMES = {"latent": "latent_heat", "c": "heat_capacity"}
+
+
+class Problem(NamedTuple):
+    """Which wire, law and form of the rates."""
+
+    wire: Wire
+    law: str = "mas"
+    form: str = "edge"
+
+    def system(self) -> Any:
+        """Posed to the library."""
+        options = {"rates": self.form} if self.law == "mas" else {}
+        return system(self.wire, self.law, **options)
+
+
+def parameter_sets(p: Wire, count: int) -> list[Wire]:
+    """`count` wires around a nominal one, which is the first."""
+    rng, drawn = np.random.default_rng(0), {}
+    for name, share in SHARES.items():
+        factors = 1.0 + share * (2.0 * rng.random(count) - 1.0)
+        factors[0] = 1.0
+        drawn[name] = (getattr(p, name) * factors).tolist()
+    return [
+        p._replace(**dict(zip(drawn, row, strict=True)))
+        for row in zip(*drawn.values(), strict=True)
+    ]
+
+
+def grid(step: float) -> Grid:
+    """Samples, and steps of at most `step` [s]."""
+    return build_grid(waveform(), DURATION, SAMPLES, step, at_end=False)
+
+
+def scaled(columns: Any, failed: bool) -> Any:
+    """x [mm], stress [Pa], strain [1], one row each; not numbers where a step failed."""
+    found = np.array(columns, float)
+    found[0] *= 1e3
+    return np.full_like(found, np.nan) if failed else found
+
+
+def floats(problem: Problem, step: float) -> Callable[[], Any]:
+    """One run on plain floats."""
+    whole, steps = problem.system(), grid(step)
+    compiled = compile_system(whole)
+    functions = compiled.program.bind_floats(*compiled.values(whole))
+    places = [compiled.outputs.index(name) for name in COLUMNS]
+
+    def run() -> Any:
+        track = march_floats(functions, compiled.size, steps)
+        return scaled([[row[i] for row in track.rows] for i in places], track.status.failed)
+
+    return run
+
+
+def native(problem: Problem, step: float) -> Callable[[], Any]:
+    """One run in C."""
+    whole, steps = problem.system(), grid(step)
+    compiled = compile_system(whole)
+    values = compiled.values(whole)
+    places = [compiled.outputs.index(name) for name in COLUMNS]
+
+    def run() -> Any:
+        rows, worst = march_lanes(compiled, values, steps, 1, places)
+        return scaled(rows[:, :, 0].T, classify(*worst[:, 0].tolist()).failed)
+
+    return run
+
+
+def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
+    """One run on JAX."""
+    whole = problem.system()
+    compiled = compile_system(whole)
+    plan, padded = schedule(grid(step))
+    places = tuple(compiled.outputs.index(name) for name in COLUMNS)
+    march, values = jitted_march(compiled, places, padded), np.array(compiled.values(whole))
+
+    def run() -> Any:
+        rows = march(list(values), plan)
+        return scaled(rows.outputs, classify(float(rows.residual), float(rows.crossing)).failed)
+
+    return run
+
+
+SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
+
+
+# ---------------------------------------------------------------- batches
+
+
+def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
+    """x [mm] of all sets by `simulate_batch`, one row each; not numbers where it failed."""
+    whole = problem.system()
+    over = {NAMES.get(name, name): [getattr(p, name) for p in sets] for name in SHARES}
+    chunk = min(LANES, len(sets))
+
+    def run() -> Any:
+        found = simulate_batch(
+            whole, waveform(), DURATION, over, step=step, samples=SAMPLES, chunk=chunk
+        )
+        failed = np.array([status.failed for status in found.status])
+        return np.where(failed[:, None], np.nan, 1e3 * found.columns["position"])
+
+    return run
+
+
+def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
+    """x [mm] of all sets in C, `LANES` at a time."""
+    whole, steps = problem.system(), grid(step)
+    compiled = compile_system(whole)
+    width, place = min(LANES, len(sets)), compiled.outputs.index("position")
+    nominal = compiled.values(whole)
+    varied = {
+        compiled.paths.index(whole.resolve(NAMES.get(name, name))): [getattr(p, name) for p in sets]
+        for name in SHARES
+    }
+    chunks = [
+        [np.array(varied[i][k : k + width]) if i in varied else v for i, v in enumerate(nominal)]
+        for k in range(0, len(sets), width)
+    ]
+
+    def run() -> Any:
+        rows = []
+        for chunk in chunks:
+            found, worst = march_lanes(compiled, chunk, steps, width, [place])
+            failed = np.array([classify(*pair).failed for pair in worst.T.tolist()])
+            rows.append(np.where(failed[:, None], np.nan, 1e3 * found[:, 0].T))
+        return np.concatenate(rows)
+
+    return run
+
+
+BATCH = {"ours, JAX": jax_batch, "ours, SIMD C": simd_batch}
