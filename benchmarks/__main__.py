@@ -13,7 +13,7 @@ from typing import Any
 
 from rich.console import Console
 
-from benchmarks import sections_process as _  # noqa: F401  (enters its sections)
+from benchmarks import sections_laws, sections_mas, sections_process  # noqa: F401  (enter theirs)
 from benchmarks.engines import PEERS, WHERE, available
 from benchmarks.inputs import DRIVES
 from benchmarks.report import machine, show

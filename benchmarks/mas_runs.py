@@ -13,12 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.simulate.api import THOROUGH
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.grid import Grid, build_grid
 from martensite.simulate.march import classify, march_floats
 from martensite.simulate.native import march_lanes
+from martensite.status import Status
 
 LANES = 256
 SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1
@@ -68,47 +71,61 @@ def scaled(columns: Any, failed: bool) -> Any:
     return np.full_like(found, np.nan) if failed else found
 
 
-def floats(problem: Problem, step: float) -> Callable[[], Any]:
-    """One run on plain floats."""
-    whole, steps = problem.system(), grid(step)
-    compiled = compile_system(whole)
-    functions = compiled.program.bind_floats(*compiled.values(whole))
-    places = [compiled.outputs.index(name) for name in COLUMNS]
+def twice(march: Callable[[int], Any]) -> Callable[[], Any]:
+    """As `simulate` does it: once more and thoroughly where a step stayed unsolved."""
 
     def run() -> Any:
-        track = march_floats(functions, compiled.size, steps)
-        return scaled([[row[i] for row in track.rows] for i in places], track.status.failed)
+        found, status = march(ITERATIONS)
+        if status is Status.UNSOLVED:
+            found, status = march(THOROUGH)
+        return scaled(found, status.failed)
 
     return run
+
+
+def prepared(problem: Problem, step: float) -> tuple[Any, Grid, list[int]]:
+    """The system, its grid, and the places of the columns that are judged."""
+    whole = problem.system()
+    outputs = compile_system(whole).outputs
+    return whole, grid(step), [outputs.index(name) for name in COLUMNS]
+
+
+def floats(problem: Problem, step: float) -> Callable[[], Any]:
+    """One run on plain floats."""
+    whole, steps, places = prepared(problem, step)
+
+    def march(iterations: int) -> tuple[Any, Status]:
+        compiled = compile_system(whole, iterations)
+        functions = compiled.program.bind_floats(*compiled.values(whole))
+        track = march_floats(functions, compiled.size, steps)
+        return [[row[i] for row in track.rows] for i in places], track.status
+
+    return twice(march)
 
 
 def native(problem: Problem, step: float) -> Callable[[], Any]:
     """One run in C."""
-    whole, steps = problem.system(), grid(step)
-    compiled = compile_system(whole)
-    values = compiled.values(whole)
-    places = [compiled.outputs.index(name) for name in COLUMNS]
+    whole, steps, places = prepared(problem, step)
 
-    def run() -> Any:
-        rows, worst = march_lanes(compiled, values, steps, 1, places)
-        return scaled(rows[:, :, 0].T, classify(*worst[:, 0].tolist()).failed)
+    def march(iterations: int) -> tuple[Any, Status]:
+        compiled = compile_system(whole, iterations)
+        rows, worst = march_lanes(compiled, compiled.values(whole), steps, 1, places)
+        return rows[:, :, 0].T, classify(*worst[:, 0].tolist())
 
-    return run
+    return twice(march)
 
 
 def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     """One run on JAX."""
-    whole = problem.system()
-    compiled = compile_system(whole)
-    plan, padded = schedule(grid(step))
-    places = tuple(compiled.outputs.index(name) for name in COLUMNS)
-    march, values = jitted_march(compiled, places, padded), np.array(compiled.values(whole))
+    whole, steps, places = prepared(problem, step)
+    plan, padded = schedule(steps)
 
-    def run() -> Any:
-        rows = march(list(values), plan)
-        return scaled(rows.outputs, classify(float(rows.residual), float(rows.crossing)).failed)
+    def march(iterations: int) -> tuple[Any, Status]:
+        compiled = compile_system(whole, iterations)
+        rows = jitted_march(compiled, tuple(places), padded)(compiled.values(whole), plan)
+        return rows.outputs, classify(float(rows.residual), float(rows.crossing))
 
-    return run
+    return twice(march)
 
 
 SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
@@ -117,7 +134,9 @@ SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
 # ---------------------------------------------------------------- batches
 
 
-def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
+def jax_batch(
+    problem: Problem, sets: list[Wire], step: float, iterations: int
+) -> Callable[[], Any]:
     """x [mm] of all sets by `simulate_batch`, one row each; not numbers where it failed."""
     whole = problem.system()
     over = {NAMES.get(name, name): [getattr(p, name) for p in sets] for name in SHARES}
@@ -125,18 +144,21 @@ def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], A
 
     def run() -> Any:
         found = simulate_batch(
-            whole, waveform(), DURATION, over, step=step, samples=SAMPLES, chunk=chunk
-        )
+            whole, waveform(), DURATION, over,
+            step=step, samples=SAMPLES, chunk=chunk, iterations=iterations,
+        )  # fmt: skip
         failed = np.array([status.failed for status in found.status])
         return np.where(failed[:, None], np.nan, 1e3 * found.columns["position"])
 
     return run
 
 
-def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
+def simd_batch(
+    problem: Problem, sets: list[Wire], step: float, iterations: int
+) -> Callable[[], Any]:
     """x [mm] of all sets in C, `LANES` at a time."""
     whole, steps = problem.system(), grid(step)
-    compiled = compile_system(whole)
+    compiled = compile_system(whole, iterations)
     width, place = min(LANES, len(sets)), compiled.outputs.index("position")
     nominal = compiled.values(whole)
     varied = {

@@ -67,9 +67,19 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     after = law.commit(xp, start, move, end, s1, t1, dt)
     frozen = Fractions(x, x)
     spring = law.free_strain(xp, frozen, t1), law.compliance(xp, frozen)
-    drive = (law.drive(xp, move, s1, t1, dt),) if law.steep else ()
+    drive = law.drive(xp, move, s1, t1, dt)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
     return end, law.fractions(after), spring, others, drive
+
+
+def law_extras(law: Any, xp: Any, strain: Any, stress: Any, temperature: Any) -> Any:
+    """What only some laws have, for people to look at; at least the heat."""
+    found = (law.heat(xp, 1e8, stress, temperature),)
+    if hasattr(law, "free_energy"):
+        found += (law.free_energy(xp, strain, temperature), law.depth(xp, temperature))
+    if hasattr(law, "jump_rates"):
+        found += (law.jump_rates(xp, stress, temperature),)
+    return found
 
 
 def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any, e: Any) -> Any:
@@ -99,6 +109,9 @@ START = {"x": FRACTION, "s0": STRESS, "t0": TEMPERATURE}
 KERNELS: dict[str, dict[str, Kernel]] = {
     "law": {
         "path": Kernel({"x": FRACTION, **POINTS, "dt": (0.0, 1.0)}, law_path),
+        "extras": Kernel(
+            {"e": (-0.08, 0.08), "s": (-400e6, 400e6), "t": TEMPERATURE}, law_extras
+        ),
         "step": Kernel({**START, "s1": STRESS, "t1": TEMPERATURE, "dt": (0.0, 1.0)}, law_step),
     },
     "cooling": {

@@ -5,6 +5,7 @@ rates. Expected values were computed for this project with independent stiff sol
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -236,7 +237,8 @@ def missing_energy(model, counted_as):
         system(Wire(), rates="barrier", heat_model=model), waveform(), 20.0, step=width,
         samples=count + 1,
     )  # fmt: skip
-    wire, law = run.system.element, system(Wire(), heat_model=counted_as).element.law
+    wire: Any = run.system.element
+    law = system(Wire(), heat_model=counted_as).element.law
     put_in, lost = (float(romb(np.array(run[n]), width)) for n in ("power", "heat_loss"))
     x, stress, T = (np.array(run[n]) for n in ("martensite_fraction", "stress", "temperature"))
     volume = math.pi * wire.diameter**2 / 4 * wire.length

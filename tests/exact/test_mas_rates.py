@@ -6,10 +6,8 @@ scaled error function against SciPy.
 
 from decimal import Decimal, getcontext
 
-import mas_reference
 import numpy as np
 import pytest
-from benchmarks.problem_b import Wire
 from kernels import Kernel, on_c, on_jax
 from mas_paths import TABLE_1, table_1
 from scipy import special
@@ -24,7 +22,6 @@ from martensite.thermal.constant import ConstantCooling
 
 ARRAYS = ArrayNamespace(np)
 FORMS = ("barrier", "well", "edge")
-CRYSTAL = Wire()._replace(**TABLE_1)
 
 
 def per_energy(T, volume=TABLE_1["layer_volume"]):
@@ -86,21 +83,6 @@ def test_variants_mirror_each_other():
         here, there = law.jump_rates(floats, 33e6, 331.0), law.jump_rates(floats, -33e6, 331.0)
         assert here[:2] == there[2:]
         assert here[2:] == there[:2]
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_rates_are_those_of_the_printed_formulas(form):
-    law = table_1(rates=form)
-    compared = 0
-    for T in (290.0, 321.0, 345.0, 380.0):
-        for stress in np.linspace(-150e6, 350e6, 51):
-            found = law.jump_rates(floats, float(stress), T)
-            printed = mas_reference.rates(np, special, CRYSTAL, stress, T, form)
-            for a, b in zip(found, printed, strict=False):
-                if b > 1e-250:
-                    assert a == pytest.approx(b, rel=1e-9)
-                    compared += 1
-    assert compared > 150
 
 
 def detailed_balance(law, T, stress):
@@ -193,7 +175,7 @@ def exactly(flows, before):
     generator = matrix(flows, Decimal)
     halvings = max(0, int(np.log2(float(abs(generator).sum()) + 1e-300)) + 3)
     small = generator / Decimal(2) ** halvings
-    total = term = matrix((0.0,) * 4, Decimal) + np.diag([Decimal(1)] * 3)
+    total = term = matrix((0.0,) * 4, Decimal) + np.diag(np.array([Decimal(1)] * 3))
     for k in range(1, 34):
         term = term.dot(small) / k
         total = total + term

@@ -49,12 +49,8 @@ def saddle(np, p, stress, s_A, s_M):
     left, right = (s_A - stress) ** 2, (stress - s_M) ** 2
     beyond = np.where(stress < -s_A, (stress + s_A) ** 2 / (2 * p.E_A), 0.0)
     over = (stress - (s_A + s_M) / 2) * gap
-    up = np.where(
-        stress <= s_M, left / (2 * p.E_A) - over - beyond, left * (1 / p.E_A + per_K) / 2
-    )
-    down = np.where(
-        stress >= s_A, right / (2 * p.E_M) + over, right * (1 / p.E_M + per_K) / 2
-    )
+    up = np.where(stress <= s_M, left / (2 * p.E_A) - over - beyond, left * (1 / p.E_A + per_K) / 2)
+    down = np.where(stress >= s_A, right / (2 * p.E_M) + over, right * (1 / p.E_M + per_K) / 2)
     return np.where(stress >= s_A, 0.0, up), np.where(stress <= s_M, 0.0, down)
 
 
@@ -91,7 +87,9 @@ def bare(p, form, at):
     """f(t, (x₊, x₋)) of a material whose stress [Pa] and temperature [K] are at(t, x₊, x₋)."""
 
     def f(t, y):
-        return numpy.array(flow(numpy, special, p, *y, *at(t, *y), form))
+        plus, minus = y
+        stress, T = at(t, plus, minus)
+        return numpy.array(flow(numpy, special, p, plus, minus, stress, T, form))
 
     return f
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import lagoudas_reference as reference
 import numpy as np
 import pytest
-from builders import along
+from builders import along, stepper
 
 from martensite.laws.base import Fractions
 from martensite.laws.lagoudas import Lagoudas
@@ -55,12 +55,12 @@ def worst(p, law, path, xi, oriented, cuts=CUTS):
     """Largest difference of ξ and of ε_t at the corners of a path."""
     state = reference.start(p, xi, oriented, *path[0])
     memory = law.init(floats, Fractions(xi, oriented), *path[0])
-    found = [0.0, 0.0]
+    found, step = [0.0, 0.0], stepper(law)
     for begin, end in pairwise(path):
         state = reference.advance(p, state, *end, cuts)
         for k in range(1, cuts + 1):
             sigma, T = (a + k / cuts * (b - a) for a, b in zip(begin, end, strict=True))
-            memory, _ = law.kinetics(floats, memory, sigma, T, 0.0)
+            memory = step(memory, sigma, T, 0.0)
         fractions = law.fractions(memory)
         found[0] = max(found[0], abs(state.xi - fractions.martensite))
         found[1] = max(found[1], abs(state.strain - law.H_sat * fractions.oriented))

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 from benchmarks.problem_b import Wire
 from mas_paths import TABLE_1, follow, table_1, there_and_back
+from scipy import special
+
+from martensite.runtimes import floats
 
 CRYSTAL = Wire()._replace(**TABLE_1)
 FORMS = ("barrier", "edge", "well")
@@ -56,6 +59,24 @@ def apart(found, exact):
     """rms and largest difference over the range."""
     gap = np.abs(found - exact) / np.ptp(exact)
     return np.sqrt((gap**2).mean()), gap.max()
+
+
+# ---------------------------------------------------------------- rates
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_rates_are_those_of_the_printed_formulas(form):
+    law = table_1(rates=form)
+    compared = 0
+    for T in (290.0, 321.0, 345.0, 380.0):
+        for stress in np.linspace(-150e6, 350e6, 51):
+            found = law.jump_rates(floats, float(stress), T)
+            printed = reference.rates(np, special, CRYSTAL, stress, T, form)
+            for a, b in zip(found, printed, strict=False):
+                if b > 1e-250:
+                    assert a == pytest.approx(b, rel=1e-9)
+                    compared += 1
+    assert compared > 150
 
 
 # ---------------------------------------------------------------- stress prescribed

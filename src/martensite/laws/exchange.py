@@ -11,8 +11,10 @@ determinant, no growing exponential, and nothing changes where all rates vanish.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
+from martensite.laws.barriers import Process, Start, mean_rate
 from martensite.laws.layers import Variants
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -28,6 +30,13 @@ class Flows(NamedTuple):
     from_plus: Scalar
     to_minus: Scalar
     from_minus: Scalar
+
+
+def mean_flows(
+    xp: Namespace, starts: Sequence[Start], ends: Sequence[Process], share: Scalar
+) -> Flows:
+    """Flows of a step between the processes at its two ends; `share` is the step over τ."""
+    return Flows(*(share * mean_rate(xp, a, b) for a, b in zip(starts, ends, strict=True)))
 
 
 def exchange(xp: Namespace, before: Variants, flows: Flows) -> Variants:

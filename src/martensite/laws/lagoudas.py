@@ -110,9 +110,7 @@ class Lagoudas(AbstractSurfaceLaw):
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
-        turn = way.at(self.reverse_peak(xp, scale, way, strain))
-        share = self.reverse_share(xp, scale, strain, *turn)
-        share = xp.minimum(share, self.reverse_share(xp, scale, strain, stress, temperature))
+        share = self.reverse_share(xp, scale, strain, stress, temperature)
         left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.forward_share(xp, scale, stress, temperature)
         fraction = xp.store(xp.maximum(transformed(xp, share, self.n_1, self.n_2), left))
@@ -125,21 +123,28 @@ class Lagoudas(AbstractSurfaceLaw):
     ) -> Scalar:
         """∫H dξ [-] up to a fraction.
 
-        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right in the middle.
+        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right near the middle of h.
         """
         exponents = self.n_1, self.n_2
         first, last = (hardening(xp, x, *exponents) for x in (move.fraction, fraction))
         grown, climb = fraction - move.fraction, last - first
         climbs = climb > 0.0
         safe = xp.store(xp.where(climbs, climb, 1.0))
-        middle = way.at(0.5 * (move.grows_from + move.grows_to))
-        at = xp.clip((self.forward_share(xp, scale, *middle) - first) / safe, 0.1, 0.9)
+
+        def rise(part: Scalar) -> tuple[Scalar, Scalar]:
+            """Stress at a part of the growth, and the share of the climb done there."""
+            stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
+            return stress, (self.forward_share(xp, scale, stress, kelvin) - first) / safe
+
+        bend = 4.0 * xp.clip(rise(0.5)[1], 0.0, 1.0) - 1.0  # of a parabola through the half
+        middle, at = rise(1.0 / (bend + xp.sqrt(bend * bend + 2.0 - 2.0 * bend)))
+        at = xp.store(xp.clip(at, 1.0 / 3.0, 2.0 / 3.0))
         slow = self.current(xp, way.at(move.grows_from)[0])
-        rise = self.current(xp, way.at(move.grows_to)[0]) - slow
+        more = self.current(xp, way.at(move.grows_to)[0]) - slow
         areas = [hardening_integral(xp, x, *exponents) for x in (move.fraction, fraction)]
         area = xp.where(climbs, (areas[1] - areas[0] - first * grown) / safe, 0.0)
-        bulge = (self.current(xp, middle[0]) - slow - at * rise) / (6.0 * at * (1.0 - at))
-        return grown * (slow + bulge) + area * rise
+        bulge = (self.current(xp, middle) - slow - at * more) / (6.0 * at * (1.0 - at))
+        return grown * (slow + bulge) + area * more
 
     def commit(
         self,
@@ -160,14 +165,26 @@ class Lagoudas(AbstractSurfaceLaw):
     def kinetics(
         self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Memory, Fractions]:
-        """Advance along a straight leg, with stops where it begins and where forward turns."""
+        """Advance along a straight leg, with stops wherever a process may turn inside it."""
         here = memory.stress, memory.temperature
         there = Move(*memory, grows_from=0.0, grows_to=1.0)
         found = self.follow(xp, there, *here, 0.0)
         memory = self.commit(xp, memory, there, found, *here, 0.0)
         way = there.way(stress, temperature)
         turn = way.at(self.forward_peak(xp, self.scale(xp), way))
-        memory, _ = super().kinetics(xp, memory, *turn, dt)
+        memory, _ = self._advance(xp, memory, *turn, dt)
+        return self._advance(xp, memory, stress, temperature, dt)
+
+    def _advance(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a piece of a leg on which forward transformation does not turn back."""
+        way = Move(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
+        strain = memory.ratio * self.H_sat
+        turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
+        there, _ = super().kinetics(xp, memory, *turn, dt)
+        stop = there.fraction < memory.fraction
+        memory = Memory(*(xp.where(stop, a, b) for a, b in zip(there, memory, strict=True)))
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:

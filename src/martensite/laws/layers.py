@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.errors import ParameterError
+from martensite.laws.barriers import Material
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.parameters import option, param
 from martensite.runtimes.dual import value_and_slope
@@ -76,6 +77,8 @@ class AbstractLayers(AbstractLaw):
         "Pa/K", "slope of the transition stresses with temperature", low=1e5, high=1e9
     )
     Delta_sigma: Scalar = param("Pa", "width of the stress hysteresis", low=1e4, high=2e9)
+    layer_volume: Scalar = param("m^3", "volume of a transforming layer", above=0.0, high=1e-15)
+    layer_time: Scalar = param("s", "time constant of a transforming layer", above=0.0, high=1e3)
     heat_model: str = option(
         "heat of transformation: the element's latent heat, plus work, or from the free energy",
         "constant", "stress", "free-energy", default="constant",
@@ -89,6 +92,17 @@ class AbstractLayers(AbstractLaw):
                 f"E_M eps_T = {self.E_M * self.eps_T / 1e6:.4g} MPa, but is "
                 f"{self.Delta_sigma / 1e6:.4g} MPa."
             )
+
+    @property
+    def form(self) -> str:
+        """Form of the barriers, see `laws.barriers`."""
+        return "barrier"
+
+    def material(self) -> Material:
+        """Constants of the free energy and of the layers."""
+        return Material(
+            self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time
+        )
 
     def threshold(self, temperature: Scalar) -> Scalar:
         """σ_L + s (T - T_L) [Pa], before the limit at zero."""

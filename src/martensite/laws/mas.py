@@ -20,11 +20,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.laws.activated import AbstractActivated
-from martensite.laws.barriers import Start, begin, rate
+from martensite.laws.barriers import Process, Start, begin, processes, rate, scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.exchange import Flows, exchange
-from martensite.laws.layers import Pull, Variants, together, variants
+from martensite.laws.exchange import Flows, exchange, mean_flows
+from martensite.laws.layers import AbstractLayers, Pull, Variants, together, variants
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -45,8 +44,12 @@ class Move(NamedTuple):
     pull: Pull
 
 
+RESTING = 0.03
+"""Share of its layers that a process at rest is guessed to move in one step."""
+
+
 @LAWS.register("mas")
-class MullerAchenbachSeelecke(AbstractActivated):
+class MullerAchenbachSeelecke(AbstractLayers):
     """Single crystal with austenite and two martensite variants, rate dependent."""
 
     cites = ("seelecke2004", "ullrich2014")
@@ -72,6 +75,14 @@ class MullerAchenbachSeelecke(AbstractActivated):
         """ξ = x₊ + x₋, oriented x₊ - x₋."""
         return together(memory.present)
 
+    def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
+        """The four processes at a point."""
+        constants = self.material()
+        at = wells(xp, constants, self.threshold(temperature), temperature, self.form)
+        plus = processes(xp, constants, at, stress, self.form)
+        minus = processes(xp, constants, at, -stress, self.form)
+        return (*plus, *minus)
+
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
@@ -82,7 +93,8 @@ class MullerAchenbachSeelecke(AbstractActivated):
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the step of dt [s] ends at (stress, temperature)."""
-        flows = self.flows(xp, move.starts, self.barriers(xp, stress, temperature), dt)
+        ends = self.barriers(xp, stress, temperature)
+        flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
         return together(exchange(xp, move.present, flows))
 
     def commit(
@@ -95,8 +107,13 @@ class MullerAchenbachSeelecke(AbstractActivated):
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
-        """Distance beyond rest of the process that the trial drives hardest [Pa]."""
-        return self.driven(xp, move.pull, stress, temperature, dt)
+        """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
+        pull = move.pull
+        at = wells(xp, self.material(), self.threshold(temperature), temperature, self.form)
+        scale = scales(xp, self.material(), at, self.form)
+        slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
+        inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)
+        return self.overshoot(xp, pull, stress, temperature) + inside
 
     def crossing(
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar

@@ -24,10 +24,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.laws.activated import AbstractActivated
 from martensite.laws.barriers import scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.layers import Pull, Variants, together, variants
+from martensite.laws.layers import AbstractLayers, Pull, Variants, together, variants
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -55,7 +54,7 @@ class Rests(NamedTuple):
 
 
 @LAWS.register("mas-hybrid")
-class MullerAchenbachSeeleckeHybrid(AbstractActivated):
+class MullerAchenbachSeeleckeHybrid(AbstractLayers):
     """Single crystal without rates: stress rests at a threshold while layers switch."""
 
     cites = ("mandolino2021", "seelecke2004")

@@ -23,11 +23,10 @@ from collections.abc import Callable, Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
-from martensite.laws.activated import AbstractActivated
 from martensite.laws.barriers import Process, Start, begin, scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.exchange import exchange
-from martensite.laws.layers import Pull, Variants, variants
+from martensite.laws.exchange import exchange, mean_flows
+from martensite.laws.layers import AbstractLayers, Pull, Variants, variants
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -56,7 +55,7 @@ class Move(NamedTuple):
 
 
 @LAWS.register("mas-polycrystal")
-class MullerAchenbachSeeleckePolycrystal(AbstractActivated):
+class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
     iterations = 10
@@ -145,7 +144,8 @@ class MullerAchenbachSeeleckePolycrystal(AbstractActivated):
             quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar
         ) -> tuple[Scalar, Scalar]:
             starts = [Start(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
-            return exchange(xp, Variants(plus, minus), self.flows(xp, starts, group(quantile), dt))
+            flows = mean_flows(xp, starts, group(quantile), dt / self.layer_time)
+            return exchange(xp, Variants(plus, minus), flows)
 
         plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
         return plus, minus

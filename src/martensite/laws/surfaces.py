@@ -39,6 +39,7 @@ from martensite.laws.base import AbstractLaw
 from martensite.laws.hardening import LEAST_EXPONENT, hardening
 from martensite.parameters import param
 from martensite.runtimes import floats
+from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar
 
 SAMPLES = 201
@@ -234,20 +235,16 @@ class AbstractSurfaceLaw(AbstractLaw):
     def forward_meeting(self, xp: Namespace, scale: Scale, way: Way, share: Scalar) -> Scalar:
         """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
 
-        Newton's method from the end of the way, in a bracket: the share may fall before it rises.
+        Sought from the end of the way, since the share may fall before it rises.
         """
-        low, high, part = -1.0, 1.0, 1.0
-        for _ in range(MEETING):
-            stress, temperature = way.at(part)
-            excess = self.forward_share(xp, scale, stress, temperature) - share
-            slope = self._forward_slope(xp, scale, stress) * way.more - way.warmer
-            slope = slope / (self.M_s - self.M_f)
-            above, rises = excess > 0.0, slope > 0.0
-            low, high = xp.where(above, low, part), xp.where(above, part, high)
-            newton = part - excess / xp.where(rises, slope, 1.0)
-            inside = xp.both(rises, xp.both(low < newton, newton <= high))
-            part = xp.store(xp.where(inside, newton, 0.5 * (low + high)))
-        return xp.maximum(part, 0.0)
+
+        def beyond(xp: Namespace, part: Scalar) -> Scalar:
+            hair = 1e-13 * part  # a slope where there is none
+            return self.forward_share(xp, scale, *way.at(part)) - share + hair
+
+        rises = self.forward_share(xp, scale, *way.at(1.0)) > share
+        part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)
+        return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
 
     def forward_peak(self, xp: Namespace, scale: Scale, way: Way) -> Scalar:
         """The part of a way at which `forward_share` may have a maximum inside.
@@ -277,16 +274,11 @@ class AbstractSurfaceLaw(AbstractLaw):
         bends = bend > 1e-30
         slope = scale.reverse * strain + scale.elastic * way.stress
         part = (way.warmer - slope * way.more) / xp.where(bends, bend, 1.0)
-        ends = xp.where(way.warmer > slope * way.more, 1.0, 0.0)
-        return xp.where(bends, xp.clip(part, 0.0, 1.0), ends)
+        return xp.where(bends, xp.clip(part, 0.0, 1.0), 0.0)
 
     def softening(self) -> Scalar:
         """ΔS [1/Pa]."""
         return 1.0 / self.E_M - 1.0 / self.E_A
-
-    def _forward_slope(self, xp: Namespace, scale: Scale, stress: Scalar) -> Scalar:
-        """ds_f/dσ [K/Pa]."""
-        return scale.forward * self._work(xp, stress) + scale.elastic * xp.maximum(stress, 0.0)
 
     def _work(self, xp: Namespace, stress: Scalar) -> Scalar:
         """G = d(Hσ)/dσ [-]."""
