@@ -47,14 +47,14 @@ if TYPE_CHECKING:
     from martensite.laws.elahinia import Elahinia as Elahinia
     from martensite.laws.lagoudas import Lagoudas as Lagoudas
     from martensite.laws.liang_rogers import LiangRogers as LiangRogers
+    from martensite.laws.mas import MullerAchenbachSeelecke as MullerAchenbachSeelecke
     from martensite.laws.mas_hybrid import (
         MullerAchenbachSeeleckeHybrid as MullerAchenbachSeeleckeHybrid,
     )
-    from martensite.laws.tanaka import Tanaka as Tanaka
-    from martensite.laws.mas import MullerAchenbachSeelecke as MullerAchenbachSeelecke
     from martensite.laws.mas_polycrystal import (
         MullerAchenbachSeeleckePolycrystal as MullerAchenbachSeeleckePolycrystal,
     )
+    from martensite.laws.tanaka import Tanaka as Tanaka
     from martensite.materials.base import Material as Material
     from martensite.materials.base import load_material as load_material
     from martensite.materials.base import material_names as material_names
@@ -107,8 +107,8 @@ _HOME = {
     "MartensiteError": "errors",
     "Material": "materials.base",
     "MixtureResistance": "electrical.mixture",
-    "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeelecke": "laws.mas",
+    "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeeleckePolycrystal": "laws.mas_polycrystal",
     "PerLengthResistance": "electrical.per_length",
     "PointResult": "simulate.point",

@@ -176,10 +176,10 @@ def test_fractions_stay_fractions_under_any_stress(form):
 
 
 @pytest.mark.parametrize("form", ["barrier", "well", "edge"])
-@pytest.mark.parametrize("T", [300.0, 325.0, 360.0])
+@pytest.mark.parametrize("T", [300.0, 360.0])
 def test_fractions_stay_fractions_under_any_strain(form, T):
     """Tension and compression to 5 % at 1e-3 per second, both variants in turn."""
-    corners = [(0.0, 0.004, T), (46.0, 0.05, T), (146.0, -0.05, T), (216.0, 0.02, T)]
+    corners = [(0.0, 0.004, T), (46.0, 0.05, T), (146.0, -0.05, T)]
     path = follow(table_1(rates=form), (0.3, 0.2), corners, 0.2, "strain", iterations=32)
     assert path.residual < 1e-3  # a rigid machine is the hardest of all couplings
     assert fractions_of(path).min() >= -1e-9

@@ -18,7 +18,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
-TIGHT = {"xtol": 1e-15, "rtol": 1e-14}
+
+
+def root(function, low: float, high: float) -> float:
+    """Where a function changes its sign, to rounding."""
+    return float(brentq(function, low, high, xtol=1e-15, rtol=1e-14))  # pyright: ignore
 
 
 @dataclass
@@ -109,7 +113,7 @@ def gained(p: Parameters, c: dict[str, float], old: State, new: State) -> float:
             at = old.sigma + part * (new.sigma - old.sigma)
             return forward(p, c, xi, at, old.T + part * (new.T - old.T))
 
-        part = brentq(beyond, 0.0, 1.0, **TIGHT) if beyond(0.0) < 0.0 < beyond(1.0) else 1.0
+        part = root(beyond, 0.0, 1.0) if beyond(0.0) < 0.0 < beyond(1.0) else 1.0
         sigma = old.sigma + part * (new.sigma - old.sigma)
         total += 0.5 * weight * p.H(sigma) * (new.xi - old.xi)
     return total
@@ -126,11 +130,11 @@ def increment(p: Parameters, c: dict[str, float], old: State, sigma: float, T: f
         return forward(p, c, xi, sigma, T)
 
     if new.xi > 0.0 and back(new.xi) > 0.0:
-        new.xi = brentq(back, 0.0, new.xi, **TIGHT) if back(0.0) < 0.0 else 0.0
+        new.xi = root(back, 0.0, new.xi) if back(0.0) < 0.0 else 0.0
         new.strain = new.xi * old.ratio
     if new.xi < 1.0 and ahead(new.xi) > 0.0:
         before = replace(new, sigma=old.sigma, T=old.T)
-        new.xi = brentq(ahead, new.xi, 1.0, **TIGHT) if ahead(1.0) < 0.0 else 1.0
+        new.xi = root(ahead, new.xi, 1.0) if ahead(1.0) < 0.0 else 1.0
         new.strain += gained(p, c, before, new)
         new.ratio = new.strain / new.xi if new.xi > 0.0 else 0.0
     return new

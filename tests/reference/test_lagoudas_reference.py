@@ -54,10 +54,10 @@ def law_of(p, **changes):
 def worst(p, law, path, xi, oriented, cuts=CUTS):
     """Largest difference of ξ and of ε_t at the corners of a path."""
     state = reference.start(p, xi, oriented, *path[0])
-    memory = law.init(floats, Fractions(xi, oriented), *path[0])
+    memory = law.init(floats, Fractions(xi, oriented), path[0][0], path[0][1])
     found, step = [0.0, 0.0], stepper(law)
     for begin, end in pairwise(path):
-        state = reference.advance(p, state, *end, cuts)
+        state = reference.advance(p, state, end[0], end[1], cuts)
         for k in range(1, cuts + 1):
             sigma, T = (a + k / cuts * (b - a) for a, b in zip(begin, end, strict=True))
             memory = step(memory, sigma, T, 0.0)

@@ -17,7 +17,7 @@ from martensite.runtimes import floats
 
 CRYSTAL = Wire()._replace(**TABLE_1)
 FORMS = ("barrier", "edge", "well")
-PATHS = 3
+PATHS = 2
 
 
 def column(corners, i):
@@ -108,7 +108,7 @@ def test_random_paths_converge_to_the_equations(form):
 
 
 @pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("mpa", [2.0, 60.0, 150.0])
+@pytest.mark.parametrize("mpa", [2.0, 150.0])
 def test_heating_and_cooling_at_constant_stress(form, mpa):
     """At 1 K/s: complete transformations."""
     corners = [(0.0, mpa * 1e6, 290.0), (110.0, mpa * 1e6, 400.0), (220.0, mpa * 1e6, 290.0)]

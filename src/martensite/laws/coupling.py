@@ -20,12 +20,14 @@ from typing import Any, NamedTuple
 
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
-from martensite.runtimes.dual import values_and_slopes
+from martensite.runtimes.dual import value_and_slope, values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 
 Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
 """Stress [Pa] and temperature [K] at the end of the step, given the fractions there."""
 
+REFINED = 2
+"""Newton steps of the first guess; they do not ask the law for an answer."""
 LEAST = 1e-30
 """Overshoot [-] below which nothing transforms."""
 
@@ -51,13 +53,12 @@ def advance(
     def answer(xp: Namespace, fractions: Fractions) -> Fractions:
         return law.follow(xp, move, *settle(xp, fractions), dt)
 
-    count = max(iterations, law.iterations)
+    def drive(xp: Namespace, q: Scalar) -> Scalar:
+        return law.drive(xp, move, *settle(xp, _between(start, aim, q)), dt)
+
     aim = answer(xp, start)
-    guess = 0.0
-    if law.steep:
-        full = settle(xp, aim)
-        guess = _guess(xp, law.drive(xp, move, *trial, dt), law.drive(xp, move, *full, dt))
-    end = _seek(xp, answer, start, aim, guess, count)
+    guess = _guess(xp, drive) if law.steep else 0.0
+    end = _seek(xp, answer, start, aim, guess, max(iterations, law.iterations))
     if not law.one_way:
         end = _polish(xp, answer, end, 1 + iterations // 2)
     found = answer(xp, end)
@@ -69,11 +70,21 @@ def advance(
     return after, Report(residual, law.crossing(xp, memory, move, *trial))
 
 
-def _guess(xp: Namespace, first: Scalar, last: Scalar) -> Scalar:
-    """Where on the chord a steep law comes to rest, if its drive fell linearly."""
-    falls = first - last
-    safe = xp.where(falls > 0.0, falls, 1.0)
-    return xp.where(falls > 0.0, xp.clip(first / safe, 0.0, 1.0), 0.0)
+def _between(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
+    """The point after a share q of the way; exact at both ends."""
+    rest = 1.0 - q
+    return Fractions(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
+
+
+def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
+    """Where on the chord the drive of a steep law vanishes: the secant, then Newton's method."""
+    first, last = drive(xp, 0.0), drive(xp, 1.0)
+    falls = first > last
+    q = xp.clip(first / xp.where(falls, first - last, 1.0), 0.0, 1.0)
+    for _ in range(REFINED):
+        value, slope = value_and_slope(xp, drive, q)
+        q = xp.clip(q - value / xp.where(slope < 0.0, slope, -1e30), 0.0, 1.0)
+    return xp.where(falls, q, 0.0)
 
 
 def _seek(
@@ -87,19 +98,13 @@ def _seek(
     share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
     per_m, per_o = xp.where(m < 0.0, -share, share), xp.where(o < 0.0, -share, share)
 
-    def at(q: Scalar) -> Fractions:
-        rest = 1.0 - q
-        return Fractions(
-            q * aim.martensite + rest * start.martensite, q * aim.oriented + rest * start.oriented
-        )
-
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, at(q))
+        found = answer(xp, _between(start, aim, q))
         way = per_m * (found.martensite - start.martensite)
         return q - way - per_o * (found.oriented - start.oriented)
 
     q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), iterations)
-    return at(xp.where(moves, q, 0.0))
+    return _between(start, aim, xp.where(moves, q, 0.0))
 
 
 def _polish(

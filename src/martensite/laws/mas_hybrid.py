@@ -14,7 +14,7 @@ the `transit_time` t_c,
     k² = ½ λ (1/E + 1/K),   λ = V/(k_B T_L),
 
 so that plateaus lie where the rate law has them at a rate of about 1/t_c; a decade of rate is
-0.3 MPa. Without it (t_c ≤ τ) plateaus lie at the nominal thresholds.
+0.2 to 0.3 MPa. Without it (t_c ≤ τ) plateaus lie at the nominal thresholds.
 
 Source: the idea of a hybrid automaton of five modes is that of Mandolino, Ferrante and
 Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package's.
@@ -147,11 +147,12 @@ class MullerAchenbachSeeleckeHybrid(AbstractLayers):
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
-        """Distance beyond rest of the process that the trial drives hardest [Pa]."""
-        rests, pull = self.rests(xp, temperature), move.pull
-        by_M = pull.by_stress * stress + pull.by_threshold * rests.M
-        by_A = pull.by_stress * stress + pull.by_threshold * rests.A
-        return xp.where(pull.offset < 0.0, by_M, by_A)
+        """Distance beyond the middle of what is left of the ramp, for the pulled process [Pa]."""
+        rests, pull, now = self.rests(xp, temperature), move.pull, move.present
+        present = xp.where(pull.by_stress * pull.by_threshold < 0.0, now.plus, now.minus)
+        by_A = pull.by_threshold * rests.A - 0.5 * present * self.ramp
+        by_M = pull.by_threshold * rests.M - 0.5 * (1.0 - present) * self.ramp
+        return pull.by_stress * stress + xp.where(pull.offset < 0.0, by_M, by_A)
 
     def crossing(
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar

@@ -251,6 +251,7 @@ class AbstractSurfaceLaw(AbstractLaw):
 
         Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
         way to the point with the slope of the leg is monotone. Without a maximum any point does.
+        (A maximum below sigma_crit, possible if E_M is above E_A, is not looked for.)
         """
         moves = xp.abs(way.more) > 1.0
         size = xp.where(moves, way.more, 1.0)

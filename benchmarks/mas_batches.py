@@ -1,0 +1,117 @@
+"""Batches of problem B for the section `mas`: ours, LSODA one by one, Kvaerno5 by vmap.
+
+What: wires around a given one, on JAX through `simulate_batch` and on SIMD lanes of C, each at
+several settings (step, iterations of the coupled step). A big batch is cut to what takes about a
+second. The first sets are judged, each against its own reference; an engine of which any set
+fails has failed.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from benchmarks import mas_runs
+from benchmarks.harness import Candidate
+from benchmarks.mas_runs import LANES, Problem
+from benchmarks.peers import mas_ode
+from benchmarks.problem_b import Wire
+
+JUDGED = 4
+FEW = 8  # sets of a peer that runs them one by one
+MOST = 1.5  # [s] of one call, as far as one chunk allows
+DIFFRAX = importlib.util.find_spec("diffrax") is not None
+
+
+@cache
+def reference(p: Wire, form: str) -> Any:
+    """x [mm], stress [Pa], strain [1] on the output grid."""
+    run = mas_ode.trajectory(mas_ode.by_radau, p, form, 1e-10)
+    return mas_ode.outcome(p, run())
+
+
+def errors(x: Any, exact: Any) -> tuple[float, float]:
+    """rms and largest difference over the range."""
+    gap = np.abs(np.asarray(x) - exact) / np.ptp(exact)
+    return float(np.sqrt(np.mean(gap**2))), float(gap.max())
+
+
+class Judge:
+    """rms error of batches against their references, and how many sets failed."""
+
+    def __init__(self, sets: Sequence[Wire]) -> None:
+        self.exact = [reference(p, "edge")[0] for p in sets[:JUDGED]]
+        self.failed: dict[tuple[str, str], int] = {}
+
+    def candidate(self, name: str, setting: str, run: Callable[[], Any], count: int) -> Candidate:
+        """A batch of `count` sets whose result is judged."""
+
+        def error(x: Any) -> float:
+            self.failed[name, setting] = failed = int((~np.isfinite(x).all(axis=1)).sum())
+            worst = max(errors(a, b)[0] for a, b in zip(x, self.exact, strict=False))
+            return float("nan") if failed else worst
+
+        return Candidate(name, run, error, count, setting)
+
+
+def library(
+    judge: Judge, sets: list[Wire], settings: dict[str, Sequence[tuple[float, int]]]
+) -> list[Candidate]:
+    """Ours: engine -> (step [ms], iterations)."""
+    problem, found = Problem(sets[0]), []
+    for name, make in mas_runs.BATCH.items():
+        for ms, n in settings[name]:
+            run, count = cut(make, problem, sets, 1e-3 * ms, n)
+            found.append(judge.candidate(name, f"dt {ms:g} ms, N {n}", run, count))
+    return found
+
+
+def cut(
+    make: Any, problem: Problem, sets: list[Wire], step: float, iterations: int
+) -> tuple[Callable[[], Any], int]:
+    """A batch of as many chunks as take about `MOST` seconds, and its number of sets."""
+    chunk = min(LANES, len(sets))
+    one = make(problem, sets[:chunk], step, iterations)
+    one()
+    begin = time.process_time()
+    one()
+    count = round(MOST / max(time.process_time() - begin, 1e-6))
+    size = chunk * max(1, min(len(sets) // chunk, count))
+    return make(problem, sets[:size], step, iterations), size
+
+
+def lsoda(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:
+    """LSODA, one set after another."""
+    found = []
+    for n in rtols:
+        runs = [mas_ode.trajectory(mas_ode.by_odeint, p, "edge", 10.0**-n) for p in sets[:FEW]]
+
+        def run(runs: Any = runs) -> Any:
+            pairs = zip(sets, runs, strict=False)
+            return np.array([mas_ode.outcome(p, one())[0] for p, one in pairs])
+
+        found.append(judge.candidate("LSODA", f"rtol 1e-{n}", run, len(runs)))
+    return found
+
+
+def kvaerno(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:
+    """Kvaerno5 by vmap, one chunk."""
+    if not DIFFRAX or not rtols:
+        return []
+    from benchmarks.peers import mas_diffrax
+
+    some, found = list(sets[:LANES]), []
+    for n in rtols:
+        solve = mas_diffrax.batch(some, "edge", 10.0**-n)
+
+        def run(solve: Any = solve) -> Any:
+            pairs = zip(some, solve(), strict=True)
+            return np.array([mas_ode.outcome(p, states)[0] for p, states in pairs])
+
+        found.append(judge.candidate("Kvaerno5", f"rtol 1e-{n}", run, len(some)))
+    return found

@@ -1,0 +1,120 @@
+"""The benchmark sections of the laws still run, and judge; so small that times say nothing."""
+
+import math
+
+import numpy as np
+import pytest
+from benchmarks import law_paths, mas_batches, mas_runs, sections_laws, sections_mas
+from benchmarks.engines import available
+from benchmarks.peers import mas_ode, simcoon_path
+from benchmarks.problem_b import Wire
+from benchmarks.sections import SECTIONS, Options
+
+from martensite.laws.base import LAWS
+from martensite.runtimes.c99 import compiler
+
+OURS = Options(available(["ours"]), repeats=1, sizes=(8,))
+SOME = ("liang-rogers", "mas-hybrid")
+LITTLE = sections_mas.Effort(
+    floats=(100,), jax=(), c=(100, 50), rtols=(4, 6), kvaerno=(), jax_batch=(),
+    simd_batch=((100, 6),), kvaerno_batch=(), hybrid=(100,), hybrid_jax=(),
+)  # fmt: skip
+needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+
+
+def row(table, **wanted):
+    found = [r for r in table.rows if all(r[k] == v for k, v in wanted.items())]
+    assert len(found) == 1
+    return found[0]
+
+
+def test_the_sections_are_entered():
+    assert {"laws", "mas"} <= set(SECTIONS)
+
+
+@needs_c
+def test_laws():
+    *loops, verdict = sections_laws.laws(OURS, 20, SOME)
+    for table in loops:
+        for law in SOME:
+            for engine in (*sections_laws.SINGLE, *sections_laws.BATCH):
+                found = row(table, law=law, engine=engine)
+                assert found["err"] < 1e-12
+                assert found["cpu [us]"] > 0.0
+    assert [r["law"] for r in verdict.rows] == list(SOME)
+
+
+@needs_c
+@pytest.mark.skipif(not simcoon_path.available(), reason="simcoon is not installed")
+def test_laws_beside_simcoon():
+    table, *_ = sections_laws.laws(OURS, 20, SOME[:1])
+    assert row(table, engine="simcoon")["ratio to simcoon"] == 1.0
+    assert row(table, engine="floats")["ratio to simcoon"] > 0.0
+
+
+@pytest.mark.parametrize("loop", sections_laws.LOOPS)
+@pytest.mark.parametrize("name", LAWS.names())
+def test_every_law_transforms_wholly_and_back(name, loop):
+    """Otherwise a time would be that of an elastic line."""
+    given = law_paths.case(name, loop, 400)
+    compiled, values = law_paths.lanes_of(given, 1)
+    strain = np.array(law_paths.judged(given, compiled, values[:, 0]))
+    assert strain.max() - strain.min() > 0.03
+    assert abs(strain[-1] - strain[0]) < 0.2 * np.ptp(strain)
+    there, back = strain[: given.half - 1], strain[-2 : given.half - 1 : -1]
+    assert np.abs(there - back).max() > 0.02  # the loop is open
+
+
+def test_the_lanes_differ_and_the_first_is_nominal():
+    given = law_paths.case("liang-rogers", "thermal", 20)
+    compiled, values = law_paths.lanes_of(given, 8)
+    assert values[:, 0].tolist() == compiled.values(given.law)
+    assert np.ptp(values, axis=1)[values[:, 0] != 0.0].min() > 0.0
+
+
+@needs_c
+def test_mas():
+    tables = {table.title: table for table in sections_mas.mas(OURS, LITTLE)}
+    for wire in sections_mas.WIRES:
+        table = tables[f"Problem B, {wire}: single runs"]
+        coarse, fine = (
+            row(table, engine="ours, C", setting=f"dt {ms} ms")["err"] for ms in (100, 50)
+        )
+        assert 1e-6 < fine < coarse < 1e-3
+        assert row(table, engine="ours, floats")["err"] == pytest.approx(coarse, rel=1e-6)
+        assert row(table, engine="LSODA", setting="rtol 1e-6")["err"] < 1e-5
+        batch = row(tables[f"Problem B, {wire}: batch of 8"], engine="ours, SIMD C")
+        assert batch["failed"] or batch["err"] < 1e-3
+    hybrid = tables["Problem B with mas-hybrid against its stiff equations"]
+    assert sections_mas.good(row(hybrid, engine="ours, C"))
+    assert math.isfinite(
+        tables["mas-hybrid: times faster than its stiff equations"].rows[0]["cpu [ms]"]
+    )
+
+
+def test_batches_on_jax():
+    sets = mas_runs.parameter_sets(Wire(), 8)
+    run = mas_runs.jax_batch(mas_runs.Problem(Wire(), "mas-hybrid"), sets, 0.1, 8)
+    judge = mas_batches.Judge(sets)
+    assert run().shape == (8, mas_runs.SAMPLES)
+    candidate = judge.candidate("ours", "", run, 8)
+    assert candidate.error is not None
+    assert math.isnan(candidate.error(np.full((8, mas_runs.SAMPLES), np.nan)))
+    assert judge.failed["ours", ""] == 8
+    assert candidate.error(np.array(judge.exact)) == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", ["edge", "barrier"])
+def test_kvaerno_agrees_with_radau(form):
+    pytest.importorskip("diffrax")
+    from benchmarks.peers import mas_diffrax
+
+    found = mas_ode.outcome(Wire(), mas_diffrax.trajectory(Wire(), form, 1e-6)())
+    assert mas_batches.errors(found[0], mas_batches.reference(Wire(), form)[0])[1] < 1e-5
+
+
+def test_a_wrong_barrier_is_an_error():
+    wrong = mas_ode.trajectory(mas_ode.by_odeint, Wire(Delta_sigma=53e6), "edge", 1e-6)()
+    found = mas_ode.outcome(Wire(), wrong)
+    assert mas_batches.errors(found[0], mas_batches.reference(Wire(), "edge")[0])[0] > 1e-3
