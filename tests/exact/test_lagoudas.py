@@ -9,8 +9,8 @@ from builders import along, chamber, fraction_after, stepper, strain_of, through
 
 from martensite.errors import ParameterError
 from martensite.laws.base import Fractions
-from martensite.laws.hardening import hardening, hardening_integral, transformed
 from martensite.laws.lagoudas import Lagoudas
+from martensite.laws.shared.hardening import hardening, hardening_integral, transformed
 from martensite.materials.base import load_material
 from martensite.runtimes import floats
 from martensite.simulate.api import simulate

@@ -13,9 +13,9 @@ from mas_paths import TABLE_1, table_1
 from scipy import special
 from scipy.linalg import expm
 
-from martensite.laws.barriers import BOLTZMANN
-from martensite.laws.exchange import Flows, exchange
-from martensite.laws.layers import Variants
+from martensite.laws.shared.barriers import BOLTZMANN
+from martensite.laws.shared.exchange import Flows, exchange
+from martensite.laws.shared.layers import Variants
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.thermal.constant import ConstantCooling

@@ -21,10 +21,10 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 from __future__ import annotations
 
 from martensite.errors import ParameterError
-from martensite.laws import twinned
 from martensite.laws.base import LAWS, AbstractLaw, Fractions
-from martensite.laws.history import Strip
-from martensite.laws.twinned import Diagram, Memory, Move
+from martensite.laws.shared import twinned
+from martensite.laws.shared.history import Strip
+from martensite.laws.shared.twinned import Diagram, Memory, Move
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 

@@ -19,7 +19,7 @@ Young's modulus is that of the mixture, and the constitutive equation is integra
 The rate form is often printed without its third term; then it is the differential of no stress
 function, and closed loops leave a spurious strain. Both conditions can hold together where the
 strips overlap (C_A > C_M), for which the paper has no rule: one process acts, the branch in
-progress, else the one met first, else reverse (`martensite.laws.history`).
+progress, else the one met first, else reverse (`martensite.laws.shared.history`).
 
 Two statements that are printed about this model: "reduces to Liang–Rogers at constant stress" is
 true for ξ; strains agree up to E(ξ), and fully with its option `modulus = "mixture"`. "Reduces
@@ -33,7 +33,7 @@ original was not seen. The history rules `resume` and `restart` are this package
 from __future__ import annotations
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.strips import AbstractStripLaw, cosine
+from martensite.laws.shared.strips import AbstractStripLaw, cosine
 from martensite.runtimes.namespace import Namespace, Scalar
 
 

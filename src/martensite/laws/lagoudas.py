@@ -1,7 +1,7 @@
 r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
 
 One-dimensional form. Surfaces, calibration and their sources are described in
-`martensite.laws.surfaces`, the hardening shares h in `martensite.laws.hardening`:
+`martensite.laws.shared.surfaces`, the hardening shares h in `martensite.laws.shared.hardening`:
 
     ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
     dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
@@ -30,8 +30,8 @@ from __future__ import annotations
 from typing import ClassVar, NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.hardening import hardening, hardening_integral, transformed
-from martensite.laws.surfaces import AbstractSurfaceLaw, Scale, Way
+from martensite.laws.shared.hardening import hardening, hardening_integral, transformed
+from martensite.laws.shared.surfaces import AbstractSurfaceLaw, Scale, Way
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 

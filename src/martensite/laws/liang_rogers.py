@@ -18,7 +18,7 @@ Source: Liang and Rogers (1990), J. Intell. Mater. Syst. Struct. 1. The history 
 from __future__ import annotations
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.strips import AbstractStripLaw, cosine
+from martensite.laws.shared.strips import AbstractStripLaw, cosine
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
 

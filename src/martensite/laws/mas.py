@@ -3,8 +3,8 @@ r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermal
     dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
     ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
 
-with the wells of `laws.layers` and the rates of `laws.barriers`. A plateau lies a little
-inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
+with the wells of `laws.shared.layers` and the rates of `laws.shared.barriers`. A plateau lies
+a little inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
 V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
 rates.
 
@@ -20,10 +20,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.laws.barriers import Process, Start, begin, processes, rate, scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.exchange import Flows, exchange, mean_flows
-from martensite.laws.layers import AbstractLayers, Pull, Variants, together, variants
+from martensite.laws.shared.barriers import Process, Start, begin, processes, rate, scales, wells
+from martensite.laws.shared.exchange import Flows, exchange, mean_flows
+from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, together, variants
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
 

@@ -24,9 +24,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.laws.barriers import scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.layers import AbstractLayers, Pull, Variants, together, variants
+from martensite.laws.shared.barriers import scales, wells
+from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, together, variants
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 

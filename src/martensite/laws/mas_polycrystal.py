@@ -23,10 +23,10 @@ from collections.abc import Callable, Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
-from martensite.laws.barriers import Process, Start, begin, scales, wells
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.exchange import exchange, mean_flows
-from martensite.laws.layers import AbstractLayers, Pull, Variants, variants
+from martensite.laws.shared.barriers import Process, Start, begin, scales, wells
+from martensite.laws.shared.exchange import exchange, mean_flows
+from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, variants
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -58,7 +58,7 @@ class Move(NamedTuple):
 class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
-    iterations = 10
+    iterations = 12
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(

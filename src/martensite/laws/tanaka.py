@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.strips import AbstractStripLaw
+from martensite.laws.shared.strips import AbstractStripLaw
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
 

@@ -7,7 +7,7 @@ equation in integrated form, so that elastic loops close:
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ
 
 A law says what a process leaves to transform at a distance from its finish line, and Young's
-modulus. The history rules are those of `martensite.laws.history`. Tension and elongation are
+modulus. The history rules are those of `martensite.laws.shared.history`. Tension and elongation are
 positive; all martensite counts as oriented. Θ > 0 means that a free bar shrinks on heating.
 """
 
@@ -16,9 +16,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from martensite.errors import ParameterError
-from martensite.laws import history
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.laws.history import Memory, Move, Strip
+from martensite.laws.shared import history
+from martensite.laws.shared.history import Memory, Move, Strip
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 

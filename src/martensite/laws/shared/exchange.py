@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.laws.barriers import Process, Start, mean_rate
-from martensite.laws.layers import Variants
+from martensite.laws.shared.barriers import Process, Start, mean_rate
+from martensite.laws.shared.layers import Variants
 from martensite.runtimes.namespace import Namespace, Scalar
 
 SMALL = 1e-2

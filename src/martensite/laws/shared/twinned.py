@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.laws.base import Fractions
-from martensite.laws.history import RESUME, Course, Strip, course, round_off
+from martensite.laws.shared.history import RESUME, Course, Strip, course, round_off
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 
 UNSET = 1.0

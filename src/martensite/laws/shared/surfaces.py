@@ -1,7 +1,7 @@
 r"""Transformation surfaces of the Boyd–Lagoudas model, and their constants from calibration.
 
 With ΔS = 1/E_M - 1/E_A, the current transformation strain H(σ) and the hardening shares h of
-`martensite.laws.hardening`, transformation needs (forward; reverse, with Λ = ε_t/ξ)
+`martensite.laws.shared.hardening`, transformation needs (forward; reverse, with Λ = ε_t/ξ)
 
     (1 - D) H σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₁ h_f(ξ) - a₃ - Y₀ = 0
     (1 + D) Λ σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₂ h_r(ξ) + a₃ + Y₀ = 0
@@ -36,7 +36,7 @@ from typing import NamedTuple
 
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw
-from martensite.laws.hardening import LEAST_EXPONENT, hardening
+from martensite.laws.shared.hardening import LEAST_EXPONENT, hardening
 from martensite.parameters import param
 from martensite.runtimes import floats
 from martensite.runtimes.bracket import solve_bracketed

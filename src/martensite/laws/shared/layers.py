@@ -16,8 +16,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.errors import ParameterError
-from martensite.laws.barriers import Material
 from martensite.laws.base import AbstractLaw, Fractions
+from martensite.laws.shared.barriers import Material
 from martensite.parameters import option, param
 from martensite.runtimes.dual import value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -95,7 +95,7 @@ class AbstractLayers(AbstractLaw):
 
     @property
     def form(self) -> str:
-        """Form of the barriers, see `laws.barriers`."""
+        """Form of the barriers, see `laws.shared.barriers`."""
         return "barrier"
 
     def material(self) -> Material:
