@@ -91,6 +91,35 @@ def test_loops_do_not_nest():
         traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, nested))
 
 
+def root(_, xp, a, b):
+    """A loop over a state, with a loop over rows inside."""
+
+    def turn(x, step):
+        first, _ = xp.each(lambda n, y: (n * y + x, x * b), (1.0, 2.0, 3.0), (a, b, x))
+        value, slope = value_and_slope(xp, lambda xp, x: x * x * x + x - a, x)
+        return x - value / slope + 0.0 * sum(first), step + 1.0
+
+    return tuple(xp.repeat(9, turn, b, 0.0)) + tuple(xp.repeat(2, turn, b, a))
+
+
+def test_loops_over_states_agree(runtime):
+    kernel = Kernel({"a": (-2.0, 2.0), "b": (-2.0, 2.0)}, root)
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(Parametrised(), kernel, inputs)
+    assert (meant[1] == 9.0).all()
+    assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 1e-14
+    program = traced(Parametrised(), kernel)
+    assert program.graph.operations.count("repeat") == 2
+
+
+def test_loops_over_states_do_not_nest():
+    def nested(_, xp, a):
+        return xp.repeat(2, lambda x: xp.repeat(2, lambda y: (x * y,), x), a)
+
+    with pytest.raises(TypeError, match="inside another"):
+        traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, nested))
+
+
 def test_a_missing_operation_is_named():
     with pytest.raises(AttributeError, match="no operation `arctan`"):
         traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, lambda _, xp, a: xp.arctan(a)))

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes.bracket import ITERATIONS, solve_bracketed
+from martensite.runtimes.bracket import ITERATIONS, solve_bracketed, turns
 from martensite.runtimes.dual import value_and_slope, values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -112,20 +112,30 @@ def _polish(
     iterations: int,
 ) -> Fractions:  # fmt: skip
     """Newton's method in both fractions; a step that does not help is shortened."""
-    best, step, length = start, Fractions(0.0, 0.0), 1.0
-    least: Scalar = float("inf")
-    for _ in range(iterations):
-        tried = Fractions(*(b + length * s for b, s in zip(best, step, strict=True)))
+
+    def turn(
+        m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar, least: Scalar
+    ) -> tuple[Scalar, ...]:
+        tried = _admissible(xp, m + length * step_m, o + length * step_o)
         newton, residual = _newton(xp, answer, tried)
         better = residual < least
-        best, step = (
-            Fractions(*(xp.where(better, a, b) for a, b in zip(new, old, strict=True)))
-            for new, old in ((tried, best), (newton, step))
+        pairs = zip((*tried, *newton), (m, o, step_m, step_o), strict=True)
+        kept = (xp.where(better, new, old) for new, old in pairs)
+        return (
+            *kept,
+            xp.where(better, 1.0, 0.25 * length),
+            xp.where(better, residual, least),
         )
-        least = xp.where(better, residual, least)
-        length = xp.where(better, 1.0, 0.25 * length)
-    last = Fractions(*(b + length * s for b, s in zip(best, step, strict=True)))
-    return last
+
+    begin = *start, 0.0, 0.0, 1.0, float("inf")
+    m, o, step_m, step_o, length, _ = turns(xp, iterations, turn, *begin)
+    return _admissible(xp, m + length * step_m, o + length * step_o)
+
+
+def _admissible(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
+    """The nearest legal phase state: an iterate may lie outside."""
+    martensite = xp.clip(martensite, 0.0, 1.0)
+    return Fractions(martensite, xp.clip(oriented, -martensite, martensite))
 
 
 def _newton(

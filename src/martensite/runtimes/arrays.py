@@ -21,8 +21,9 @@ class ArrayNamespace:
     """The operations over an array module `np` (numpy or jax.numpy)."""
 
     def __init__(
-        self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64"
-    ) -> None:
+        self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64",
+        repeat: Any = floats.repeat,
+    ) -> None:  # fmt: skip
         self.np = np
         self.precision = precision
         self.both = np.logical_and
@@ -33,6 +34,7 @@ class ArrayNamespace:
         self.detach = detach
         self.store = store
         self.each = floats.each
+        self.repeat = repeat
 
     def eps(self) -> float:
         """Distance from 1 to the next number of the working precision."""

@@ -21,7 +21,7 @@ from martensite.errors import MartensiteError
 from martensite.files import cache_folder
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
-from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, LoopText, Printer
+from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, LoopText, Printer, RepeatText
 from martensite.runtimes.program import Function, Program
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
@@ -56,6 +56,24 @@ def _loop(loop: LoopText) -> list[str]:
     ]
 
 
+def _repeat(loop: RepeatText) -> list[str]:
+    """A loop over variables of its own block."""
+    state = list(zip(loop.state, loop.begin, loop.outputs, strict=True))
+    results = loop.results()
+    return [
+        f"double {', '.join(results)};",
+        "{",
+        *(f"    double {name} = {begin};" for name, begin, _ in state),
+        f"    for (int k = 0; k < {loop.count}; k++) {{",
+        *(f"        {line}" for line in loop.body),
+        *(f"        const double n_{name} = {value};" for name, _, value in state),
+        *(f"        {name} = n_{name};" for name, _, _ in state),
+        "    }",
+        *(f"    {result} = {name};" for result, name in zip(results, loop.state, strict=True)),
+        "}",
+    ]
+
+
 C_DIALECT = Dialect(
     templates={
         **PYTHON_OPERATORS,
@@ -82,6 +100,7 @@ C_DIALECT = Dialect(
     assign=_assign,
     constant=_constant,
     loop=_loop,
+    repeat=_repeat,
 )
 
 

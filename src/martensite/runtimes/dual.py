@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from martensite.runtimes import floats
 from martensite.runtimes.floats import HALF_PI, ROOT_PI
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -241,6 +242,10 @@ class DualNamespace:
 
         found = iter(self.base.each(inner, *flat))
         return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
+
+    def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """`count` times state = body(*state), unrolled."""
+        return floats.repeat(count, body, *state)
 
     def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:
         if tangents is None:

@@ -94,6 +94,14 @@ def each(
     return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
 
 
+def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
+    """`count` times state = body(*state)."""
+    found: Sequence[float] = state
+    for _ in range(count):
+        found = body(*found)
+    return found
+
+
 def detach(x: float) -> float:
     """`x` itself."""
     return x

@@ -8,13 +8,13 @@ body that runs over rows (`each`) is traced once and stays a loop.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from martensite.runtimes import floats
 
-PARAMETER, VARYING, ROW = 1, 2, 4
-"""What a node may depend on; ROW nodes live inside the body of a loop."""
+PARAMETER, VARYING, ROW, TURN = 1, 2, 4, 8
+"""What a node may depend on; ROW and TURN nodes live inside the body of a loop."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -45,6 +45,16 @@ class Loop(NamedTuple):
     """What the body takes from around it."""
 
 
+class Repeat(NamedTuple):
+    """A body that replaces a state by the next, some times."""
+
+    turns: int
+    begin: tuple[int, ...]
+    state: tuple[int, ...]
+    """The inputs of the body."""
+    outputs: tuple[int, ...]
+
+
 class Graph:
     """Nodes (operation, arguments) in order of creation; arguments come before their users."""
 
@@ -54,6 +64,7 @@ class Graph:
         self.depends: list[int] = []
         self.details: list[Any] = []
         self.loops: dict[int, Loop] = {}
+        self.repeats: dict[int, Repeat] = {}
         self._known: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
@@ -72,10 +83,7 @@ class Graph:
         if simple is not None:
             return simple
         indices = tuple(node.index for node in nodes)
-        depends = 0
-        for index in indices:
-            depends |= self.depends[index]
-        return self._node(operation, indices, depends)
+        return self._node(operation, indices, self._joined(indices))
 
     def loop(
         self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]]
@@ -90,34 +98,55 @@ class Graph:
         outputs = tuple(r.index for r in inside)
         around = tuple(self._outside(outputs))
         needed = (*dict.fromkeys(i for column in table for i in column), *around)
-        node = self._node("each", needed, VARYING, (table, outputs)).index
+        depends = VARYING | (self._joined(needed) & TURN)
+        node = self._node("each", needed, depends, (table, outputs)).index
         self.loops[node] = Loop(table, tuple(r.index for r in row), outputs, around)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
         for result in results:
             if self.depends[result.index] & ROW:
                 place = next(places)
-                found.append([self._node("item", (node,), VARYING, (place, k)) for k in rows])
+                found.append([self._node("item", (node,), depends, (place, k)) for k in rows])
             else:
                 found.append([result for _ in rows])
         return tuple(found)
 
-    def body(self, outputs: Sequence[int]) -> list[int]:
-        """The nodes inside the body of a loop, in order."""
+    def repeat(
+        self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any]
+    ) -> list[Expr]:
+        """Trace one turn of a loop over a state."""
+        begin = tuple(self._expr(value).index for value in state)
+        if self._joined(begin) & TURN:
+            raise TypeError("A kernel must not put `xp.repeat` inside another `xp.repeat`.")
+        inputs = [self.input(f"r{k}", TURN | VARYING) for k in range(len(begin))]
+        outputs = tuple(self._expr(result).index for result in body(*inputs))
+        needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, TURN))))
+        node = self._node("repeat", needed, VARYING, (count, begin, outputs)).index
+        self.repeats[node] = Repeat(count, begin, tuple(i.index for i in inputs), outputs)
+        return [self._node("result", (node,), VARYING, place) for place in range(len(outputs))]
+
+    def _outside(self, outputs: Sequence[int], bit: int = ROW) -> list[int]:
+        """The nodes that the body of a loop takes from around it."""
+        found: dict[int, None] = {}
         seen: set[int] = set()
         stack = list(outputs)
         while stack:
             index = stack.pop()
-            if index not in seen and self.depends[index] & ROW:
-                seen.add(index)
-                stack += () if self.operations[index] == "input" else self.arguments[index]
-        return sorted(seen)
+            if index in seen:
+                continue
+            seen.add(index)
+            if not self.depends[index] & bit:
+                found[index] = None
+            elif self.operations[index] != "input":
+                stack += self.arguments[index]
+        return sorted(found)
 
-    def _outside(self, outputs: Sequence[int]) -> list[int]:
-        """The nodes that the body of a loop takes from around it."""
-        inner = [i for i in self.body(outputs) if self.operations[i] != "input"]
-        used = (argument for index in inner for argument in self.arguments[index])
-        return list(dict.fromkeys(index for index in used if not self.depends[index] & ROW))
+    def _joined(self, indices: Iterable[int]) -> int:
+        """All that some nodes depend on."""
+        depends = 0
+        for index in indices:
+            depends |= self.depends[index]
+        return depends
 
     def _expr(self, value: Any) -> Expr:
         return value if isinstance(value, Expr) else self.constant(value)
@@ -257,6 +286,10 @@ class GraphNamespace:
     ) -> tuple[list[Expr], ...]:
         """One loop over the rows of the columns."""
         return self.graph.loop(body, columns)
+
+    def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
+        """One loop over a state."""
+        return self.graph.repeat(count, body, state)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
         """`x` limited to [low, high]."""

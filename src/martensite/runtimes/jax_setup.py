@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -18,8 +19,21 @@ class JaxNamespace(ArrayNamespace):
     """The kernel operations over JAX arrays, and the configured `jax` itself."""
 
     def __init__(self, jax: Any) -> None:
-        super().__init__(jax.numpy, detach=jax.lax.stop_gradient)
+        super().__init__(jax.numpy, detach=jax.lax.stop_gradient, repeat=self.loop)
         self.jax = jax
+
+    def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """One loop of the compiler, over states of the shape that the body makes of them."""
+        made = self.jax.eval_shape(body, *state)
+
+        def shaped(values: Sequence[Any]) -> list[Any]:
+            pairs = zip(values, made, strict=True)
+            return [self.np.broadcast_to(v, m.shape).astype(m.dtype) for v, m in pairs]
+
+        def turn(_: Any, now: Sequence[Any]) -> list[Any]:
+            return shaped(body(*now))
+
+        return self.jax.lax.fori_loop(0, count, turn, shaped(state))
 
 
 @cache
@@ -49,4 +63,4 @@ def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype))
+    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat)

@@ -91,6 +91,12 @@ class Namespace(Protocol):
         """
         ...
 
+    def repeat(
+        self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
+    ) -> Sequence[Scalar]:
+        """`count` times state = body(*state), as one loop; not nested, for long iterations."""
+        ...
+
     def detach(self, x: Scalar, /) -> Scalar:
         """`x` itself, but a constant to differentiation."""
         ...

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from martensite.runtimes.graph import PARAMETER, ROW, Expr, Graph
+from martensite.runtimes.graph import PARAMETER, ROW, TURN, Expr, Graph
 
 DEEPEST = 24
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
@@ -24,6 +24,7 @@ class Dialect:
     assign: Callable[[str, str, bool], str]
     constant: Callable[[float | bool], str]
     loop: Callable[[LoopText], list[str]]
+    repeat: Callable[[RepeatText], list[str]]
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,23 @@ class LoopText:
 
     def results(self) -> list[str]:
         """Names of the columns of results."""
+        return [f"{self.name}_{k}" for k in range(len(self.outputs))]
+
+
+@dataclass(frozen=True)
+class RepeatText:
+    """A loop over a state, in words of the language."""
+
+    name: str
+    count: int
+    state: Sequence[str]
+    """Names of the inputs of the body."""
+    begin: Sequence[str]
+    body: Sequence[str]
+    outputs: Sequence[str]
+
+    def results(self) -> list[str]:
+        """Names of the results."""
         return [f"{self.name}_{k}" for k in range(len(self.outputs))]
 
 
@@ -63,9 +81,13 @@ class Printer:
         depth: dict[int, int] = {}
         lines: list[str] = []
         for index in sorted(uses):
-            if index in self.graph.loops and index not in self.shared:
+            if index in self.graph.loops:
                 text[index] = f"e{index}"
                 lines += self._loop(index, text)
+                continue
+            if index in self.graph.repeats:
+                text[index] = f"e{index}"
+                lines += self._repeat(index, text)
                 continue
             expression = self._expression(index, text)
             arguments = self._children(index)
@@ -82,7 +104,7 @@ class Printer:
     def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
         """A loop over rows, its body printed with names of its own."""
         loop, inner = self.graph.loops[index], dict(text)
-        uses = self._uses(loop.outputs, inside=True)
+        uses = self._uses(loop.outputs, ROW)
         body = self._lines(uses, inner, "b")
         named = LoopText(
             name=text[index],
@@ -93,6 +115,20 @@ class Printer:
             around=[text[i] for i in loop.around if not self.is_flag(i)],
         )
         return self.dialect.loop(named)
+
+    def _repeat(self, index: int, text: Mapping[int, str]) -> list[str]:
+        """A loop over a state, its body printed with names of its own."""
+        loop, inner = self.graph.repeats[index], dict(text)
+        body = self._lines(self._uses(loop.outputs, TURN), inner, "t")
+        named = RepeatText(
+            name=text[index],
+            count=loop.turns,
+            state=[str(self.graph.arguments[i][0]) for i in loop.state],
+            begin=[text[i] for i in loop.begin],
+            body=body,
+            outputs=[inner[i] for i in loop.outputs],
+        )
+        return self.dialect.repeat(named)
 
     def share(self, nodes: Iterable[Expr], name: Callable[[int], str]) -> None:
         """Declare that these nodes are available under a name from now on."""
@@ -111,10 +147,10 @@ class Printer:
             return ()
         return self.graph.arguments[index]
 
-    def _uses(self, wanted: Sequence[int], inside: bool = False) -> dict[int, int]:
+    def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
         """How often each needed node is used; names wanted by an operation count double.
 
-        Inside the body of a loop only its own nodes count: the others have names already.
+        Inside the body of a loop (ROW, TURN) only its own nodes count: the others have names.
         """
         uses: dict[int, int] = {}
         stack = list(wanted)
@@ -127,9 +163,10 @@ class Printer:
                 continue
             seen.add(index)
             wants = self.graph.operations[index] in self.dialect.wants_names
-            weight = 2 if wants or index in self.graph.loops else 1
+            loops = index in self.graph.loops or index in self.graph.repeats
+            weight = 2 if wants or loops else 1
             for child in self._children(index):
-                if inside and not self.graph.depends[child] & ROW:
+                if inside and not self.graph.depends[child] & inside:
                     continue
                 uses[child] = uses.get(child, 0) + weight
                 stack.append(child)
@@ -146,6 +183,8 @@ class Printer:
         if operation == "item":
             place, row = self.graph.details[index]
             return f"{text[args[0]]}_{place}[{row}]"
+        if operation == "result":
+            return f"{text[args[0]]}_{self.graph.details[index]}"
         return self.dialect.templates[operation].format(*(text[a] for a in args))
 
 
@@ -209,6 +248,29 @@ def _array_loop(loop: LoopText) -> list[str]:
     ]
 
 
+def _float_repeat(loop: RepeatText) -> list[str]:
+    """A Python loop that replaces numbers."""
+    state = ", ".join(loop.state)
+    return [
+        f"{state}, = {', '.join(loop.begin)},",
+        f"for _ in range({loop.count}):",
+        *(f"    {line}" for line in loop.body),
+        f"    {state}, = {', '.join(loop.outputs)},",
+        f"{', '.join(loop.results())}, = {state},",
+    ]
+
+
+def _array_repeat(loop: RepeatText) -> list[str]:
+    """A loop of the array module."""
+    return [
+        f"def {loop.name}({', '.join(loop.state)}):",
+        *(f"    {line}" for line in loop.body),
+        f"    return {', '.join(loop.outputs)},",
+        f"{', '.join(loop.results())}, = xp.repeat({loop.count}, {loop.name}, "
+        f"{', '.join(loop.begin)})",
+    ]
+
+
 FLOAT_DIALECT = Dialect(
     templates={
         **PYTHON_OPERATORS,
@@ -235,6 +297,7 @@ FLOAT_DIALECT = Dialect(
     assign=lambda name, expression, flag: f"{name} = {expression}",
     constant=python_constant,
     loop=_float_loop,
+    repeat=_float_repeat,
 )
 
 ARRAY_DIALECT = Dialect(
@@ -253,4 +316,5 @@ ARRAY_DIALECT = Dialect(
     assign=lambda name, expression, flag: f"{name} = {expression}",
     constant=python_constant,
     loop=_array_loop,
+    repeat=_array_repeat,
 )  # fmt: skip
