@@ -58,7 +58,7 @@ class Move(NamedTuple):
 class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
-    iterations = 12
+    iterations = 16
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(

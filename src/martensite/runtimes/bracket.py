@@ -1,8 +1,10 @@
 """Bracketed Newton iteration of fixed count: compiles, batches and differentiates.
 
 For a strictly increasing function. An iterate on an end of the bracket is refused, else flat
-sides make plain clipping cycle between the ends for ever; a correction at round-off level is
-always accepted, since a comparison near the root may round differently in its several uses.
+sides make plain clipping cycle between the ends for ever. Long iterations, which have the
+time, also refuse a step that neither halves the bracket nor the last step, else they may cycle
+near the ends. A correction at round-off level is always accepted, since a comparison near the
+root may round differently in its several uses.
 The slope is exact (dual numbers), so the function needs no derivative of its own.
 """
 
@@ -34,17 +36,20 @@ def solve_bracketed(
     exactly. With slopes of at least 1, |function(root)| bounds the error of the root.
     """
 
-    def turn(x: Scalar, low: Scalar, high: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    def turn(x: Scalar, low: Scalar, high: Scalar, last: Scalar) -> tuple[Scalar, ...]:
         value, slope = (xp.store(v) for v in value_and_slope(xp, function, x))
-        above = value > 0.0
+        above, width = value > 0.0, high - low
         high, low = xp.where(above, x, high), xp.where(above, low, x)
         newton = x - value / slope
+        step = xp.abs(newton - x)
         inside = xp.both(low < newton, newton < high)
-        accept = xp.either(inside, xp.abs(newton - x) <= ROUND_OFF * xp.eps())
-        return xp.where(accept, newton, 0.5 * (low + high)), low, high
+        if iterations > UNROLLED:
+            inside = xp.both(inside, xp.either(high - low <= 0.5 * width, step <= 0.5 * last))
+        accept = xp.either(inside, step <= ROUND_OFF * xp.eps())
+        after = xp.where(accept, newton, 0.5 * (low + high))
+        return after, low, high, xp.abs(after - x)
 
-    root, _, _ = turns(xp, iterations, turn, start, *bracket)
-    return root
+    return turns(xp, iterations, turn, start, *bracket, float("inf"))[0]
 
 
 def turns(
