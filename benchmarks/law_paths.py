@@ -52,7 +52,6 @@ class Case(NamedTuple):
     """A law and one loop, in 2 `half` equal steps."""
 
     law: AbstractLaw
-    material: str
     half: int
     start: tuple[float, float]  # [Pa], [K]
     turn: tuple[float, float]
@@ -89,7 +88,7 @@ def case(name: str, loop: str, steps: int) -> Case:
         corners = (0.0, ends.temperature), (ends.top, ends.temperature)
     else:
         corners = (STRESS, ends.hot), (STRESS, ends.cold)
-    return Case(law, material, steps // 2, *corners)
+    return Case(law, steps // 2, *corners)
 
 
 def single(given: Case, runtime: str) -> Callable[[], Any]:

@@ -86,14 +86,13 @@ def cut(make: Any, given: Case, compiled: Any, values: Any, error: Any) -> tuple
 
 
 def rows_of(
-    timings: Sequence[Timing], runs: Sequence[Candidate], labels: Sequence[tuple[str, str]]
+    timings: Sequence[Timing], runs: Sequence[Candidate], labels: Sequence[str]
 ) -> list[dict[str, Any]]:
     """Printed rows; the ratio says how many times simcoon's path takes longer."""
     compared = timings[0].name == PEER
     return [
         {
             "law": law,
-            "material": material,
             "engine": t.name,
             "sets run": run.per,
             "err": None if t.name == PEER else t.err,
@@ -101,19 +100,19 @@ def rows_of(
             "spread": t.spread,
             "ratio to simcoon": 1.0 / t.ratio if compared else None,
         }
-        for t, run, (law, material) in zip(timings, runs, labels, strict=True)
+        for t, run, law in zip(timings, runs, labels, strict=True)
     ]
 
 
 def path_rows(options: Options, loop: str, steps: int, names: Sequence[str]) -> list[Any]:
     """All laws and engines along one loop, in the same rounds as simcoon."""
     runs = peer(loop, steps)
-    labels = [("SMADI", "synthetic")] * len(runs)
+    labels = ["SMADI"] * len(runs)
     for name in names if ours(options) else ():
         given = case(name, loop, steps)
         made = [*singles(given), *batches(given, max(options.sizes))]
         runs += made
-        labels += [(name, given.material)] * len(made)
+        labels += [name] * len(made)
     return rows_of(measure(runs, options.repeats), runs, labels) if runs else []
 
 

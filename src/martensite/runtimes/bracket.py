@@ -2,10 +2,10 @@
 
 For a strictly increasing function. An iterate on an end of the bracket is refused, else flat
 sides make plain clipping cycle between the ends for ever. Long iterations, which have the
-time, also refuse a step that neither halves the bracket nor the last step, else they may cycle
-near the ends. A correction at round-off level is always accepted, since a comparison near the
-root may round differently in its several uses.
-The slope is exact (dual numbers), so the function needs no derivative of its own.
+time, also refuse a step across the bracket that halves neither it nor the last step, else they
+may cycle near the ends. A correction at round-off level is always accepted, since a comparison
+near the root may round differently in its several uses. The slope is exact (dual numbers), so
+the function needs no derivative of its own.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ def solve_bracketed(
         step = xp.abs(newton - x)
         inside = xp.both(low < newton, newton < high)
         if iterations > UNROLLED:
-            inside = xp.both(inside, xp.either(high - low <= 0.5 * width, step <= 0.5 * last))
+            gains = xp.either(high - low <= 0.5 * width, step <= 0.5 * last)
+            inside = xp.both(inside, xp.either(gains, step <= 0.25 * (high - low)))
         accept = xp.either(inside, step <= ROUND_OFF * xp.eps())
         after = xp.where(accept, newton, 0.5 * (low + high))
         return after, low, high, xp.abs(after - x)
@@ -55,5 +56,5 @@ def solve_bracketed(
 def turns(
     xp: Namespace, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
 ) -> Sequence[Scalar]:
-    """`count` times state = body(*state): unrolled if short, which runs faster, else a loop."""
+    """The state after `count` turns: written out if few, which runs faster, else as a loop."""
     return (xp if count > UNROLLED else floats).repeat(count, body, *state)

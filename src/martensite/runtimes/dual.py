@@ -244,7 +244,7 @@ class DualNamespace:
         return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
-        """`count` times state = body(*state), unrolled."""
+        """The state after `count` turns of `body`, written out."""
         return floats.repeat(count, body, *state)
 
     def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:

@@ -95,7 +95,7 @@ def each(
 
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
-    """`count` times state = body(*state)."""
+    """The state after `count` turns of `body`."""
     found: Sequence[float] = state
     for _ in range(count):
         found = body(*found)

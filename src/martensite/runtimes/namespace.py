@@ -94,7 +94,7 @@ class Namespace(Protocol):
     def repeat(
         self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
     ) -> Sequence[Scalar]:
-        """`count` times state = body(*state), as one loop; not nested, for long iterations."""
+        """The state after `count` turns of `body`, as one loop; not nested, for long iterations."""
         ...
 
     def detach(self, x: Scalar, /) -> Scalar:
