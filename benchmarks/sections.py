@@ -7,7 +7,7 @@ A new engine appears in every section that it has a capability for; a new sectio
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -45,10 +45,11 @@ class Options(NamedTuple):
 
 
 Section = Callable[[Options], list[Table]]
+Some = TypeVar("Some", bound=Callable[..., list[Table]])
 SECTIONS: dict[str, Section] = {}
 
 
-def section(make: Section) -> Section:
+def section(make: Some) -> Some:
     """Enter a section under the name of its function."""
     SECTIONS[make.__name__] = make
     return make

@@ -13,7 +13,7 @@ from mas_paths import TABLE_1, follow, table_1, there_and_back
 
 from martensite.laws.base import Fractions
 from martensite.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as Hybrid
-from martensite.laws.mas_hybrid import Variants
+from martensite.laws.shared.layers import Variants
 from martensite.runtimes import floats
 from martensite.simulate.api import simulate
 

@@ -2,6 +2,7 @@
 
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import builders
 import numpy as np
@@ -260,7 +261,7 @@ def special(law, rng, count):
 @EVERY
 def test_a_hundred_thousand_states_stay_finite(law):
     count, rng, xp = 100_000, np.random.default_rng(1), ArrayNamespace(np)
-    xi = np.where(rng.random(count) < 0.3, rng.integers(0, 2, count), rng.random(count))
+    xi: Any = np.where(rng.random(count) < 0.3, rng.integers(0, 2, count), rng.random(count))
     memory = law.init(xp, Fractions(xi, xi), *special(law, rng, count))
     for dt in (1e-3, 0.0, 10.0, 1e-9):
         s, t = special(law, rng, count)

@@ -90,7 +90,7 @@ def cut(path, substeps):
 
 def referred(p, rule, path, start):
     """States of the reference after every leg."""
-    states = [reference.State(*start, path[0][1], path[0][0])]
+    states = [reference.State(start[0], start[1], path[0][1], path[0][0])]
     for sigma, T in path[1:]:
         states.append(reference.advance(p, rule, states[-1], sigma, T))
     return states
@@ -220,7 +220,8 @@ class TestDualRegion:
         leg = [(p.sigma_s, p.M_s), (sigma, T)]
         state = referred(p, "resume", leg, start)[-1]
         law = followed(p, "resume", leg, start)[-1]
-        return reference.literal_sum(p, *start, sigma, T), state.xi_S + state.xi_T, law.sum()
+        literal = reference.literal_sum(p, start[0], start[1], sigma, T)
+        return literal, state.xi_S + state.xi_T, law.sum()
 
     def test_the_literal_sum_reaches_two(self):
         """From austenite to the far corner: all of it counted once as ξ_S and once as ξ_T."""

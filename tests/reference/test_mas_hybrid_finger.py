@@ -6,6 +6,7 @@ anew; its angle is a root by SciPy. Geometry and numbers: `finger`.
 
 from functools import cache
 from types import SimpleNamespace
+from typing import Any
 
 import mas_reference as reference
 import numpy as np
@@ -42,7 +43,8 @@ def angle_and_stress(r, a, plus, minus):
         stress = stress_at(r, a, phi, radius, theta)
         return P.eps_T * (plus - minus) + soft * stress - (cold - shorter)
 
-    theta = float(brentq(gap, -0.1, 2 * phi, xtol=1e-13))
+    root: Any = brentq(gap, -0.1, 2 * phi, xtol=1e-13)
+    theta = float(root)
     return theta, stress_at(r, a, phi, radius, theta)
 
 

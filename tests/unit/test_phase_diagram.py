@@ -135,7 +135,7 @@ def test_figure_of_one_law_has_four_panels_with_what_was_computed(path: str) -> 
     assert labels[1] == ("$T$ [°C]", "$σ$ [MPa]")
     assert labels[2] == ("$T$ [°C]", "$ε$ [%]")
     assert len(figure.axes) == 4
-    drawn = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 1]
+    drawn = [line for line in figure.axes[0].lines if np.size(line.get_xdata()) > 1]
     highest = max(float(np.max(line.get_ydata())) for line in drawn)
     assert highest == pytest.approx(max(max(r.stress) for r in results) / 1e6)
     widest = max(float(np.max(line.get_xdata())) for line in drawn)

@@ -24,7 +24,7 @@ from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.simulate.stages import residual_strain, stages
 from martensite.status import Status
 
-LAW = {
+LAW: dict[str, Any] = {
     "E_A": 60e9, "E_M": 30e9, "eps_L": 0.05, "A_s": 310.0, "A_f": 325.0, "M_s": 300.0,
     "M_f": 285.0, "C_A": 7e6, "C_M": 7e6, "T_ref": 300.0,
 }  # fmt: skip
