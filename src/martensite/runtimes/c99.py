@@ -25,7 +25,7 @@ from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, LoopText, Pri
 from martensite.runtimes.program import Function, Program
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
-         "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
+         "-fno-tree-pre", "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
 
 
 def _constant(value: float | bool) -> str:
@@ -134,9 +134,24 @@ def _function(
     )
 
 
+# glibc has these over vectors; without it gcc calls them lane by lane
+_VECTOR_MATH = """
+#if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#pragma omp declare simd notinbranch
+double exp(double);
+#pragma omp declare simd notinbranch
+double log(double);
+#pragma omp declare simd notinbranch
+double sin(double);
+#pragma omp declare simd notinbranch
+double cos(double);
+#endif
+"""
+
+
 def _prelude() -> str:
     return (
-        "#include <math.h>\n#include <string.h>\n\n"
+        f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
         "static inline double quarter_sine(double x) {\n"
         f"    const double z = x * x;\n    return {_horner(QUARTER_SINE)} * x;\n}}\n"
         "static inline double erfcx(double x) {\n"

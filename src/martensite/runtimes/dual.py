@@ -169,7 +169,8 @@ class DualNamespace:
 
     def abs(self, x: Any) -> Any:
         """Absolute value."""
-        return self.where(self.parts(x)[0] < 0.0, -x, x)
+        v, t = self.parts(x)
+        return self.pair(self.base.abs(v), None if t is None else self.base.where(v < 0.0, -t, t))
 
     def sqrt(self, x: Any) -> Any:
         """Square root; slope 0 where the argument is not positive."""
