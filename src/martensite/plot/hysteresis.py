@@ -40,7 +40,7 @@ RIPPLE = 0.04
 STILL = 1e-6
 """Range of temperature of an isothermal path [K]."""
 _SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
-_CRITICAL = ("sigma_s", "sigma_f")
+_CRITICAL = ("sigma_s", "sigma_f", "sigma_cal")
 ROWS = (2.0, 13.0, 26.0)
 """Heights above the axes of names, second row of names, and legend [points]."""
 SHORTEST = 0.1
