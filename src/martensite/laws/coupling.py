@@ -56,7 +56,7 @@ def advance(
     def drive(xp: Namespace, q: Scalar) -> Scalar:
         return law.drive(xp, move, *settle(xp, _between(start, aim, q)), dt)
 
-    aim = answer(xp, start)
+    aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
     guess = _guess(xp, drive) if law.steep else 0.0
     end = _seek(xp, answer, start, aim, guess, max(iterations, law.iterations))
     if not law.one_way:
@@ -96,10 +96,11 @@ def _seek(
     size = xp.abs(m) + xp.abs(o)
     moves = size > LEAST
     share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
-    per_m, per_o = xp.where(m < 0.0, -share, share), xp.where(o < 0.0, -share, share)
+    per_m = xp.store(xp.where(m < 0.0, -share, share))
+    per_o = xp.store(xp.where(o < 0.0, -share, share))
 
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, _between(start, aim, q))
+        found = answer(xp, Fractions(*(xp.store(x) for x in _between(start, aim, q))))
         way = per_m * (found.martensite - start.martensite)
         return q - way - per_o * (found.oriented - start.oriented)
 
