@@ -23,17 +23,9 @@ from typing import NamedTuple
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared.barriers import Process, Start, begin, processes, rate, scales, wells
 from martensite.laws.shared.exchange import Flows, exchange, mean_flows
-from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, together, variants
+from martensite.laws.shared.layers import AbstractCrystal, Memory, Pull, Variants, together
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
-
-
-class Memory(NamedTuple):
-    """All that a single crystal remembers."""
-
-    present: Variants
-    stress: Scalar
-    temperature: Scalar
 
 
 class Move(NamedTuple):
@@ -49,7 +41,7 @@ RESTING = 0.03
 
 
 @LAWS.register("mas")
-class MullerAchenbachSeelecke(AbstractLayers):
+class MullerAchenbachSeelecke(AbstractCrystal):
     """Single crystal with austenite and two martensite variants, rate dependent."""
 
     cites = ("seelecke2004", "ullrich2014")
@@ -64,16 +56,6 @@ class MullerAchenbachSeelecke(AbstractLayers):
     def form(self) -> str:
         """Form of the rates."""
         return self.rates
-
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
-        """Memory of a wire in a phase state that has no history."""
-        return Memory(variants(fractions), stress, temperature)
-
-    def fractions(self, memory: Memory) -> Fractions:
-        """ξ = x₊ + x₋, oriented x₊ - x₋."""
-        return together(memory.present)
 
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
         """The four processes at a point."""
@@ -97,13 +79,6 @@ class MullerAchenbachSeelecke(AbstractLayers):
         flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
         return together(exchange(xp, move.present, flows))
 
-    def commit(
-        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
-        temperature: Scalar, dt: Scalar,
-    ) -> Memory:  # fmt: skip
-        """The memory after the accepted step."""
-        return Memory(variants(fractions), stress, temperature)
-
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
@@ -114,13 +89,6 @@ class MullerAchenbachSeelecke(AbstractLayers):
         slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
         inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)
         return self.overshoot(xp, pull, stress, temperature) + inside
-
-    def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
-        """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-]."""
-        over = self.overshoot(xp, move.pull, stress, temperature)
-        return xp.maximum(over, 0.0) / self.Delta_sigma
 
     def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
         """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""

@@ -26,17 +26,9 @@ from typing import NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared.barriers import scales, wells
-from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, together, variants
+from martensite.laws.shared.layers import AbstractCrystal, Memory, Pull, Variants, together
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
-
-
-class Memory(NamedTuple):
-    """All that the law remembers."""
-
-    present: Variants
-    stress: Scalar
-    temperature: Scalar
 
 
 class Move(NamedTuple):
@@ -54,7 +46,7 @@ class Rests(NamedTuple):
 
 
 @LAWS.register("mas-hybrid")
-class MullerAchenbachSeeleckeHybrid(AbstractLayers):
+class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     """Single crystal without rates: stress rests at a threshold while layers switch."""
 
     cites = ("mandolino2021", "seelecke2004")
@@ -79,18 +71,8 @@ class MullerAchenbachSeeleckeHybrid(AbstractLayers):
         inside, threshold = self.inside(xp), self.threshold(temperature)
         return Rests(
             xp.maximum(threshold - inside.A, 0.0),
-            xp.maximum(threshold, 0.0) - self.Delta_sigma + inside.M,
+            self.limited(xp, temperature) - self.Delta_sigma + inside.M,
         )
-
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
-        """Memory of a wire in a phase state that has no history."""
-        return Memory(variants(fractions), stress, temperature)
-
-    def fractions(self, memory: Memory) -> Fractions:
-        """ξ = x₊ + x₋, oriented x₊ - x₋."""
-        return together(memory.present)
 
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The state in balance at the start, and the process that is driven hardest."""
@@ -137,13 +119,6 @@ class MullerAchenbachSeeleckeHybrid(AbstractLayers):
         halfway, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, halfway, stress, temperature, dt)
 
-    def commit(
-        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
-        temperature: Scalar, dt: Scalar,
-    ) -> Memory:  # fmt: skip
-        """The memory after the accepted step."""
-        return Memory(variants(fractions), stress, temperature)
-
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
@@ -153,10 +128,3 @@ class MullerAchenbachSeeleckeHybrid(AbstractLayers):
         by_A = pull.by_threshold * rests.A - 0.5 * present * self.ramp
         by_M = pull.by_threshold * rests.M - 0.5 * (1.0 - present) * self.ramp
         return pull.by_stress * stress + xp.where(pull.offset < 0.0, by_M, by_A)
-
-    def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
-        """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-]."""
-        over = self.overshoot(xp, move.pull, stress, temperature)
-        return xp.maximum(over, 0.0) / self.Delta_sigma

@@ -24,7 +24,7 @@ from statistics import NormalDist
 from typing import NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.shared.barriers import Process, Start, begin, scales, wells
+from martensite.laws.shared.barriers import Process, Start, begin, edges, scales, wells
 from martensite.laws.shared.exchange import exchange, mean_flows
 from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, variants
 from martensite.parameters import option, param
@@ -125,11 +125,8 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
         def four(quantile: Scalar) -> tuple[Process, ...]:
             barrier, inner = self.shifts(quantile)
             rise, local = xp.maximum(threshold + barrier, 0.0), stress + inner
-            fall = rise - self.Delta_sigma
-            distances = (
-                (rise - local) * scale.A, (local - fall) * scale.M,
-                (rise + local) * scale.A, (-local - fall) * scale.M,
-            )  # fmt: skip
+            at = middle._replace(stress_A=rise, stress_M=rise - self.Delta_sigma)
+            distances = (*edges(at, scale, local), *edges(at, scale, -local))
             return tuple(Process(y, 1.0) for y in distances)
 
         return four
@@ -170,13 +167,6 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     ) -> Scalar:
         """Distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest
-
-    def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
-        """Overshoot of the trial beyond the mean threshold, in widths of the hysteresis [-]."""
-        over = self.overshoot(xp, move.pull, stress, temperature)
-        return xp.maximum(over, 0.0) / self.Delta_sigma
 
 
 def total(column: Column) -> Scalar:

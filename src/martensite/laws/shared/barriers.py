@@ -113,12 +113,17 @@ def scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
     )
 
 
+def edges(at: Wells, scale: Scales, stress: Scalar) -> tuple[Scalar, Scalar]:
+    """y inside σ_A and inside σ_M, for the variant that a positive stress favours."""
+    return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
+
+
 def processes(
     xp: Namespace, material: Material, at: Wells, stress: Scalar, form: str
 ) -> tuple[Process, Process]:
     """From austenite to the variant that a positive `stress` favours, and back."""
     scale = scales(xp, material, at, form)
-    u, z = (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
+    u, z = edges(at, scale, stress)
     if form == "edge":
         return Process(u, 1.0), Process(z, 1.0)
     if form == "barrier":

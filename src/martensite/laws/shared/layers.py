@@ -13,7 +13,7 @@ The threshold σ_A never falls below zero: cold martensite switches between its 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw, Fractions
@@ -108,6 +108,10 @@ class AbstractLayers(AbstractLaw):
         """σ_L + s (T - T_L) [Pa], before the limit at zero."""
         return self.sigma_L + self.dsigma_dT * (temperature - self.T_L)
 
+    def limited(self, xp: Namespace, temperature: Scalar) -> Scalar:
+        """σ_A(T) [Pa], never below zero."""
+        return xp.maximum(self.threshold(temperature), 0.0)
+
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """ε_T (x₊ - x₋) [-]."""
         return self.eps_T * fractions.oriented
@@ -145,7 +149,7 @@ class AbstractLayers(AbstractLaw):
             (Pull(-1.0, -1.0, 0.0), austenite),
             (Pull(1.0, 1.0, -self.Delta_sigma), present.minus),
         )
-        threshold = xp.maximum(self.threshold(temperature), 0.0)
+        threshold = self.limited(xp, temperature)
         best, chosen = NEVER, candidates[0][0]
         for pull, share in candidates:
             drive = xp.where(share > PRESENT, pull.drive(stress, threshold), NEVER)
@@ -156,11 +160,21 @@ class AbstractLayers(AbstractLaw):
 
     def overshoot(self, xp: Namespace, pull: Pull, stress: Scalar, temperature: Scalar) -> Scalar:
         """How far beyond its threshold the pulled process would end [Pa]."""
-        return pull.drive(stress, xp.maximum(self.threshold(temperature), 0.0))
+        return pull.drive(stress, self.limited(xp, temperature))
+
+    def crossing(
+        self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-].
+
+        Every move of these laws has a `pull`.
+        """
+        over = self.overshoot(xp, move.pull, stress, temperature)
+        return xp.maximum(over, 0.0) / self.Delta_sigma
 
     def free_energy(self, xp: Namespace, strain: Scalar, temperature: Scalar) -> Scalar:
         """ψ(ε, T) [J/m³], zero at the bottom of the austenite well."""
-        rise = xp.maximum(self.threshold(temperature), 0.0)
+        rise = self.limited(xp, temperature)
         eps_A = rise / self.E_A
         eps_M = self.eps_T + (rise - self.Delta_sigma) / self.E_M
         bridge = self.Delta_sigma / (eps_M - eps_A)
@@ -170,3 +184,32 @@ class AbstractLayers(AbstractLaw):
         stress_M = rise - self.Delta_sigma
         rising = 0.5 * self.E_A * a * a + rise * b - 0.5 * bridge * b * b
         return rising + stress_M * c + 0.5 * self.E_M * c * c
+
+
+class Memory(NamedTuple):
+    """All that a single crystal remembers."""
+
+    present: Variants
+    stress: Scalar
+    temperature: Scalar
+
+
+class AbstractCrystal(AbstractLayers):
+    """Layers that are all alike; a law adds how they move."""
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in a phase state that has no history."""
+        return Memory(variants(fractions), stress, temperature)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """ξ = x₊ + x₋, oriented x₊ - x₋."""
+        return together(memory.present)
+
+    def commit(
+        self, xp: Namespace, memory: Memory, move: Any, fractions: Fractions, stress: Scalar,
+        temperature: Scalar, dt: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The memory after the accepted step."""
+        return Memory(variants(fractions), stress, temperature)
