@@ -21,11 +21,12 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 from __future__ import annotations
 
 from martensite.errors import ParameterError
-from martensite.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared import twinned
+from martensite.laws.shared.diagram import AbstractPhaseDiagram
 from martensite.laws.shared.history import Strip
 from martensite.laws.shared.twinned import Diagram, Memory, Move
-from martensite.parameters import option, param
+from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
 PIECES = 3
@@ -33,43 +34,19 @@ PIECES = 3
 
 
 @LAWS.register("brinson")
-class Brinson(AbstractLaw):
+class Brinson(AbstractPhaseDiagram):
     """Brinson kinetics with two martensite fractions and a ξ-dependent Young's modulus."""
 
     cites = ("brinson1993", "chung2007")
     twins = True
     one_way = False
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11)
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11)
-    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2)
-    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0)
-    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
-    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
-    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
-    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9)
-    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9)
     sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10)
     sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10)
-    Theta: Scalar = param(
-        "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
-    )
-    T_ref: Scalar = param(
-        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
-    )
-    history: str = option(
-        "what happens to an interrupted transformation", "resume", "restart", default="resume"
-    )
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""
-        for low, high in (("M_f", "M_s"), ("A_s", "A_f")):
-            if not getattr(self, low) < getattr(self, high):
-                raise ParameterError(
-                    f"Parameter `{low}` of `brinson` must be below `{high}`, but is "
-                    f"{getattr(self, low) - 273.15:.4g} degC against "
-                    f"{getattr(self, high) - 273.15:.4g} degC."
-                )
+        super().check()
         if not self.sigma_s < self.sigma_f:
             raise ParameterError(
                 f"Parameter `sigma_s` of `brinson` must be below `sigma_f`, but is "
@@ -78,9 +55,7 @@ class Brinson(AbstractLaw):
 
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
-        found: list[str] = []
-        if self.Theta > 0.0:
-            found.append("Theta > 0: a free bar shrinks on heating (the expansion enters as -E α).")
+        found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
         if self.C_A > self.C_M:
@@ -161,18 +136,9 @@ class Brinson(AbstractLaw):
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
-    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """ε_L ξ_S - Θ (T - T_ref)/E(ξ) [-]."""
-        thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
-        return self.eps_L * fractions.oriented - thermal
-
-    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """1/E(ξ) [1/Pa]."""
-        return 1.0 / self.young(fractions)
-
     def young(self, fractions: Fractions) -> Scalar:
         """E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""
-        return self.E_A + fractions.martensite * (self.E_M - self.E_A)
+        return self.mixture(fractions)
 
     def crossing(
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar

@@ -49,4 +49,4 @@ class Elahinia(AbstractStripLaw):
 
     def young(self, fractions: Fractions) -> Scalar:
         """E_A + ξ (E_M - E_A) [Pa]."""
-        return self.E_A + fractions.martensite * (self.E_M - self.E_A)
+        return self.mixture(fractions)

@@ -41,5 +41,5 @@ class LiangRogers(AbstractStripLaw):
     def young(self, fractions: Fractions) -> Scalar:
         """Young's modulus [Pa] by the chosen rule."""
         if self.modulus == "mixture":
-            return self.E_A + fractions.martensite * (self.E_M - self.E_A)
+            return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M

@@ -265,10 +265,17 @@ def handover(
         first = xp.where(first < f.leaves, first, 1.0)
         second = xp.maximum(r.enters, f.leaves)
     done = xp.where(back, first, second)
-    share = xp.where(two, xp.minimum(1.0, done + 64.0 * xp.eps()), 1.0)
+    return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
+
+
+def turning_point(
+    xp: Namespace, start: Point, stress: Scalar, temperature: Scalar, done: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The point of a leg some roundings beyond a share of it; its end exactly at the end."""
+    share = xp.minimum(1.0, done + 64.0 * xp.eps())
     whole = share >= 1.0
-    turn_stress = memory.stress + share * (stress - memory.stress)
-    turn_temperature = memory.temperature + share * (temperature - memory.temperature)
+    turn_stress = start.stress + share * (stress - start.stress)
+    turn_temperature = start.temperature + share * (temperature - start.temperature)
     return (
         xp.where(whole, stress, turn_stress),
         xp.where(whole, temperature, turn_temperature),

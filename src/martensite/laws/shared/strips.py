@@ -15,11 +15,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.errors import ParameterError
-from martensite.laws.base import AbstractLaw, Fractions
+from martensite.laws.base import Fractions
 from martensite.laws.shared import history
+from martensite.laws.shared.diagram import AbstractPhaseDiagram
 from martensite.laws.shared.history import Memory, Move, Strip
-from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -29,30 +28,11 @@ def cosine(xp: Namespace, distance: Scalar) -> Scalar:
     return sine * sine
 
 
-class AbstractStripLaw(AbstractLaw):
+class AbstractStripLaw(AbstractPhaseDiagram):
     """Two strips, one fraction; a law adds `left`, `young` and its options."""
 
     endless: ClassVar[bool] = False
     """True if processes go on beyond their finish lines and forget where they began."""
-
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11)
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11)
-    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2)
-    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0)
-    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
-    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
-    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
-    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9)
-    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9)
-    Theta: Scalar = param(
-        "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
-    )
-    T_ref: Scalar = param(
-        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
-    )
-    history: str = option(
-        "what happens to an interrupted transformation", "resume", "restart", default="resume"
-    )
 
     # ---------------------------------------------------------------- what a law adds
 
@@ -64,28 +44,11 @@ class AbstractStripLaw(AbstractLaw):
         """
         raise NotImplementedError
 
-    def young(self, fractions: Fractions) -> Scalar:
-        """Young's modulus [Pa]."""
-        raise NotImplementedError
-
     # ---------------------------------------------------------------- values
-
-    def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width."""
-        for low, high in (("M_f", "M_s"), ("A_s", "A_f")):
-            if not getattr(self, low) < getattr(self, high):
-                owner = self.registered_name or type(self).__name__
-                raise ParameterError(
-                    f"Parameter `{low}` of `{owner}` must be below `{high}`, but is "
-                    f"{getattr(self, low) - 273.15:.4g} degC against "
-                    f"{getattr(self, high) - 273.15:.4g} degC."
-                )
 
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
-        found: list[str] = []
-        if self.Theta > 0.0:
-            found.append("Theta > 0: a free bar shrinks on heating (the expansion enters as -E α).")
+        found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: the strips overlap at zero stress already.")
         elif self.C_A > self.C_M:
@@ -159,14 +122,3 @@ class AbstractStripLaw(AbstractLaw):
         if self.endless:
             start, end = xp.clip(start, 0.0, 1.0), xp.clip(end, 0.0, 1.0)
         return xp.where(xp.abs(move.direction) > 0.0, xp.abs(start - end), 0.0)
-
-    # ---------------------------------------------------------------- strain
-
-    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """ε_L ξ - Θ (T - T_ref)/E [-]."""
-        thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
-        return self.eps_L * fractions.oriented - thermal
-
-    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """1/E [1/Pa]."""
-        return 1.0 / self.young(fractions)

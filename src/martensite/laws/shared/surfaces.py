@@ -36,6 +36,7 @@ from typing import NamedTuple
 
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw
+from martensite.laws.shared.diagram import WIDTHS, require_order
 from martensite.laws.shared.hardening import LEAST_EXPONENT, hardening
 from martensite.parameters import param
 from martensite.runtimes import floats
@@ -124,13 +125,7 @@ class AbstractSurfaceLaw(AbstractLaw):
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
-        for low, high in (("M_f", "M_s"), ("A_s", "A_f"), ("M_f", "A_s"), ("M_s", "A_f")):
-            if not getattr(self, low) < getattr(self, high):
-                raise ParameterError(
-                    f"Parameter `{low}` of `lagoudas` must be below `{high}`, but is "
-                    f"{getattr(self, low) - 273.15:.4g} degC against "
-                    f"{getattr(self, high) - 273.15:.4g} degC."
-                )
+        require_order(self, *WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
         if self.H_min > self.H_sat:
             raise ParameterError(
                 f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} "

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.laws.base import Fractions
-from martensite.laws.shared.history import RESUME, Course, Strip, course, round_off
+from martensite.laws.shared.history import RESUME, Course, Strip, course, round_off, turning_point
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 
 UNSET = 1.0
@@ -166,14 +166,7 @@ def handover(
     two = xp.both(r.passes, xp.either(s.passes, t.passes))
     forward = xp.where(s.acts, s.leaves, t.leaves)
     done = xp.where(found.back, r.leaves, forward)
-    share = xp.where(two, xp.minimum(1.0, done + 64.0 * xp.eps()), 1.0)
-    whole = share >= 1.0
-    turn_stress = memory.stress + share * (stress - memory.stress)
-    turn_temperature = memory.temperature + share * (temperature - memory.temperature)
-    return (
-        xp.where(whole, stress, turn_stress),
-        xp.where(whole, temperature, turn_temperature),
-    )
+    return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
 
 
 # ---------------------------------------------------------------- select, follow, commit
