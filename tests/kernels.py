@@ -86,7 +86,7 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
     fractions = Fractions(x, x)
     return (
         element.heat_loss(xp, temperature, builders.example_environment()),
-        element.spring(xp, fractions, temperature),
+        element.spring(xp, fractions, temperature, force),
         element.stress(xp, force),
         element.strain(xp, e),
         element.ohms(xp, x, 0.02 * x, temperature),

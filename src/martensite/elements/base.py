@@ -1,15 +1,23 @@
 """What every element answers to the system that couples it.
 
-At frozen phase fractions and temperature an element is a linear spring: the elongation is
-`free` + `compliance` · force. That is all a mechanism ever sees of it, whatever the law.
+An element advances through a step on its own, given what heats it and the force that the
+mechanism puts on a spring of its kind: at frozen phase fractions and temperature an element is
+a spring, and its tangent
+
+    elongation = free + compliance · force
+
+is all a mechanism ever sees of it, whatever the law, the shape or the number of cells.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
 
 from martensite.elements.limits import Limits
-from martensite.laws.base import AbstractLaw, Fractions
+from martensite.laws.base import AbstractLaw
+from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -27,40 +35,91 @@ class Spring(NamedTuple):
     """Elongation per force [m/N]."""
 
 
+Pull = Callable[[Namespace, Spring], Scalar]
+"""Force [N] at which a spring and the mechanism fit."""
+
+
+@dataclass(frozen=True)
+class Heating:
+    """What heats and cools an element during a step."""
+
+    environment: Environment
+    current: Callable[[Namespace, Scalar], Scalar]
+    """Current [A] through a resistance [ohm]."""
+    temperature: Scalar | None = None
+    """Temperature imposed on the element [K]; None if the heat balance decides."""
+
+
+class Condition(NamedTuple):
+    """What can be measured on an element in a state."""
+
+    temperature: Scalar
+    """Mean [K]."""
+    hottest: Scalar
+    """Highest anywhere in the element [K]."""
+    martensite_fraction: Scalar
+    oriented_fraction: Scalar
+    stress: Scalar
+    """[Pa]"""
+    strain: Scalar
+    resistance: Scalar
+    """[ohm]"""
+    heat_loss: Scalar
+    """[W]"""
+
+
 class AbstractElement(Parametrised):
-    """Interface of an element; `law` is its stress–strain–temperature law."""
+    """Interface of an element: its `law`, its safety `limits`, and a state of its own making."""
+
+    passes: ClassVar[int] = 1
+    """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
 
     law: AbstractLaw
     limits: Limits
 
-    def initial_fractions(self) -> Fractions:
-        """Phase state at the start."""
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
+        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        raise NotImplementedError
+
+    def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
+        """The element as a spring in a state, near a force [N]."""
+        raise NotImplementedError
+
+    def advance(
+        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar, iterations: int
+    ) -> tuple[Any, Report]:
+        """The state after a step of dt [s], and how well the step was solved."""
+        raise NotImplementedError
+
+    def force(self, state: Any) -> Scalar:
+        """Force at the end of the last step [N]."""
+        raise NotImplementedError
+
+    def elongation(self, xp: Namespace, state: Any, force: Scalar) -> Scalar:
+        """Elongation [m] in a state under a force [N]."""
+        spring = self.tangent(xp, state, force)
+        return spring.free + spring.compliance * force
+
+    def condition(
+        self, xp: Namespace, state: Any, force: Scalar, environment: Environment
+    ) -> Condition:
+        """Everything that can be measured on the element under a force [N]."""
         raise NotImplementedError
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""
         raise NotImplementedError
 
-    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
-        raise NotImplementedError
-
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Heat flow to the environment [W]."""
+        """Heat flow to the environment [W] of an element that is equally hot everywhere."""
         raise NotImplementedError
 
-    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Spring:
-        """The element as a linear spring at frozen fractions and temperature [K]."""
-        raise NotImplementedError
 
-    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Stress [Pa] that drives the law, from the force [N]."""
-        raise NotImplementedError
-
-    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Strain [-] of the law, from the elongation [m]."""
-        raise NotImplementedError
-
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
-        """Resistance [ohm]."""
-        raise NotImplementedError
+def fitted(
+    xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar,
+    passes: int,
+) -> Scalar:  # fmt: skip
+    """Force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
+    for _ in range(passes):
+        force = pull(xp, tangent(xp, force))
+    return force

@@ -1,7 +1,7 @@
 """Straight wire: stress = force/section, strain = elongation/length.
 
 Geometry enters at its nominal size (no lateral contraction). The lateral surface π d l
-loses heat; the ends are adiabatic.
+loses heat, and so do the ends if they are clamped.
 """
 
 from __future__ import annotations
@@ -9,17 +9,19 @@ from __future__ import annotations
 import math
 
 from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
-from martensite.elements.base import ELEMENTS, AbstractElement, Spring
+from martensite.elements.base import ELEMENTS, Spring
 from martensite.elements.limits import Limits
+from martensite.elements.lumped import AbstractLumped
 from martensite.errors import ParameterError
 from martensite.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.parameters import param, part
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Cylinder, Environment
+from martensite.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
 
 
 @ELEMENTS.register("wire")
-class Wire(AbstractElement):
+class Wire(AbstractLumped):
     """A straight wire that transforms uniformly along its length."""
 
     diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02)
@@ -37,6 +39,7 @@ class Wire(AbstractElement):
     )
     law: AbstractLaw = part("stress–strain–temperature law", LAWS)
     resistance: AbstractResistance = part("resistance model", RESISTANCES)
+    ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
     limits: Limits = part("safety limits", default=Limits())
 
     def check(self) -> None:
@@ -74,12 +77,14 @@ class Wire(AbstractElement):
         return self.law.heat(xp, latent, stress, temperature) * self.section() * self.length
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """h(T) S (T - T_a) [W]."""
+        """Conductance · (T - T_a) [W]; the conductance is h(T) S unless the ends lose as well."""
         ambient, shape = environment.temperature, Cylinder(self.diameter, self.length)
         film = environment.cooling.film(xp, temperature, ambient, shape)
-        return film * self.surface() * (temperature - ambient)
+        return self.ends.conductance(xp, film, shape) * (temperature - ambient)
 
-    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Spring:
+    def spring(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Spring:
         """The wire as a linear spring at frozen fractions and temperature [K]."""
         free = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions)
