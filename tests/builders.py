@@ -30,18 +30,23 @@ from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.registry import Registry
 from martensite.runtimes import floats
+from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
-from martensite.simulate.compiled import Shape, flatten, structure
+from martensite.signals.sine import Sine
+from martensite.simulate.compiled import structure
 from martensite.system import System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
+from martensite.thermal.churchill_chu import ChurchillChu
 from martensite.thermal.constant import ConstantCooling
+from martensite.thermal.fluids.base import FLUIDS
 from martensite.thermal.polynomial import PolynomialCooling
+from martensite.thermal.radiation import Radiation
 
 ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {
     registry.kind: registry
-    for registry in (LAWS, COOLING, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS)
+    for registry in (LAWS, COOLING, FLUIDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS)
 }
 
 # ---------------------------------------------------------------- problem A
@@ -261,14 +266,26 @@ VALUES: dict[str, dict[str, Any]] = {
     "step": {"at": 0.5, "until": 1.75},
     "staircase": {"first": 1.0, "increment": 0.5, "hold": 0.4, "count": 4.0},
     "table": {"times": (0.0, 0.5, 2.0), "values": (0.0, 2.0, 1.0)},
+    "coil-spring": {
+        "diameter": 0.75e-3,
+        "coil_diameter": 4e-3,
+        "turns": 10.0,
+        "free_length": 10e-3,
+    },
+    "carrier": {"frequency": 3.0, "duty": Sine(low=0.1, high=0.9, frequency=0.7)},
+    "axial-wire": {"cells": "5"},
+    "combined": {"convection": ChurchillChu(), "radiation": Radiation(emissivity=0.5)},
 }
+# Parts inside other parts: what an example takes, where the first by name would not do.
+USUAL = {"element": "wire"}
 # Options that an example leaves at their default: tried in other laws, and slow in these.
-UNTRIED = {"mas-polycrystal": ("heat_model", "groups")}
+UNTRIED = {"mas-polycrystal": ("heat_model", "groups"), "axial-wire": ("cells",)}
 # Plausible sizes by name (also instead of defaults, which are often an inert zero), then by unit.
 BY_NAME = {
     "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,
     "h1": 0.1, "h2": 1e-4, "preload": 3.0, "series_resistance": 0.5, "current_limit": 0.6,
-    "voltage_limit": 6.0, "low": 0.5, "high": 2.5, "level": 1.5,
+    "voltage_limit": 6.0, "count": 3.0, "spans": 2.0, "supply": 6.0, "reference_resistance": 4.0,
+    "low": 0.5, "high": 2.5, "level": 1.5,
 }  # fmt: skip
 BY_UNIT = {
     "m": 1e-2, "kg": 0.5, "N": 3.0, "N/m": 500.0, "W/m^2/K": 80.0, "m/s": 1.0, "s": 0.5,
@@ -317,7 +334,8 @@ def example(cls: type[Parametrised], **choices: Any) -> Any:
         if declared.kind == "option":
             values[name] = declared.choices[0]
         elif declared.kind == "part" and declared.registry is not None:
-            values[name] = example(declared.registry[declared.registry.names()[0]])
+            usual = USUAL.get(declared.registry.kind, declared.registry.names()[0])
+            values[name] = example(declared.registry[usual])
         elif declared.kind == "parameter":
             values[name] = guess(name, declared)
     return cls(**values)

@@ -16,15 +16,16 @@ import builders
 import numpy as np
 
 from martensite.electrical.base import Conductor
-from martensite.elements.base import Spring
+from martensite.elements.base import Heating, Spring
+from martensite.elements.lumped import AbstractLumped
 from martensite.laws.base import Fractions
 from martensite.mechanisms.base import Assembly
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.jax_setup import jax_namespace
+from martensite.runtimes.nested import flatten
 from martensite.runtimes.program import Program
-from martensite.simulate.compiled import flatten
 from martensite.thermal.base import Cylinder
 
 LANES = 256
@@ -82,17 +83,43 @@ def law_extras(law: Any, xp: Any, strain: Any, stress: Any, temperature: Any) ->
     return found
 
 
+def fluid_answers(fluid: Any, xp: Any, temperature: Any) -> Any:
+    found = fluid.properties(xp, temperature)
+    return (*found, found.diffusivity)
+
+
 def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any, e: Any) -> Any:
+    """What an element answers at a glance; more of one that is the same all over."""
+    environment = builders.example_environment()
+    found = element.heat_loss(xp, temperature, environment), element.heat_capacity_total()
+    if not isinstance(element, AbstractLumped):
+        return found
     fractions = Fractions(x, x)
     return (
-        element.heat_loss(xp, temperature, builders.example_environment()),
+        *found,
         element.spring(xp, fractions, temperature, force),
         element.stress(xp, force),
         element.strain(xp, e),
         element.ohms(xp, x, 0.02 * x, temperature),
-        element.heat_capacity_total(),
         element.latent_heat_total(xp, force, temperature),
     )
+
+
+def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: Any, dt: Any) -> Any:
+    """A step against a spring, and what is seen after it."""
+    environment = builders.example_environment()
+    state = element.init(xp, force, temperature)
+    start = element.elongation(xp, state, force)
+
+    def pull(xp: Any, spring: Spring) -> Any:
+        meets = force + 300.0 * (start - spring.free)
+        return xp.maximum(meets / (1.0 + 300.0 * spring.compliance), 0.0)
+
+    heating = Heating(environment, lambda xp, ohms: amperes)
+    after, report = element.advance(xp, state, heating, pull, dt, 4)
+    now = element.force(after)
+    seen = element.tangent(xp, after, now), element.condition(xp, after, now, environment)
+    return after, report.crossing, seen
 
 
 def mechanism_answers(mechanism: Any, xp: Any, start: Any, free: Any, compliance: Any) -> Any:
@@ -120,6 +147,9 @@ KERNELS: dict[str, dict[str, Kernel]] = {
             lambda cooling, xp, T, ambient, d, l: cooling.film(xp, T, ambient, Cylinder(d, l)),
         ),
     },
+    "fluid": {
+        "properties": Kernel({"T": (200.0, 500.0)}, fluid_answers),
+    },
     "resistance": {
         "resistance": Kernel(
             {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6),
@@ -138,6 +168,9 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     "element": {
         "answers": Kernel(
             {"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers
+        ),
+        "step": Kernel(
+            {"F": (1.0, 6.0), "T": (280.0, 360.0), "I": (0.0, 1.0), "dt": (0.0, 0.05)}, element_step
         ),
     },
     "mechanism": {

@@ -22,6 +22,7 @@ PLURALS = {
     "law": "Laws",
     "resistance": "Resistance models",
     "cooling": "Heat-loss models",
+    "fluid": "Fluids",
     "mechanism": "Mechanisms",
     "drive": "Sources",
     "waveform": "Waveforms",

@@ -18,6 +18,9 @@ import_module("martensite.simulate")
 globals().pop("simulate", None)
 
 if TYPE_CHECKING:
+    from martensite.control.averaging import Averaging as Averaging
+    from martensite.control.averaging import compare_averaging as compare_averaging
+    from martensite.control.constant_power import ConstantPower as ConstantPower
     from martensite.electrical.current import CurrentSource as CurrentSource
     from martensite.electrical.furst_seelecke import (
         FurstSeeleckeResistance as FurstSeeleckeResistance,
@@ -25,8 +28,11 @@ if TYPE_CHECKING:
     from martensite.electrical.mixture import MixtureResistance as MixtureResistance
     from martensite.electrical.per_length import PerLengthResistance as PerLengthResistance
     from martensite.electrical.power import PowerSource as PowerSource
+    from martensite.electrical.power_pwm import PowerPwm as PowerPwm
+    from martensite.electrical.pwm import PwmVoltage as PwmVoltage
     from martensite.electrical.temperature import PrescribedTemperature as PrescribedTemperature
     from martensite.electrical.voltage import VoltageSource as VoltageSource
+    from martensite.elements.coil_spring import CoilSpring as CoilSpring
     from martensite.elements.limits import Limits as Limits
     from martensite.elements.wire import Wire as Wire
     from martensite.errors import InputError as InputError
@@ -34,6 +40,10 @@ if TYPE_CHECKING:
     from martensite.errors import SolveError as SolveError
     from martensite.identify.film import FilmFit as FilmFit
     from martensite.identify.film import fit_film as fit_film
+    from martensite.identify.film_points import FilmPoints as FilmPoints
+    from martensite.identify.film_points import points_from_power as points_from_power
+    from martensite.identify.film_report import FilmReport as FilmReport
+    from martensite.identify.film_report import judge_film as judge_film
     from martensite.io.compare import compare as compare
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
@@ -42,6 +52,8 @@ if TYPE_CHECKING:
     from martensite.io.records import table_waveform as table_waveform
     from martensite.io.scenario import Scenario as Scenario
     from martensite.io.scenario import load as load
+    from martensite.io.staircase import plateaus as plateaus
+    from martensite.io.staircase import unwrap_counter as unwrap_counter
     from martensite.io.tables import read_table as read_table
     from martensite.laws.brinson import Brinson as Brinson
     from martensite.laws.elahinia import Elahinia as Elahinia
@@ -58,12 +70,16 @@ if TYPE_CHECKING:
     from martensite.materials.base import Material as Material
     from martensite.materials.base import load_material as load_material
     from martensite.materials.base import material_names as material_names
+    from martensite.materials.wires import load_wires as load_wires
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
     from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
+    from martensite.plot.film_fit import plot_film as plot_film
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
+    from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
+    from martensite.signals.held import Held as Held
     from martensite.signals.pwm import PulseWidthModulation as PulseWidthModulation
     from martensite.signals.ramp import Ramp as Ramp
     from martensite.signals.sine import Sine as Sine
@@ -71,51 +87,86 @@ if TYPE_CHECKING:
     from martensite.signals.step import Step as Step
     from martensite.signals.table import Table as Table
     from martensite.signals.triangle import Triangle as Triangle
+    from martensite.simulate.alarms import Alarm as Alarm
     from martensite.simulate.api import simulate as simulate
     from martensite.simulate.batch import Batch as Batch
     from martensite.simulate.batch import Sensitivity as Sensitivity
     from martensite.simulate.batch import sensitivity as sensitivity
     from martensite.simulate.batch import simulate_batch as simulate_batch
+    from martensite.simulate.closed_loop import Loop as Loop
+    from martensite.simulate.closed_loop import simulate_loop as simulate_loop
     from martensite.simulate.point import Leg as Leg
     from martensite.simulate.point import PointResult as PointResult
     from martensite.simulate.point import material_point as material_point
     from martensite.simulate.result import Result as Result
+    from martensite.sizing.candidates import size_wire as size_wire
+    from martensite.sizing.request import WireRequest as WireRequest
     from martensite.system import System as System
     from martensite.thermal.base import Environment as Environment
+    from martensite.thermal.churchill_bernstein import ChurchillBernstein as ChurchillBernstein
+    from martensite.thermal.churchill_chu import ChurchillChu as ChurchillChu
+    from martensite.thermal.combined import CombinedCooling as CombinedCooling
     from martensite.thermal.constant import ConstantCooling as ConstantCooling
+    from martensite.thermal.fluids.air import Air as Air
+    from martensite.thermal.fluids.air_table import AirTable as AirTable
+    from martensite.thermal.fluids.oil import Oil as Oil
+    from martensite.thermal.fluids.water import Water as Water
+    from martensite.thermal.lefevre_ede import LeFevreEde as LeFevreEde
+    from martensite.thermal.morgan import Morgan as Morgan
     from martensite.thermal.polynomial import PolynomialCooling as PolynomialCooling
+    from martensite.thermal.radiation import Radiation as Radiation
 
     __version__: str
 
 _HOME = {
+    "Air": "thermal.fluids.air",
+    "AirTable": "thermal.fluids.air_table",
+    "Alarm": "simulate.alarms",
+    "Averaging": "control.averaging",
     "Batch": "simulate.batch",
     "BiasSpring": "mechanisms.bias_spring",
     "Brinson": "laws.brinson",
+    "Carrier": "signals.carrier",
+    "ChurchillBernstein": "thermal.churchill_bernstein",
+    "ChurchillChu": "thermal.churchill_chu",
+    "CoilSpring": "elements.coil_spring",
+    "CombinedCooling": "thermal.combined",
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
+    "ConstantPower": "control.constant_power",
     "CurrentSource": "electrical.current",
     "DeadWeight": "mechanisms.dead_weight",
     "Elahinia": "laws.elahinia",
     "Environment": "thermal.base",
     "FilmFit": "identify.film",
+    "FilmPoints": "identify.film_points",
+    "FilmReport": "identify.film_report",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
+    "Held": "signals.held",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
+    "LeFevreEde": "thermal.lefevre_ede",
     "Leg": "simulate.point",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
+    "Loop": "simulate.closed_loop",
     "MartensiteError": "errors",
     "Material": "materials.base",
     "MixtureResistance": "electrical.mixture",
+    "Morgan": "thermal.morgan",
     "MullerAchenbachSeelecke": "laws.mas",
     "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeeleckePolycrystal": "laws.mas_polycrystal",
+    "Oil": "thermal.fluids.oil",
     "PerLengthResistance": "electrical.per_length",
     "PointResult": "simulate.point",
     "PolynomialCooling": "thermal.polynomial",
+    "PowerPwm": "electrical.power_pwm",
     "PowerSource": "electrical.power",
     "PrescribedTemperature": "electrical.temperature",
     "PulseWidthModulation": "signals.pwm",
+    "PwmVoltage": "electrical.pwm",
+    "Radiation": "thermal.radiation",
     "Ramp": "signals.ramp",
     "Record": "io.records",
     "Result": "simulate.result",
@@ -130,24 +181,35 @@ _HOME = {
     "Tanaka": "laws.tanaka",
     "Triangle": "signals.triangle",
     "VoltageSource": "electrical.voltage",
+    "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
+    "WireRequest": "sizing.request",
     "compare": "io.compare",
+    "compare_averaging": "control.averaging",
     "fit_film": "identify.film",
+    "judge_film": "identify.film_report",
     "load": "io.scenario",
     "load_material": "materials.base",
+    "load_wires": "materials.wires",
     "material_names": "materials.base",
     "material_point": "simulate.point",
     "open_result": "io.netcdf",
+    "plateaus": "io.staircase",
+    "plot_film": "plot.film_fit",
     "plot_point": "plot.law_paths",
     "plot_result": "plot.overview",
+    "points_from_power": "identify.film_points",
     "read_table": "io.tables",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
     "sensitivity": "simulate.batch",
     "simulate": "simulate.api",
     "simulate_batch": "simulate.batch",
+    "simulate_loop": "simulate.closed_loop",
+    "size_wire": "sizing.candidates",
     "table_waveform": "io.records",
     "to_dataset": "io.netcdf",
+    "unwrap_counter": "io.staircase",
 }
 """Public name -> module of this package that defines it."""
 

@@ -45,7 +45,7 @@ def test_contracts_hold() -> None:
 @pytest.mark.parametrize(
     ("file", "line", "contract"),
     [
-        ("laws/base.py", "from martensite.elements.wire import Wire", "layers below its own"),
+        ("thermal/base.py", "from martensite.elements.wire import Wire", "layers below its own"),
         ("system.py", "import martensite.simulate.api", "layers below its own"),
         ("laws/liang_rogers.py", "import martensite.laws.extra", "No law imports another"),
         ("elements/wire.py", "import pint", "Only martensite.units imports pint"),

@@ -60,3 +60,20 @@ def test_pwm_example_stays_within_its_limits_and_the_hint_does_not() -> None:
     assert mild.warnings == []
     assert mild.stroke > 5e-3
     assert any("temperature_limit" in warning for warning in hot.warnings)
+
+
+@pytest.mark.parametrize(
+    ("changes", "lift"),
+    [
+        ({}, 50e-3),
+        ({"element.deflection": "large"}, 48e-3),
+        ({"element.coil_measure": "mean"}, 66e-3),
+    ],
+)
+def test_platform_spring_lifts_and_lowers_what_its_comments_say(
+    changes: dict[str, str], lift: float
+) -> None:
+    result = load(EXAMPLES / "platform_spring.toml", changes).run(tolerance=1e-3)
+    assert result.warnings == []
+    assert result.stroke == pytest.approx(lift, abs=0.5e-3)
+    assert (min(result["martensite_fraction"]), result["martensite_fraction"][-1]) == (0.0, 1.0)

@@ -9,7 +9,10 @@ from typer.core import TyperGroup
 
 from martensite.errors import MartensiteError
 
-ORDER = ("run", "law", "demo", "study", "check", "params", "laws", "mechanisms", "materials")
+ORDER = (
+    "run", "law", "demo", "study", "size", "fit", "check", "params", "laws", "mechanisms",
+    "materials",
+)  # fmt: skip
 """Commands in the order of the help text; others follow."""
 
 

@@ -22,8 +22,9 @@ def registries() -> dict[str, Registry[Any]]:
     from martensite.mechanisms.base import MECHANISMS
     from martensite.signals.base import WAVEFORMS
     from martensite.thermal.base import COOLING
+    from martensite.thermal.fluids.base import FLUIDS
 
-    found = (ELEMENTS, LAWS, RESISTANCES, COOLING, MECHANISMS, SOURCES, WAVEFORMS)
+    found = (ELEMENTS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS)
     return {registry.kind: registry for registry in found}
 
 
@@ -48,7 +49,7 @@ def _declared(name: str, declared: Declared) -> dict[str, Any]:
     required = declared.default is REQUIRED
     default = None if required else declared.default
     if isinstance(default, Parametrised):
-        default = type(default).__name__
+        default = default.registered_name or type(default).__name__
     low, high = (v if math.isfinite(v) else None for v in declared.bounds)
     return {
         "name": name,

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 from martensite.cli.outputs import Outputs, parts
 
 if TYPE_CHECKING:
+    from martensite.control.averaging import Averaging
     from martensite.io.compare import Agreement
     from martensite.io.records import Record
     from martensite.io.scenario import Scenario
     from martensite.simulate.result import Result
 
+AVERAGED = ("pulses - average", "RMS", "largest")
 COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
 
 
@@ -29,6 +31,8 @@ class Wanted:
     """A record to compare with, instead of the one that the scenario names."""
     columns: Sequence[str] | None = None
     no_compare: bool = False
+    carrier: float | None = None
+    """Frequency [Hz] of the pulses to be made beside the averaged run."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,8 @@ class Executed:
     outputs: Outputs
     agreements: list[Agreement]
     """How far the run is from the record it was compared with."""
+    averaging: Averaging | None = None
+    """What the run leaves out by averaging over pulses, if that was asked for."""
 
     def show(self, json: bool) -> None:
         """Print the run."""
@@ -66,7 +72,9 @@ class Executed:
                 for name, c in result.columns.items()
             },
             "warnings": list(result.warnings),
+            "alarms": [asdict(alarm) for alarm in result.alarms],
             "comparison": [asdict(agreement) for agreement in self.agreements],
+            "averaging": _averaging(self.averaging),
             "files": [str(path) for path in self.outputs.paths()],
         }
 
@@ -80,6 +88,8 @@ class Executed:
         if self.agreements:
             rows = [_agreement(agreement) for agreement in self.agreements]
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))
+        if self.averaging:
+            _print_averaging(self.averaging)
         for warning in self.result.warnings:
             show.text(warning, "yellow")
         for path in self.outputs.paths():
@@ -105,15 +115,52 @@ def _agreement(found: Agreement) -> tuple[str, ...]:
     return OUTPUTS[found.quantity][1], *apart, f"{found.time:.4g} s", spread
 
 
+def _averaging(found: Averaging | None) -> dict[str, Any] | None:
+    """What averaging leaves out, ready for JSON; numbers in SI."""
+    if found is None:
+        return None
+    return {
+        "frequency": found.frequency,
+        "differences": {name: asdict(d) for name, d in found.differences.items()},
+        "ripple": found.ripple,
+        "estimate": found.estimate,
+        "alarms": [asdict(alarm) for alarm in found.pulsed.result.alarms],
+    }
+
+
+def _print_averaging(found: Averaging) -> None:
+    from martensite.cli import show
+    from martensite.system import OUTPUTS
+
+    rows = [
+        (OUTPUTS[name][1], *(show.difference(v, OUTPUTS[name][0]) for v in (d.rms, d.largest)))
+        for name, d in found.differences.items()
+    ]
+    show.table(AVERAGED, rows, right=",".join(AVERAGED[1:]))
+    show.text(
+        f"pulses of {found.frequency:.6g} Hz make the temperature ripple by up to "
+        f"{found.ripple:.3g} K (estimate {found.estimate:.3g} K)"
+    )
+
+
 def execute(scenario: Scenario, wanted: Wanted) -> Executed:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
     record = _record(scenario, wanted)
     with _spinner(f"simulating {scenario.title}"):
         result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
+        averaging = _averaged(scenario, wanted.carrier)
     agreements = _compared(result, record)
     with _spinner("writing"), parts(wanted.outputs) as files:
         _write(files, scenario, result, record)
-    return Executed(scenario, result, wanted.outputs, agreements)
+    return Executed(scenario, result, wanted.outputs, agreements, averaging)
+
+
+def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
+    if carrier is None:
+        return None
+    from martensite.control.averaging import compare_averaging
+
+    return compare_averaging(scenario.system, scenario.waveform, scenario.duration, carrier)
 
 
 def _record(scenario: Scenario, wanted: Wanted) -> Record | None:

@@ -38,6 +38,14 @@ def run(
         float | None, typer.Option(help="Replaces the tolerance of the scenario.")
     ] = None,
     runtime: Annotated[str, typer.Option(help="floats, jax, or c.")] = "floats",
+    carrier: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FREQUENCY",
+            help='Make every pulse of a switched drive at this frequency ("100 Hz") as well, '
+            "and say what the averaged run leaves out.",
+        ),
+    ] = None,
     modules: Imports = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
     json: Json = False,
@@ -47,6 +55,7 @@ def run(
     _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
     _refuse_idle("--compare", compare is not None and no_compare, "--no-compare is given")
     import_modules(modules)
+    from martensite import units
     from martensite.cli.execute import Wanted, execute
     from martensite.cli.outputs import Outputs
     from martensite.io.overrides import read_settings
@@ -56,7 +65,8 @@ def run(
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn).check(force)
     names = [name.strip() for name in columns.split(",")] if columns else None
-    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare)
+    pulses = None if carrier is None else units.parse(carrier, "Hz")
+    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, pulses)
     execute(loaded, wanted).show(json)
 
 

@@ -1,15 +1,18 @@
 """What a resistance model and a source answer.
 
-A source turns the drive signal u (volt, ampere, watt or kelvin) and the resistance of the
-element into a current. Only I²R of the element heats it; leads and series resistance do not.
+A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a
+switch is closed) and the resistance of the element into a current. Only I²R of the element
+heats it; leads and series resistance do not.
 """
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar, NamedTuple
 
 from martensite.parameters import Parametrised, param
 from martensite.registry import Registry
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 RESISTANCES: Registry[AbstractResistance] = Registry("resistance", "martensite.electrical")
@@ -23,6 +26,13 @@ class Conductor(NamedTuple):
     """Section [m²]."""
     length: Scalar
     """[m]"""
+
+
+class Reach(NamedTuple):
+    """Drive signals that a source can deliver, in its unit."""
+
+    least: float
+    most: float
 
 
 class AbstractResistance(Parametrised):
@@ -48,16 +58,21 @@ class AbstractSource(Parametrised):
     """True if the signal is the temperature of the element itself."""
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Current [A] through an element of `resistance` [ohm]."""
+        """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
         raise NotImplementedError
+
+    def reach(self, resistance: float) -> Reach:
+        """What can be delivered to an element of `resistance` [ohm]; unlimited by default."""
+        return Reach(-math.inf, math.inf)
 
 
 class AbstractSupply(AbstractSource):
     """Interface of a source with a real supply: limited in current and in voltage."""
 
     series_resistance: Scalar = param(
-        "ohm", "resistance outside the element", low=0.0, high=1e6, default=0.0
-    )
+        "ohm", "resistance outside the element: leads, contacts, driver",
+        low=0.0, high=1e6, default=0.0,
+    )  # fmt: skip
     current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6)
     voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9)
 
@@ -65,3 +80,29 @@ class AbstractSupply(AbstractSource):
         """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
         reachable = self.voltage_limit / (resistance + self.series_resistance)
         return xp.minimum(reachable, self.current_limit)
+
+
+class AbstractSwitch(AbstractSource):
+    """Interface of a constant supply behind a switch that is closed for a share of the time.
+
+    While the switch is closed the current is U/(R + R_s), within the limit. Over many periods
+    the heat in the element is that of the rms current, √duty times the one of the closed switch.
+    """
+
+    supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4)
+    series_resistance: Scalar = param(
+        "ohm", "resistance outside the element: leads, contacts, closed switch",
+        low=0.0, high=1e6, default=0.0,
+    )  # fmt: skip
+    current_limit: Scalar = param(
+        "A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6
+    )
+
+    def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
+        return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
+
+    def largest_power(self, resistance: float) -> float:
+        """Power [W] in an element of `resistance` [ohm] while the switch is closed."""
+        current = self.closed(floats, resistance)
+        return current * current * resistance

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.electrical.base import SOURCES, AbstractSupply
+from martensite.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -18,3 +19,8 @@ class CurrentSource(AbstractSupply):
         """I [A] for a drive in ampere."""
         most = self.most(xp, resistance)
         return xp.clip(drive, -most, most)
+
+    def reach(self, resistance: float) -> Reach:
+        """Currents [A] that the limits of the supply allow."""
+        most = self.most(floats, resistance)
+        return Reach(-most, most)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.electrical.base import SOURCES, AbstractSupply
+from martensite.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -18,3 +19,8 @@ class PowerSource(AbstractSupply):
         """I [A] for a drive in watt."""
         wanted = xp.sqrt(xp.maximum(drive, 0.0) / resistance)
         return xp.minimum(wanted, self.most(xp, resistance))
+
+    def reach(self, resistance: float) -> Reach:
+        """Powers [W] that the limits of the supply allow; none is taken out of the element."""
+        most = self.most(floats, resistance)
+        return Reach(0.0, most * most * resistance)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.electrical.base import SOURCES, AbstractSupply
+from martensite.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -18,3 +19,8 @@ class VoltageSource(AbstractSupply):
         """I [A] for a drive in volt."""
         most = self.most(xp, resistance)
         return xp.clip(drive / (resistance + self.series_resistance), -most, most)
+
+    def reach(self, resistance: float) -> Reach:
+        """Voltages [V] over element and series resistance that limits of the supply allow."""
+        most = self.most(floats, resistance) * (resistance + self.series_resistance)
+        return Reach(-most, most)

@@ -4,9 +4,11 @@
 reference, and k runs over the `terms` asked for; a coefficient that is not asked for is
 zero. With residuals r over n points and p terms,
 
-    R² = 1 - Σ r²/Σ (h - mean h)²,    adjusted R² = 1 - (1 - R²) (n - 1)/(n - p).
+    R² = 1 - Σ r²/Σ (h - mean h)²,    adjusted R² = 1 - (1 - R²) (n - 1)/(n - p),
+    AICc = n ln(Σ r²/n) + 2 (p + 1) + 2 (p + 1) (p + 2)/(n - p - 2).
 
-R² never falls when a term is added; the adjusted one does when the term is not worth it.
+R² never falls when a term is added; the adjusted one does when the term is not worth it,
+and AICc (Hurvich and Tsai 1989) rises. Intervals: see `martensite.identify.linear`.
 """
 
 from __future__ import annotations
@@ -14,23 +16,79 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from martensite.errors import DataError, ParameterError
+from martensite.errors import DataError
+from martensite.identify.linear import LEVEL, Interval, LinearFit, check_points, fit_powers
+
+FORMS: dict[str, tuple[int, ...]] = {
+    "constant": (0,),
+    "linear": (0, 1),
+    "quadratic": (0, 1, 2),
+    "h1=0": (0, 2),
+}
+"""Name of a form -> powers of the temperature in it."""
 
 
 @dataclass(frozen=True)
 class FilmFit:
-    """A fitted polynomial, and how much of the scatter it explains."""
+    """A fitted polynomial, how much of the scatter it explains, and what is left open."""
 
     coefficients: tuple[float, ...]
     """h₀ [W/(m² K)], h₁ [W/(m² K²)], h₂ [W/(m² K³)], … for temperatures in °C."""
     r_squared: float
     adjusted: float
     """Adjusted R²; NaN if there are no more points than terms."""
+    linear: LinearFit
+    """The fit with its covariance."""
+
+    @property
+    def terms(self) -> tuple[int, ...]:
+        """Powers of the temperature that were fitted."""
+        return self.linear.terms
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the residuals [W/(m² K)]."""
+        return self.linear.deviation
+
+    @property
+    def aicc(self) -> float:
+        """Akaike's criterion, corrected for few points; NaN if there are too few for it."""
+        n, p = self.linear.points, len(self.terms) + 1
+        if n - p < 2 or self.linear.squares == 0.0:
+            return math.nan
+        return n * math.log(self.linear.squares / n) + 2.0 * p + 2.0 * p * (p + 1) / (n - p - 1)
 
     def film(self, temperature_degC: float) -> float:
         """Film coefficient [W/(m² K)] at a temperature [°C]."""
         return film_value(self.coefficients, temperature_degC)
+
+    def error(self, term: int) -> float:
+        """Standard error of the coefficient of a power of the temperature."""
+        return self.linear.error(term)
+
+    def interval(self, term: int, level: float = LEVEL) -> Interval:
+        """Confidence interval of the coefficient of a power of the temperature."""
+        return self.linear.interval(term, level)
+
+    def half_width(self, temperature_degC: float, level: float = LEVEL) -> float:
+        """Half the confidence band of h [W/(m² K)] at a temperature [°C]."""
+        return self.linear.half_width(temperature_degC, level)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON; coefficients by power."""
+        return {
+            "coefficients": list(self.coefficients),
+            "terms": list(self.terms),
+            "standard_errors": {str(k): self.error(k) for k in self.terms},
+            "intervals": {str(k): list(self.interval(k, level)) for k in self.terms},
+            "p_values": {str(k): self.linear.p_value(k) for k in self.terms},
+            "r_squared": self.r_squared,
+            "adjusted": self.adjusted,
+            "aicc": self.aicc,
+            "deviation": self.deviation,
+        }
 
 
 def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
@@ -49,7 +107,7 @@ def film_r_squared(
     Raises:
         DataError: the points are too few, or all h are equal.
     """
-    _check(temperatures_degC, h)
+    check_points(temperatures_degC, h)
     mean = sum(h) / len(h)
     scatter = sum((value - mean) ** 2 for value in h)
     if scatter == 0.0:
@@ -73,47 +131,10 @@ def fit_film(
         ParameterError: the terms are not distinct whole numbers from 0 on.
         DataError: the points are too few, not finite, or do not determine the terms.
     """
-    _check(temperatures_degC, h)
-    _check_terms(terms)
-    coefficients = _least_squares(temperatures_degC, h, terms)
+    linear = fit_powers(temperatures_degC, h, terms)
+    by_power = dict(zip(linear.terms, linear.values, strict=True))
+    coefficients = tuple(by_power.get(k, 0.0) for k in range(max(terms) + 1))
     r_squared = film_r_squared(temperatures_degC, h, coefficients)
     n, p = len(h), len(terms)
     adjusted = 1.0 - (1.0 - r_squared) * (n - 1) / (n - p) if n > p else math.nan
-    return FilmFit(coefficients, r_squared, adjusted)
-
-
-def _least_squares(
-    temperatures: Sequence[float], h: Sequence[float], terms: Sequence[int]
-) -> tuple[float, ...]:
-    import numpy as np
-
-    scale = max(abs(t) for t in temperatures) or 1.0
-    at = np.asarray(temperatures, np.float64) / scale
-    columns = np.stack([at**k for k in terms], axis=1)
-    found, _, rank, _ = np.linalg.lstsq(columns, np.asarray(h, np.float64))
-    if rank < len(terms):
-        raise DataError(
-            f"{len(set(temperatures))} different temperatures do not determine "
-            f"{len(terms)} coefficients; measure at more, or fit fewer terms."
-        )
-    by_power = dict(zip(terms, found.tolist(), strict=True))
-    return tuple(by_power.get(k, 0.0) / scale**k for k in range(max(terms) + 1))
-
-
-def _check(temperatures: Sequence[float], h: Sequence[float]) -> None:
-    if len(temperatures) != len(h):
-        raise DataError(
-            f"Temperatures and film coefficients must be equally many, "
-            f"but are {len(temperatures)} and {len(h)}."
-        )
-    if len(h) < 2:
-        raise DataError(f"A fit needs at least 2 points, but has {len(h)}.")
-    if not all(math.isfinite(number) for number in (*temperatures, *h)):
-        raise DataError("Temperatures and film coefficients must be finite, but are not all.")
-
-
-def _check_terms(terms: Sequence[int]) -> None:
-    if not terms or len(set(terms)) != len(terms) or min(terms) < 0:
-        raise ParameterError(
-            f"Argument `terms` must be distinct powers from 0 on, but is {tuple(terms)}."
-        )
+    return FilmFit(coefficients, r_squared, adjusted, linear)

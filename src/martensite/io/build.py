@@ -92,6 +92,8 @@ class Builder:
         full = as_table(given, f"{path}.{name}")
         if name in ASSUMED_KINDS:
             full = {"kind": ASSUMED_KINDS[name], **full}
+        elif isinstance(declared.default, Parametrised):
+            full = {"kind": declared.default.registered_name, **full}
         if "kind" not in full:
             valid = suggestion("", declared.registry.names())
             raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")

@@ -99,12 +99,20 @@ def locate(key: str) -> Path:
         DataError: there is no copy on this machine, or it is not the file listed.
     """
     dataset, file = _entry(key)
-    paths = [folder / file.name for folder in (*_own_folders(dataset), _cached(dataset))]
-    path = next((path for path in paths if path.is_file()), None)
+    path = _copy(dataset, file)
     if path is None:
         raise DataError(f"`{key}` is not on this machine; {_remedy(dataset, file)}")
     _verify(path, dataset, file)
     return path
+
+
+def is_here(key: str) -> bool:
+    """Whether there is a copy of `<data set>/<file>` on this machine, verified or not.
+
+    Raises:
+        UnknownNameError: there is no such data set, or no such file in it.
+    """
+    return _copy(*_entry(key)) is not None
 
 
 def fetch(
@@ -141,6 +149,11 @@ def _entry(key: str) -> tuple[DataSet, DataFile]:
     if file not in dataset.files:
         raise UnknownNameError(f"file of data set `{name}`", file, dataset.files)
     return dataset, dataset.files[file]
+
+
+def _copy(dataset: DataSet, file: DataFile) -> Path | None:
+    paths = (folder / file.name for folder in (*_own_folders(dataset), _cached(dataset)))
+    return next((path for path in paths if path.is_file()), None)
 
 
 def _own_folders(dataset: DataSet) -> list[Path]:

@@ -11,10 +11,11 @@ is that of UDUNITS. Numbers that are not known (an accuracy that was not estimat
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -178,6 +179,7 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "steps": int(result.steps),
         "step": float(result.step),
         "warnings": "\n".join(result.warnings),
+        "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
         "martensite_version": _version("martensite"),
         "numpy_version": np.__version__,
         "h5netcdf_version": _version("h5netcdf"),

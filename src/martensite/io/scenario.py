@@ -26,6 +26,7 @@ from martensite.mechanisms.base import MECHANISMS
 from martensite.parameters import Parametrised, param
 from martensite.runtimes.namespace import Scalar
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.simulate.grid import require_unit
 from martensite.system import System
 from martensite.thermal.base import Environment
 
@@ -206,6 +207,9 @@ def _waveform(
     table = as_table(drive["waveform"], "drive.waveform")
     if table.get("kind") == recorded.KIND:
         return recorded.waveform(table, "drive.waveform", folder, unit)
+    if "kind" in table:
+        with section("drive.waveform"):
+            require_unit(WAVEFORMS[str(table["kind"])], unit)
     builder = Builder(drive_unit=unit, origins=origins)
     return builder.choose(WAVEFORMS, table, "drive.waveform"), math.inf
 

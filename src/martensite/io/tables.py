@@ -3,7 +3,8 @@
 Columns are separated by tab, semicolon, comma or blanks (the first of these found in the
 first row); numbers may have a decimal comma unless the comma separates. Lines that begin
 with `#` are comments. Headings carry the unit in brackets (see `martensite.io.layout`).
-Nothing is repaired: what cannot be read is an error that names row and column.
+Nothing is repaired: what cannot be read is an error that names row and column, or, for a
+logger that writes other things between its rows, is left out and counted (`drop`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from martensite import units
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.io.layout import CLOCK, IGNORED, Column, Layout, read_headings
 from martensite.io.records import Record, not_finite, out_of_order
-from martensite.io.sheets import SEPARATORS, Sheet, is_number, parses, read_sheet
+from martensite.io.sheets import SEPARATORS, Sheet, is_number, parses, read_sheet, reads
 
 PREFIX = "data:"
 
@@ -28,6 +29,7 @@ def read_table(
     *,
     interval: float | None = None,
     separator: str = "auto",
+    drop: bool = False,
 ) -> Record:
     """Read a text file with columns of numbers.
 
@@ -37,6 +39,9 @@ def read_table(
             replace the headings of a file that has some. `-` passes a column over.
         interval: time between rows [s] where there is no time column; 1 s if left out.
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
+        drop: leave out rows that cannot be read or that repeat the time before, and count
+            them in `Record.dropped`. A number that was cut short cannot be told from one
+            that was not. Some of the published data sets are read so anyway.
 
     Raises:
         DataError: the file is missing, empty or malformed; the sentence says where.
@@ -52,6 +57,8 @@ def read_table(
         layout = replace(layout, columns=tuple(columns))
     if separator != "auto":
         layout = replace(layout, separator=separator)
+    if drop:
+        layout = replace(layout, drop=True)
     headings, sheet = _headed(read_sheet(path, layout), layout)
     rows = len(sheet.rows)
     if layout.drop:
@@ -133,15 +140,16 @@ def _column(sheet: Sheet, place: int, column: Column) -> list[float]:
 def _readable(sheet: Sheet, headings: list[Column]) -> list[int]:
     """Indices of the rows that can be read and do not repeat the time of the one before."""
     wanted = [(p, sheet.parser(c)) for p, c in enumerate(headings) if c.name != IGNORED]
-    clock = next((place for place, column in enumerate(headings) if column.name == "time"), None)
+    clock = next((p for p, column in enumerate(headings) if column.name == "time"), None)
     kept: list[int] = []
-    before = ""
+    before: float | None = None
     for index, row in enumerate(sheet.rows):
-        if len(row) != len(headings) or not all(parses(f, row[place]) for place, f in wanted):
+        if len(row) != len(headings) or not all(reads(f, row[place]) for place, f in wanted):
             continue
-        if clock is None or row[clock] != before:
+        time = None if clock is None else sheet.parser(headings[clock])(row[clock])
+        if time is None or time != before:
             kept.append(index)
-        before = "" if clock is None else row[clock]
+        before = time
     return kept
 
 

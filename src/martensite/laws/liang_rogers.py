@@ -11,6 +11,9 @@ equation in integrated form, so that elastic loops close:
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ
 
+or, with a transformation stress that is linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω =
+-ε_L E(1). The two differ only between the phases, and only if E depends on ξ.
+
 Source: Liang and Rogers (1990), J. Intell. Mater. Syst. Struct. 1. The history rules
 `resume` and `restart` are this package's. Θ > 0 means that a free bar shrinks on heating.
 """
@@ -33,6 +36,10 @@ class LiangRogers(AbstractStripLaw):
         "Young's modulus: constant, or the mixture E_A + ξ (E_M - E_A)",
         "austenite", "martensite", "mixture", default="austenite",
     )  # fmt: skip
+    transformation: str = option(
+        "what is linear in ξ: the transformation strain ε_L ξ, or the transformation stress Ω ξ",
+        "strain", "stress", default="strain",
+    )  # fmt: skip
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """sin²(π/2 · distance)."""
@@ -43,3 +50,10 @@ class LiangRogers(AbstractStripLaw):
         if self.modulus == "mixture":
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
+
+    def transformation_strain(self, fractions: Fractions) -> Scalar:
+        """ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
+        strain = super().transformation_strain(fractions)
+        if self.transformation == "strain":
+            return strain
+        return strain * (self.young(Fractions(1.0, 1.0)) / self.young(fractions))

@@ -29,6 +29,7 @@ from martensite.laws.shared.exchange import exchange, mean_flows
 from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, variants
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.nested import total
 
 Column = Sequence[Scalar]
 
@@ -167,11 +168,3 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     ) -> Scalar:
         """Distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest
-
-
-def total(column: Column) -> Scalar:
-    """Sum of a column."""
-    result = column[0]
-    for number in column[1:]:
-        result = result + number
-    return result

@@ -94,50 +94,65 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
         path = _DATA / f"{name}.toml"
         if not path.is_file():
             raise UnknownNameError("material", name, material_names())
-    return _material(path.stem, _read(path), f"Material file `{path.name}`")
+    return _material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """The document in a TOML file; `what` says in an error which kind of file it is."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise DataError(f"There is no material file `{path}`.") from None
+        raise DataError(f"There is no {what} file `{path}`.") from None
     except OSError as error:
-        raise DataError(f"Cannot read material file `{path}`: {error.strerror}.") from None
+        raise DataError(f"Cannot read {what} file `{path}`: {error.strerror}.") from None
     except ValueError as error:
-        raise DataError(f"Material file `{path}` is not valid TOML: {error}.") from None
+        name = f"{what.capitalize()} file `{path}`"
+        raise DataError(f"{name} is not valid TOML: {error}.") from None
 
 
 def _material(name: str, document: Mapping[str, Any], file: str) -> Material:
-    _only(_KEYS, document, file)
-    sources = {
-        key: _source(_table(entry, f"{file}, source `{key}`"), f"{file}, source `{key}`")
-        for key, entry in _table(document.get("sources", {}), f"{file}, [sources]").items()
-    }
+    refuse_unknown(_KEYS, document, file)
+    sources = read_sources(document, file)
     values = {
-        key: _number(key, _table(entry, f"{file}, `{key}`"), sources, file)
-        for key, entry in _table(document.get("values", {}), f"{file}, [values]").items()
+        key: _number(key, read_table(entry, f"{file}, `{key}`"), sources, file)
+        for key, entry in read_table(document.get("values", {}), f"{file}, [values]").items()
     }
     title, summary, limits = (str(document.get(key, "")) for key in _KEYS[:3])
     return Material(name, title or name, summary, limits, sources, values)
 
 
-def _source(entry: Mapping[str, Any], where: str) -> Source:
-    _only(("cite", "text"), entry, where)
-    return Source(_text(entry, "cite", where), _text(entry, "text", where))
+def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:
+    """The sources that a file names, by key."""
+    found = read_table(document.get("sources", {}), f"{file}, [sources]")
+    return {key: _source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
+
+
+def _source(entry: Any, where: str) -> Source:
+    table = read_table(entry, where)
+    refuse_unknown(("cite", "text"), table, where)
+    return Source(read_text(table, "cite", where), read_text(table, "text", where))
 
 
 def _number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> Number:
-    where = f"{file}, `{name}`"
     if name not in NAMES:
         raise ParameterError(f"{file}: no canonical number `{name}`. {suggestion(name, NAMES)}")
-    _only(_FIELDS, entry, where)
-    text, kind, source = (_text(entry, key, where) for key in _FIELDS[:3])
+    return read_number(entry, NAMES[name][0], sources, f"{file}, `{name}`")
+
+
+def read_number(
+    entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str
+) -> Number:
+    """A number declared in the SI `unit` from its table of value, kind, source, where and note.
+
+    Raises:
+        InputError: something is missing, unknown, or of another dimension.
+    """
+    refuse_unknown(_FIELDS, entry, where)
+    text, kind, source = (read_text(entry, key, where) for key in _FIELDS[:3])
     if kind not in KINDS:
         raise ParameterError(f"{where}: no kind `{kind}`. {suggestion(kind, KINDS)}")
     if source not in sources:
         raise ParameterError(f"{where}: no source `{source}`. {suggestion(source, sources)}")
-    unit = NAMES[name][0]
     try:
         value = units.parse(text, unit)
     except UnitError as error:
@@ -146,13 +161,15 @@ def _number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], fil
     return Number(value, text, unit, kind, source, *more)
 
 
-def _table(entry: Any, where: str) -> dict[str, Any]:
+def read_table(entry: Any, where: str) -> dict[str, Any]:
+    """The entry, which must be a table."""
     if not isinstance(entry, dict):
         raise ParameterError(f"{where} must be a table, but is {entry!r}.")
     return cast("dict[str, Any]", entry)
 
 
-def _text(entry: Mapping[str, Any], key: str, where: str) -> str:
+def read_text(entry: Mapping[str, Any], key: str, where: str) -> str:
+    """The text under a key, which must be there."""
     if key not in entry:
         raise ParameterError(f"{where} needs `{key}`; none given.")
     if not isinstance(entry[key], str):
@@ -160,7 +177,8 @@ def _text(entry: Mapping[str, Any], key: str, where: str) -> str:
     return entry[key]
 
 
-def _only(valid: tuple[str, ...], entry: Mapping[str, Any], where: str) -> None:
+def refuse_unknown(valid: tuple[str, ...], entry: Mapping[str, Any], where: str) -> None:
+    """Raise `ParameterError` with the nearest valid key if the entry has another one."""
     unknown = next((key for key in entry if key not in valid), None)
     if unknown is not None:
         raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, valid)}")

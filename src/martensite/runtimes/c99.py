@@ -110,7 +110,10 @@ def c_source(program: Program, functions: Iterable[Function]) -> str:
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
     parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
-    printer.share(program.hoisted, lambda i: f"c[{i} * n + l]")
+    flags = [printer.is_flag(node.index) for node in program.hoisted]
+    printer.share(
+        program.hoisted, lambda i: f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
+    )
     parts += [_traced(printer, function) for function in functions]
     return "\n".join(parts)
 

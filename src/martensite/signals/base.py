@@ -4,14 +4,14 @@ A drive turns time and measurement into a signal; its memory is passed in and re
 waveform needs neither measurement nor memory, and names its edges: the times at which it
 jumps or bends. The march snaps its steps to them, so nothing is stepped over.
 
-The levels of a waveform are declared in the unit `drive`: volt, ampere, watt or kelvin,
-whatever the source takes.
+The levels of a waveform are declared in the unit `drive`: volt, ampere, watt, kelvin or a
+plain number, whatever the source takes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
@@ -36,6 +36,9 @@ class AbstractDrive(Parametrised):
 
 class AbstractWaveform(AbstractDrive):
     """A signal that is known beforehand."""
+
+    unit: ClassVar[str | None] = None
+    """Unit of the only sources that it can drive; None if it drives any."""
 
     def init(self) -> None:
         """A waveform remembers nothing."""

@@ -10,10 +10,10 @@ from martensite.runtimes import floats
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
-from martensite.simulate.grid import Grid, build_grid
+from martensite.simulate.grid import Grid, build_grid, require_unit
 from martensite.simulate.march import Track, march_floats
 from martensite.simulate.result import Result
-from martensite.simulate.warnings import warnings_of
+from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import OUTPUTS, System
 
@@ -56,6 +56,7 @@ def simulate(
         SolveError: the run failed; the sentence says when and what to try.
     """
     _check(duration, tolerance, step, samples, runtime)
+    require_unit(waveform, system.source.unit)
     run = _Runner(system, waveform, duration, samples, runtime)
     if step is not None:
         grid, track = run(step)
@@ -151,8 +152,7 @@ def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> R
         run.system, run.waveform, grid.times, columns, track.status, track.status_time,
         len(grid.lengths), grid.longest, accuracy,
     )  # fmt: skip
-    result.warnings.extend(warnings_of(result))
-    return result
+    return add_warnings(result)
 
 
 def _check(

@@ -13,7 +13,7 @@ from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import Compiled, compile_system
-from martensite.simulate.grid import Grid, build_grid
+from martensite.simulate.grid import Grid, build_grid, require_unit
 from martensite.simulate.march import Track, classify, track
 from martensite.status import Status
 from martensite.system import System
@@ -152,6 +152,7 @@ def _plan(
 ) -> tuple[Schedule, bool]:  # fmt: skip
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
+    require_unit(waveform, system.source.unit)
     at_end = system.source.sets_temperature
     return schedule(build_grid(waveform, duration, samples, step, at_end), precision)
 

@@ -6,7 +6,7 @@ mechanism makes a new one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
 from martensite.system import OUTPUTS, System
 
@@ -34,30 +35,6 @@ class Compiled:
         """Parameter values of a system of this structure, in order."""
         known = {leaf.path: leaf.value for leaf in system.leaves()}
         return [known[path] for path in self.paths]
-
-
-class Shape:
-    """Rebuilds nested NamedTuples from a flat sequence."""
-
-    def __init__(self, example: Any) -> None:
-        self.example = example
-
-    def rebuild(self, flat: Sequence[Any]) -> Any:
-        """The nested tuple with the numbers of `flat` in order."""
-        return self._fill(self.example, iter(flat))
-
-    def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
-        if isinstance(example, tuple):
-            items = (self._fill(item, numbers) for item in example)  # type: ignore[misc]
-            return tuple(items) if type(example) is tuple else type(example)(*items)  # type: ignore[call-arg]
-        return next(numbers)
-
-
-def flatten(nested: Any) -> list[Any]:
-    """All numbers of nested tuples, in order."""
-    if isinstance(nested, tuple):
-        return [number for item in nested for number in flatten(item)]  # type: ignore[misc]
-    return [nested]
 
 
 def structure(part: Parametrised) -> tuple[Any, ...]:

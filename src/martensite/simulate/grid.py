@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from martensite.errors import InputError
+from martensite.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
 
 MOST_STEPS = 20_000_000
@@ -30,6 +30,16 @@ class Grid:
     def longest(self) -> float:
         """Longest step [s]."""
         return max(self.lengths)
+
+
+def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str) -> None:
+    """Raise `UnitError` if a waveform of a fixed unit meets a source of another `unit`."""
+    if waveform.unit not in (None, unit):
+        kind = "a plain number" if waveform.unit == "1" else f"in {waveform.unit}"
+        raise UnitError(
+            f"The signal of waveform `{waveform.registered_name}` is {kind}, but the drive takes "
+            f"{unit}; a duty drives `pwm-voltage`."
+        )
 
 
 def build_grid(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from martensite.signals.base import AbstractWaveform
+from martensite.simulate.alarms import Alarm
 from martensite.status import Status
 from martensite.system import OUTPUTS, System
 
@@ -30,7 +31,9 @@ class Result:
     """Largest difference to the run with twice the step, as a share of each column's range
     (temperature, martensite fraction, position); None if only one run was made."""
     warnings: list[str] = field(default_factory=list[str])
-    """Sentences on exceeded limits, slack, coarse steps."""
+    """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
+    alarms: list[Alarm] = field(default_factory=list[Alarm])
+    """Exceeded limits, slack and a saturated supply, with time, duration and amount."""
 
     def __getitem__(self, name: str) -> list[float]:
         """A column by name, or the times."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from martensite.parameters import Parametrised, param, part
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.fluids.base import AbstractFluid
 
 COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.thermal")
 
@@ -33,3 +34,14 @@ class Environment(Parametrised):
 
     temperature: Scalar = param("K", "ambient temperature", low=100.0, high=1000.0, default=293.15)
     cooling: AbstractCooling = part("heat-loss model", COOLING)
+
+    def cautions(self) -> list[str]:
+        """An ambient temperature at which the properties of a fluid are not known."""
+        fluids = [item for item in self.cooling.tree() if isinstance(item, AbstractFluid)]
+        outside = [f for f in fluids if not f.span()[0] <= self.temperature <= f.span()[1]]
+        return [
+            f"Ambient temperature {self.temperature:.2f} K lies outside the {f.span()[0]:.2f} K to "
+            f"{f.span()[1]:.2f} K over which `{f.registered_name}` is known; its properties are "
+            "held at the nearer end."
+            for f in outside
+        ]

@@ -74,7 +74,11 @@ class AbstractPhaseDiagram(AbstractLaw):
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """ε_L ξ_S - Θ (T - T_ref)/E [-]."""
         thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
-        return self.eps_L * fractions.oriented - thermal
+        return self.transformation_strain(fractions) - thermal
+
+    def transformation_strain(self, fractions: Fractions) -> Scalar:
+        """ε_L ξ_S [-]."""
+        return self.eps_L * fractions.oriented
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """1/E [1/Pa]."""

@@ -1,0 +1,103 @@
+"""`fit`: numbers of a model from measurements, with what the measurements leave open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Json
+from martensite.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    from martensite.identify.film_report import FilmReport
+
+fit = typer.Typer(help="Fit numbers of a model to measurements.", no_args_is_help=True)
+app.add_typer(fit, name="fit")
+
+ALL = "all"
+
+
+@fit.command("h")
+def film(
+    table: Annotated[
+        Path, typer.Argument(metavar="TABLE", help="Steady states, one per row (see below).")
+    ],
+    diameter: Annotated[
+        str | None, typer.Option(help='Diameter of the wire, e.g. "0.381 mm".')
+    ] = None,
+    length: Annotated[str | None, typer.Option(help='Length of the wire, e.g. "273 mm".')] = None,
+    ambient: Annotated[
+        str | None, typer.Option(help='Ambient temperature, e.g. "38.5 degC".')
+    ] = None,
+    resistance: Annotated[
+        str | None, typer.Option(help='Resistance that the voltage heats, e.g. "2.7 ohm".')
+    ] = None,
+    form: Annotated[str, typer.Option(help="all, constant, linear, quadratic, or h1=0.")] = ALL,
+    out: Annotated[
+        Path | None, typer.Option(help="Heat-loss model to write: .toml; takes one --form.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    json: Json = False,
+) -> None:
+    """Fit a film coefficient h(T) to steady states of a heated wire, and judge the fit.
+
+    TABLE needs a column `temperature` and one of: `h [W/m^2/K]`; `power`; `voltage` with `current`;
+    `voltage` with `resistance`, or with --resistance. All but `h` take --diameter, --length and
+    --ambient.
+    """
+    from martensite.cli.fit_film import Wire, print_report, read_points, snippet
+    from martensite.cli.outputs import Outputs, parts
+
+    _check_form(form, out)
+    outputs = Outputs(out, figure).check(force, data=(".toml",))
+    points, origin = read_points(table, Wire.read(diameter, length, ambient, resistance))
+    from martensite.identify.film_report import judge_film
+
+    report = judge_film(points)
+    forms = _shown(report, form)
+    with parts(outputs) as files:
+        if files.data is not None:
+            files.data.write_text(snippet(report, form, table.name), encoding="utf-8")
+        if files.figure is not None:
+            _draw(report, forms, table, files.figure)
+    if json:
+        from martensite.cli import show
+
+        written = [str(path) for path in outputs.paths()]
+        show.as_json({"origin": origin} | report.to_dict() | {"files": written})
+    else:
+        print_report(report, forms, origin, outputs.paths())
+
+
+def _check_form(form: str, out: Path | None) -> None:
+    from martensite.identify.film import FORMS
+
+    if form not in (ALL, *FORMS):
+        raise UnknownNameError("form of h(T)", form, (ALL, *FORMS))
+    if out is not None and form == ALL:
+        listed = ", ".join(f"`{name}`" for name in FORMS)
+        raise InputError(f"Option `--out` writes one form of h(T): give --form as one of {listed}.")
+
+
+def _shown(report: FilmReport, form: str) -> list[str]:
+    if form == ALL:
+        return list(report.fits)
+    if form not in report.fits:
+        raise InputError(
+            f"{len(report.points)} points do not determine the form `{form}`; "
+            "measure at more temperatures, or fit another form."
+        )
+    return [form]
+
+
+def _draw(report: FilmReport, forms: list[str], table: Path, path: Path) -> None:
+    from martensite.plot.files import write_figure
+    from martensite.plot.film_fit import plot_film
+
+    write_figure(plot_film(report, forms, f"Film coefficient from {table.name}"), path)

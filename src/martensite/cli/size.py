@@ -1,0 +1,194 @@
+"""`size`: which wire for a force, a stroke and a rate; and the model beside the maker's table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Json
+from martensite.errors import DataError, InputError, ParameterError, UnitError
+
+if TYPE_CHECKING:
+    from martensite.sizing.candidates import Sizing
+    from martensite.sizing.request import WireRequest
+
+Text = str | None
+
+
+@app.command()
+def size(
+    force: Annotated[Text, typer.Option(help='Pull at the end of the stroke, e.g. "8 N".')] = None,
+    stroke: Annotated[Text, typer.Option(help='Way of the load, e.g. "5 mm".')] = None,
+    rate: Annotated[Text, typer.Option(help='Cycles, e.g. "0.5 Hz".')] = None,
+    supply: Annotated[Text, typer.Option(help='Voltage of the supply, e.g. "12 V".')] = None,
+    ambient: Annotated[
+        Text, typer.Option(help="Temperature of the still air [default: 22 degC].")
+    ] = None,
+    strain: Annotated[Text, typer.Option(help="Largest strain used [default: 4 %].")] = None,
+    stress: Annotated[Text, typer.Option(help="Largest stress [default: 172 MPa].")] = None,
+    bias: Annotated[str, typer.Option(help="What stretches the wire: spring, or weight.")] = (
+        "spring"
+    ),
+    current_limit: Annotated[
+        Text, typer.Option(help='Largest current of the supply, e.g. "3 A".')
+    ] = None,
+    alloy: Annotated[str, typer.Option(help="70, 90, or any.")] = "any",
+    strands: Annotated[int, typer.Option(help="Most wires side by side.")] = 12,
+    every: Annotated[bool, typer.Option("--all", help="Show the wires that do not do, too.")] = (
+        False
+    ),
+    catalogue: Annotated[
+        bool, typer.Option("--catalogue", help="Only compare the model with the maker's table.")
+    ] = False,
+    pick: Annotated[
+        int | None, typer.Option(help="Number of the wire to describe and write [default: best].")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Scenario file to write: .toml.")] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace an existing file.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Find the wire, its length, current and return for a force, a stroke and a rate."""
+    given = {
+        "force": force, "stroke": stroke, "rate": rate, "supply": supply, "ambient": ambient,
+        "strain": strain, "stress": stress, "current_limit": current_limit,
+    }  # fmt: skip
+    if catalogue:
+        idle = {**given, "out": out, "pick": pick}
+        _catalogue({name: idle[name] for name in idle if name not in ("stress", "ambient")},
+                   stress, ambient, alloy, json)  # fmt: skip
+        return
+    _check_file(out, overwrite)
+    request = _request(given, bias, alloy, strands)
+    with _progress("simulating wires") as progress:
+        from martensite.sizing.candidates import size_wire
+
+        sizing = size_wire(request, progress=progress)
+    _answer(sizing, pick, every, out, json)
+
+
+# ---------------------------------------------------------------- reading the options
+
+
+def _request(given: dict[str, Text], bias: str, alloy: str, strands: int) -> WireRequest:
+    from martensite.sizing.request import WireRequest
+
+    missing = [n for n in ("force", "stroke", "rate", "supply") if given[n] is None]
+    if missing:
+        named = ", ".join(f"`--{name}`" for name in missing)
+        raise ParameterError(
+            f"Option {named} is needed; write for example "
+            '`martensite size --force "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
+        )
+    units = {name: declared.unit for name, declared in WireRequest.declarations.items()}
+    numbers = {n: _quantity(n, t, units[n]) for n, t in given.items() if t is not None}
+    return WireRequest(**numbers, bias=bias, alloy=alloy, strands=strands)
+
+
+def _quantity(name: str, text: str, unit: str) -> float:
+    from martensite import units
+
+    try:
+        return units.parse(text, unit)
+    except UnitError as error:
+        raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
+
+
+def _check_file(out: Path | None, overwrite: bool) -> None:
+    if out is None:
+        return
+    if out.suffix.lower() != ".toml":
+        raise DataError(f"`{out}` must end in .toml.")
+    if not out.parent.is_dir():
+        raise DataError(f"There is no folder `{out.parent}` to write `{out.name}` into.")
+    if out.exists() and not overwrite:
+        raise DataError(f"`{out}` is there already; use --overwrite to replace it.")
+
+
+@contextmanager
+def _progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A progress bar on standard error, if somebody is looking there."""
+    import sys
+
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+# ---------------------------------------------------------------- answering
+
+
+def _answer(sizing: Sizing, pick: int | None, every: bool, out: Path | None, json: bool) -> None:
+    from martensite.cli import show, sized
+
+    chosen = _chosen(sizing, pick)
+    if out is not None:
+        _write(sizing, chosen, out)
+    files = [] if out is None else [str(out)]
+    if json:
+        show.as_json(sized.report(sizing, chosen, files))
+        return
+    sized.show_candidates(sizing, every, chosen)
+    if chosen is not None:
+        sized.show_one(sizing, chosen)
+    for file in files:
+        show.text(f"wrote {file}")
+
+
+def _chosen(sizing: Sizing, pick: int | None) -> int | None:
+    """Position of the candidate to describe; None if none is feasible and none was picked."""
+    if pick is None:
+        return 0 if sizing.best else None
+    if not 1 <= pick <= len(sizing.candidates):
+        raise InputError(
+            f"Option `--pick` must be between 1 and {len(sizing.candidates)}, but is {pick}."
+        )
+    return pick - 1
+
+
+def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
+    from martensite.files import replacing
+    from martensite.materials.wires import load_wires
+    from martensite.sizing.scenario import scenario_text
+
+    if chosen is None:
+        nearest = sizing.candidates[0]
+        raise InputError(
+            f"No wire does, so no scenario was written; the nearest is {nearest.size.name}, "
+            f"{nearest.alloy} °C: {nearest.reasons[0]}; choose one with --pick."
+        )
+    text = scenario_text(sizing.request, sizing.candidates[chosen], load_wires())
+    with replacing(out) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def _catalogue(idle: dict[str, Any], stress: Text, ambient: Text, alloy: str, json: bool) -> None:
+    from martensite.cli import show, sized
+    from martensite.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
+    from martensite.sizing.request import ALLOYS, WireRequest
+
+    named = next((name for name, value in idle.items() if value is not None), None)
+    if named is not None:
+        raise InputError(f"Option `--{named.replace('_', '-')}` has no effect with --catalogue.")
+    WireRequest.declarations["alloy"].convert("size", "alloy", alloy)
+    alloys = ALLOYS if alloy == "any" else (alloy,)
+    load = STRESS if stress is None else _quantity("stress", stress, "Pa")
+    room = AMBIENT if ambient is None else _quantity("ambient", ambient, "K")
+    with _progress("simulating wires") as progress:
+        rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
+    if json:
+        show.as_json(sized.check_report(rows, load, room))
+    else:
+        sized.show_check(rows, load, room)

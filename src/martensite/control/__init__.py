@@ -1,0 +1,1 @@
+"""Control: drives that act on what is measured."""

@@ -1,0 +1,67 @@
+"""Carrier: a duty becomes pulses, on for k/f ≤ t < (k + D_k)/f with D_k the duty at k/f.
+
+The duty is read at the start of every period and held, as a timer does; below 0 it counts as 0,
+above 1 as 1. On is 1 and off is 0: the signal of a switch, for the drive `pwm-voltage`.
+
+A real switch cannot make a pulse (or a gap) as short as wanted: those below `shortest` become
+`shortest` or nothing, whichever is nearer.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from martensite.errors import ParameterError
+from martensite.parameters import param, part
+from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.signals.edges import inside, interval, require_countable
+
+
+def pulse(duty: float, shortest: float) -> float:
+    """Share of a period that is on, for a duty and a `shortest` pulse as a share of the period."""
+    duty = min(max(duty, 0.0), 1.0)
+    if duty < shortest:
+        return shortest if duty >= 0.5 * shortest else 0.0
+    if 1.0 - duty < shortest:
+        return 1.0 - shortest if 1.0 - duty >= 0.5 * shortest else 1.0
+    return duty
+
+
+@WAVEFORMS.register("carrier")
+class Carrier(AbstractWaveform):
+    """Pulses of 0 and 1 at a constant frequency, as long as another waveform says."""
+
+    unit: ClassVar[str | None] = "1"
+
+    duty: AbstractWaveform = part("share of the period that is on, over time", WAVEFORMS)
+    frequency: float = param("Hz", "frequency", above=0.0, high=1e9)
+    shortest: float = param(
+        "s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if no pulse fits into a period."""
+        if self.shortest * self.frequency > 0.5:
+            raise ParameterError(
+                f"Parameter `shortest` of `carrier` must be at most half a period, "
+                f"{0.5 / self.frequency:.6g} s, but is {self.shortest:.6g} s."
+            )
+
+    def value(self, time: float) -> float:
+        """1 while on, else 0; the new one at a jump itself."""
+        k = interval(time, time * self.frequency, self._on)
+        return 1.0 if time < self._off(k) else 0.0
+
+    def edges(self, duration: float) -> list[float]:
+        """Begin and end of every pulse in (0, duration) [s]."""
+        count = 2.0 * self.frequency * duration
+        require_countable("carrier", count, duration)
+        periods = range(int(0.5 * count) + 2)
+        return inside((t for k in periods for t in (self._on(k), self._off(k))), duration)
+
+    def _on(self, k: int) -> float:
+        return k / self.frequency
+
+    def _off(self, k: int) -> float:
+        share = pulse(self.duty.value(self._on(k)), self.shortest * self.frequency)
+        return (k + share) / self.frequency

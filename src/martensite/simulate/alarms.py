@@ -1,0 +1,183 @@
+"""Alarms: what went beyond a limit, when first, for how long, and by how much.
+
+Judged on sampled columns, linear in between. So a crossing on a straight line is found exactly,
+and a peak between two samples is not seen: choose more samples where pulses are short.
+
+| kind | beyond the limit when | limit |
+| --- | --- | --- |
+| temperature | the hottest place of the element is too hot | `temperature_limit` |
+| stress | the stress is too high | `stress_limit` |
+| strain | the strain is too far from the farthest value that it had before | `strain_limit` |
+| slack | the element, once under force, has none | 0 N |
+| supply | the drive asks for more (or less) than the source can deliver | `reach` of the source |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from martensite.electrical.base import AbstractSource
+from martensite.system import System
+
+Columns = Mapping[str, Sequence[float]]
+ROUNDING = 1e-9
+"""Share of a demand by which it may exceed what can be delivered."""
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """One limit that was exceeded; all numbers in SI."""
+
+    kind: str
+    """temperature, stress, strain, slack or supply."""
+    quantity: str
+    """Output that was judged."""
+    unit: str
+    """SI unit of `worst`, `limit` and `excess`."""
+    worst: float
+    """Value farthest beyond the limit; of the strain its change; of a supply the demand."""
+    limit: float
+    """What was allowed then; of a supply what it could deliver."""
+    excess: float
+    """Distance of the two."""
+    first: float
+    """Time at which the limit was first exceeded [s]."""
+    duration: float
+    """Time spent beyond the limit in all [s]."""
+    worst_time: float
+    """Time of the worst value [s]."""
+    sentence: str
+    """The same in words."""
+
+
+@dataclass(frozen=True)
+class Excursion:
+    """When a margin was above zero."""
+
+    first: float
+    duration: float
+    worst: int
+    """Number of the sample with the largest margin."""
+
+    def words(self) -> str:
+        """First time and duration in words."""
+        return f"first at t = {self.first:.4g} s, for {self.duration:.3g} s in all"
+
+
+def excursion(times: Sequence[float], margins: Sequence[float]) -> Excursion | None:
+    """When a margin, linear between samples, was above zero; None if never."""
+    worst = max(range(len(margins)), key=margins.__getitem__)
+    if not margins[worst] > 0.0:
+        return None
+    first, duration = (times[0] if margins[0] > 0.0 else None), 0.0
+    for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
+        above = _share_above(m0, m1) * (t1 - t0)
+        if first is None and m1 > 0.0:
+            first = t1 - above
+        duration += above
+    return Excursion(times[0] if first is None else first, duration, worst)
+
+
+def _share_above(begin: float, end: float) -> float:
+    """Share of a straight line that is above zero."""
+    if begin > 0.0 and end > 0.0:
+        return 1.0
+    high, low = max(begin, end), min(begin, end)
+    return high / (high - low) if high > 0.0 else 0.0
+
+
+def alarms_of(system: System, times: Sequence[float], columns: Columns) -> list[Alarm]:
+    """All alarms of a run, from its sampled columns in SI."""
+    limits = system.element.limits
+    hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
+    high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
+    found = (
+        _above(times, columns["hottest"], "hottest", *hot),
+        _above(times, columns["stress"], "stress", *high),
+        _strain(times, columns["strain"], limits.strain_limit),
+        _slack(times, columns["force"]),
+        undelivered(system.source, times, columns["drive"], columns["resistance"]),
+    )
+    return [alarm for alarm in found if alarm is not None]
+
+
+def _above(
+    times: Sequence[float], values: Sequence[float], quantity: str, kind: str, unit: str,
+    limit: float, zero: float, shown: str, scale: float,
+) -> Alarm | None:  # fmt: skip
+    when = excursion(times, [value - limit for value in values])
+    if when is None:
+        return None
+    worst = values[when.worst]
+    sentence = (
+        f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {shown}, above the "
+        f"`{kind}_limit` of {(limit - zero) / scale:.4g} {shown}, {when.words()}."
+    )
+    return Alarm(
+        kind, quantity, unit, worst, limit, worst - limit, when.first, when.duration,
+        times[when.worst], sentence,
+    )  # fmt: skip
+
+
+def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
+    changes: list[float] = []
+    low = high = strain[0]
+    for value in strain:
+        low, high = min(low, value), max(high, value)
+        changes.append(max(high - value, value - low))
+    when = excursion(times, [change - limit for change in changes])
+    if when is None:
+        return None
+    worst = changes[when.worst]
+    sentence = (
+        f"Warning: strain varies by {100 * worst:.3g} %, more than the "
+        f"`strain_limit` of {100 * limit:.3g} %, {when.words()}."
+    )
+    return Alarm(
+        "strain", "strain", "1", worst, limit, worst - limit, when.first, when.duration,
+        times[when.worst], sentence,
+    )  # fmt: skip
+
+
+def _slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
+    """No force, after there was some; it has no size, since a slack wire has no stress."""
+    at = next((k for k, value in enumerate(force) if value <= 0.0), None)
+    if at is None or not force[0] > 0.0:
+        return None
+    whole = (f0 <= 0.0 and f1 <= 0.0 for f0, f1 in pairwise(force))
+    steps = ((t1 - t0) for t0, t1 in pairwise(times))
+    duration = sum(step for step, slack in zip(steps, whole, strict=True) if slack)
+    when = Excursion(times[at], duration, at)
+    sentence = f"Warning: the element is slack (no force), {when.words()}."
+    return Alarm(
+        "slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence
+    )
+
+
+def undelivered(
+    source: AbstractSource, times: Sequence[float], drive: Sequence[float],
+    resistance: Sequence[float],
+) -> Alarm | None:  # fmt: skip
+    """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
+    reached = [source.reach(ohms) for ohms in resistance]
+    margins = [
+        max(u - reach.most, reach.least - u) - ROUNDING * abs(u)
+        for u, reach in zip(drive, reached, strict=True)
+    ]
+    when = excursion(times, margins)
+    if when is None:
+        return None
+    worst = drive[when.worst]
+    limit = min(max(worst, reached[when.worst].least), reached[when.worst].most)
+    unit = "" if source.unit == "1" else f" {source.unit}"
+    sentence = (
+        f"Warning: the drive `{source.registered_name}` cannot deliver what is demanded, at "
+        f"t = {times[when.worst]:.4g} s only {limit:.4g}{unit} of {worst:.4g}{unit}, "
+        f"{when.words()}."
+    )
+    return Alarm(
+        "supply", "drive", source.unit, worst, limit, abs(worst - limit), when.first,
+        when.duration, times[when.worst], sentence,
+    )  # fmt: skip

@@ -1,0 +1,107 @@
+"""The figure of the study: resistance against current, and against apparent temperature.
+
+Left: plateaus of run 5 with the model, calibrated and not. The bars are what one standard
+error of the offset does. Right: the same plateaus against what the camera read, which is no
+temperature of the wire. Without the record, the model alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from martensite.plot.style import INK, MEASURED, QUIET, SIMULATED, styled
+from martensite.studies.electrothermal import model, record
+from martensite.studies.electrothermal.checks import ABSENT
+from martensite.studies.electrothermal.model_claims import KEPT, calibration
+from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.electrothermal.record import Staircase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LOOKS = {
+    "calibrated": ("calibrated: $\\rho_A$, $\\rho_M$, apparent $h$", SIMULATED, "solid"),
+    "material": ("material, free convection", MEASURED[1], (0, (5, 1.6))),
+    "maker": ("maker's sheet, free convection: no fit", MEASURED[0], (0, (1, 1.3))),
+}
+
+
+def draw(stated: Stated) -> Figure:
+    """Draw the figure."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    run = Staircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
+    with styled():
+        figure = Figure(figsize=(11.0, 4.6))
+        FigureCanvasAgg(figure)
+        grid = figure.add_gridspec(
+            1, 2, left=0.06, right=0.985, top=0.82, bottom=0.12, width_ratios=(1.5, 1.0),
+            wspace=0.16,
+        )  # fmt: skip
+        against_current = figure.add_subplot(grid[0, 0])
+        _simulated(against_current, stated, run)
+        against_warmth = figure.add_subplot(grid[0, 1], sharey=against_current)
+        if run is not None:
+            _measured(against_current, run)
+            _apparent(against_warmth, run)
+        _titles(figure, against_current, against_warmth, run)
+        return figure
+
+
+def _titles(figure: Any, left: Any, right: Any, run: Staircase | None) -> None:
+    figure.text(
+        0.02, 0.955, "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of "
+        "voltage", fontsize=12.5, fontweight="bold", va="center",
+    )  # fmt: skip
+    below = "Points: Leal 2016, run 5 (MIT). Calibrated on these points: agreement in level and "
+    below += "place of the drop says nothing."
+    figure.text(0.02, 0.905, ABSENT if run is None else below, color=QUIET, va="center")
+    left.set_title("resistance against current")
+    left.set_xlabel("$I$ [A]")
+    left.set_ylabel("$R$ [ohm]")
+    left.set_xlim(0.4, 3.2)
+    left.set_ylim(1.25, 1.82)
+    left.legend(loc="upper right", ncols=2)
+    right.set_title("against apparent temperature: not that of the wire")
+    right.set_xlabel("read by the infrared camera [°C]")
+
+
+def _simulated(axes: Any, stated: Stated, run: Staircase | None) -> None:
+    for key, (label, colour, dashes) in LOOKS.items():
+        if key == "calibrated" and run is None:
+            continue
+        fitted = calibration(stated) if key == "calibrated" else None
+        table = model.predicted(key, stated, fitted)
+        if run is not None:
+            label += f", rms {model.rms(table, run, *KEPT):.3f} ohm"
+        axes.plot(
+            table["current"], table["resistance"], color=colour, linestyle=dashes, label=label,
+            linewidth=1.8 if key == "calibrated" else 1.2,
+        )  # fmt: skip
+
+
+def _measured(axes: Any, run: Staircase) -> None:
+    kept, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
+    current, found = run.table["current"], run.resistance
+    axes.errorbar(
+        [current[i] for i in kept], [found[i] for i in kept],
+        yerr=[error / current[i] for i in kept], fmt="o", color=INK, markersize=3.8,
+        elinewidth=0.6, ecolor=QUIET, label="run 5; bars: offset ± error", zorder=4,
+    )  # fmt: skip
+    left = [i for i in range(len(found)) if i not in kept]
+    axes.plot(
+        [current[i] for i in left], [found[i] for i in left], "o", color=QUIET,
+        markerfacecolor="none", markersize=3.8, label="run 5, 1.0 to 1.2 V",
+    )  # fmt: skip
+
+
+def _apparent(axes: Any, run: Staircase) -> None:
+    kept = run.within(*KEPT)
+    warmth = [run.table["apparent_temperature"][i] - model.ZERO for i in kept]
+    axes.plot(warmth, [run.resistance[i] for i in kept], "o", color=INK, markersize=3.8)
+    low, high = model.number("A_s") - model.ZERO, model.number("A_f") - model.ZERO
+    axes.axvspan(low, high, color=MEASURED[2], alpha=0.15, linewidth=0.0)
+    axes.text(
+        high + 1.0, 1.75, "$A_s$ … $A_f$ of the material", color=QUIET, fontsize=8.0, va="center"
+    )

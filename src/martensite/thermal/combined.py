@@ -1,0 +1,24 @@
+"""Two heat losses at once: h = h₁ + h₂, both to the same ambient temperature.
+
+Meant for convection and radiation, but any two models may stand here, another `combined` among
+them.
+"""
+
+from __future__ import annotations
+
+from martensite.parameters import part
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.base import COOLING, AbstractCooling, Cylinder
+
+
+@COOLING.register("combined")
+class CombinedCooling(AbstractCooling):
+    """The sum of two heat-loss models, as convection and radiation."""
+
+    convection: AbstractCooling = part("one heat-loss model", COOLING)
+    radiation: AbstractCooling = part("the other heat-loss model", COOLING)
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """h [W/(m² K)], the sum of both."""
+        given = temperature, ambient, shape
+        return self.convection.film(xp, *given) + self.radiation.film(xp, *given)

@@ -1,0 +1,98 @@
+"""The truth is found again: intervals of h(T) and of the ambient hold it as often as they say.
+
+Points are drawn with known h, ambient and noise; over 200 repetitions the share of 95 % intervals
+that hold the truth must lie within what a binomial distribution allows (99.99 %). Intervals that
+are too short or too long must fail the same test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from martensite.identify.film import FORMS, fit_film
+from martensite.identify.film_ambient import free_ambient
+from martensite.identify.film_points import FilmPoints
+from martensite.identify.film_report import judge_film
+from martensite.identify.linear import Interval, contains
+
+REPETITIONS = 200
+AT = np.linspace(45.0, 95.0, 7)
+AMBIENT, H0, H1, H2 = 25.0, 30.0, 0.3, 1e-3
+ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
+
+
+def share_held(interval_of: Callable[[int], Interval], truth: float) -> int:
+    """In how many repetitions the interval holds the truth."""
+    return sum(contains(interval_of(seed), truth) for seed in range(REPETITIONS))
+
+
+def film(seed: int, noise: float = 0.8, h2: float = H2) -> np.ndarray:
+    """Film coefficients with noise of equal size [W/(m² K)]."""
+    return H0 + H1 * AT + h2 * AT**2 + np.random.default_rng(seed).normal(0.0, noise, AT.size)
+
+
+def heated(seed: int, noise: float) -> FilmPoints:
+    """Points whose fluxes have noise of equal size [W/m²]; h is a straight line."""
+    flux = (H0 + H1 * AT) * (AT - AMBIENT)
+    flux = flux + np.random.default_rng(seed).normal(0.0, noise, AT.size)
+    return FilmPoints(tuple(AT), tuple(flux / (AT - AMBIENT)), AMBIENT)
+
+
+@pytest.mark.parametrize(("term", "truth"), [(0, H0), (1, H1), (2, H2)])
+def test_intervals_of_the_coefficients_hold_the_truth(term: int, truth: float) -> None:
+    held = share_held(lambda seed: fit_film(AT.tolist(), film(seed).tolist()).interval(term), truth)
+    assert ALLOWED[0] <= held <= ALLOWED[1]
+
+
+def test_bands_hold_the_truth() -> None:
+    def band(seed: int) -> Interval:
+        fit = fit_film(AT.tolist(), film(seed).tolist())
+        value, half = fit.film(90.0), fit.half_width(90.0)
+        return value - half, value + half
+
+    held = share_held(band, H0 + H1 * 90.0 + H2 * 90.0**2)
+    assert ALLOWED[0] <= held <= ALLOWED[1]
+
+
+@pytest.mark.parametrize("noise", [2.0, 40.0])
+def test_intervals_with_the_ambient_free_hold_the_truth(noise: float) -> None:
+    """Also where the noise is so strong that the interval of the ambient is cut off."""
+
+    def slope(seed: int) -> Interval:
+        fit = free_ambient(heated(seed, noise), 1)
+        assert fit is not None
+        return fit.leading_interval()
+
+    def ambient(seed: int) -> Interval:
+        fit = free_ambient(heated(seed, noise), 1)
+        assert fit is not None
+        return fit.ambient_interval()
+
+    assert ALLOWED[0] <= share_held(slope, H1) <= ALLOWED[1]
+    assert ALLOWED[0] <= share_held(ambient, AMBIENT) <= ALLOWED[1]
+
+
+def test_a_curvature_that_is_not_there_is_claimed_in_one_of_twenty() -> None:
+    """With the given ambient alone; with the ambient free as well, less often."""
+    found = [fit_film(AT.tolist(), film(s, h2=0.0).tolist()) for s in range(REPETITIONS)]
+    claimed = sum(fit.linear.p_value(2) < 0.05 for fit in found)
+    low, high = stats.binom.interval(0.9999, REPETITIONS, 0.05)
+    assert low <= claimed <= high
+    points = [FilmPoints(tuple(AT), tuple(film(s, h2=0.0)), AMBIENT) for s in range(REPETITIONS)]
+    assert sum(judge_film(p)["curvature"].supported for p in points) <= claimed
+
+
+@pytest.mark.parametrize("factor", [0.5, 4.0])
+def test_wrong_intervals_are_noticed(factor: float) -> None:
+    def wrong(seed: int) -> Interval:
+        fit = fit_film(AT.tolist(), film(seed).tolist(), FORMS["quadratic"])
+        low, high = fit.interval(1)
+        half = 0.5 * factor * (high - low)
+        return fit.coefficients[1] - half, fit.coefficients[1] + half
+
+    held = share_held(wrong, H1)
+    assert not ALLOWED[0] <= held <= ALLOWED[1]

@@ -1,0 +1,157 @@
+"""`martensite size`: the table, the words, JSON, the scenario it writes, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from martensite.cli import app
+
+SMALL = ("--force", "0.5 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "5 V")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["size", *arguments])
+
+
+def fine(*arguments: str) -> str:
+    done = call(*arguments)
+    assert (done.exit_code, done.stderr) == (0, ""), done.output
+    return done.stdout
+
+
+def refused(*arguments: str) -> str:
+    """The one sentence with which a command is refused."""
+    done = call(*arguments)
+    assert (done.exit_code, done.stdout) == (2, ""), done.output
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.endswith(".\n")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+def rows(text: str) -> list[str]:
+    """Lines of the table that stand for a wire."""
+    return [line for line in text.splitlines() if line.strip()[:1].isdigit() and ".." in line]
+
+
+def test_table_and_words(folder: Path) -> None:
+    text = fine(*SMALL, "--alloy", "90")
+    assert all(line.rstrip().endswith("does") for line in rows(text))
+    assert rows(text)[0].split()[:3] == ["1", "0.10", "90"]
+    assert "Return spring: preload 0.5594 N" in text
+    assert "Recalled cells of the catalogue: diameter, resistance." in text
+    assert "Assumed or recalled numbers of flexinol-90:" in text
+    assert "--all shows them" in text
+    assert list(folder.iterdir()) == []
+
+
+def test_all_shows_reasons_for_every_size() -> None:
+    text = fine(*SMALL, "--alloy", "90", "--all")
+    assert "too slow" in text
+    found = json.loads(fine(*SMALL, "--alloy", "90", "--json"))["candidates"]
+    assert len(found) == 12
+    assert all(one["feasible"] != bool(one["reasons"]) for one in found)
+
+
+def test_json_is_in_si_and_names_the_chosen_one() -> None:
+    report = json.loads(fine(*SMALL, "--ambient", "30 degC", "--alloy", "90", "--json"))
+    assert report["chosen"] == 1
+    assert report["request"]["ambient"] == pytest.approx(303.15)
+    assert report["request"]["stroke"] == pytest.approx(3e-3)
+    best = report["candidates"][0]
+    assert best["length"] == pytest.approx(0.075)
+    assert best["drive"]["power"] == pytest.approx(
+        best["drive"]["current"] ** 2 * best["strand_resistance"]
+    )
+    assert best["strand"]["heating"] + best["strand"]["cooling"] <= 5.0
+    assert report["files"] == []
+
+
+def test_no_wire_at_all_is_said_with_the_nearest() -> None:
+    text = fine(*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "2")
+    assert "No wire meets the request" in text
+    assert len(rows(text)) == 5
+
+
+def test_written_scenario_runs(folder: Path) -> None:
+    assert "wrote wire.toml" in fine(*SMALL, "--alloy", "90", "--out", "wire.toml")
+    done = CliRunner().invoke(app, ["run", "wire.toml", "--no-figure", "--json"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    report: dict[str, Any] = json.loads(done.stdout)
+    assert report["stroke"] == pytest.approx(3e-3, rel=0.05)
+    assert report["warnings"] == []
+    assert "is there already" in refused(*SMALL, "--out", "wire.toml")
+    before = (folder / "wire.toml").read_text(encoding="utf-8")
+    fine(*SMALL, "--alloy", "90", "--out", "wire.toml", "--overwrite", "--pick", "2")
+    assert (folder / "wire.toml").read_text(encoding="utf-8") != before
+
+
+def test_written_bundle_runs(folder: Path) -> None:
+    arguments = ("--force", "2 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "12 V")
+    report = json.loads(fine(*arguments, "--alloy", "90", "--json", "--out", "b.toml"))
+    assert report["candidates"][0]["count"] > 1
+    assert 'kind = "bundle"' in (folder / "b.toml").read_text(encoding="utf-8")
+    done = CliRunner().invoke(app, ["run", "b.toml", "--no-figure", "--json"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    run = json.loads(done.stdout)
+    assert run["stroke"] == pytest.approx(3e-3, rel=0.05)
+    work = report["candidates"][0]["work_force"]
+    assert run["columns"]["force"]["highest"] == pytest.approx(work, rel=0.05)
+
+
+REFUSED = [
+    (("--force", "8 N"), "Option `--stroke`, `--rate`, `--supply` is needed"),
+    ((*SMALL, "--ambient", "22"), "Option `--ambient`: `22` has no unit"),
+    ((*SMALL, "--current-limit", "5 mm"), "Option `--current-limit`: The unit `mm`"),
+    (("--force", "8 kg", *SMALL[2:]), "Option `--force`: The unit `kg` cannot be converted to `N`"),
+    (("--force", "-8 N", *SMALL[2:]), "Parameter `force`"),
+    ((*SMALL, "--strain", "40 %"), "Parameter `strain`"),
+    ((*SMALL, "--stress", "60 MPa"), "the return of the wire takes"),
+    ((*SMALL, "--bias", "magnet"), "Option `bias`"),
+    ((*SMALL, "--alloy", "80"), "Option `alloy`"),
+    ((*SMALL, "--out", "wire.txt"), "must end in .toml"),
+    ((*SMALL, "--out", "nowhere/wire.toml"), "no folder"),
+    ((*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12"),
+    ((*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "1", "--out", "x.toml"),
+     "No wire does, so no scenario was written"),
+    (("--catalogue", "--force", "8 N"), "Option `--force` has no effect with --catalogue"),
+    (("--catalogue", "--alloy", "80"), "Option `alloy`"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), REFUSED)
+def test_bad_input_is_refused_in_one_sentence(
+    folder: Path, arguments: tuple[str, ...], sentence: str
+) -> None:
+    assert sentence in refused(*arguments)
+    assert list(folder.iterdir()) == []
+
+
+def test_catalogue_is_compared_with_the_model() -> None:
+    report = json.loads(fine("--catalogue", "--json"))
+    assert len(report["rows"]) == 24
+    for row in report["rows"]:
+        assert row["current_cell"]["kind"] in ("datasheet", "recalled")
+        assert row["current_ratio"] == pytest.approx(row["current"] / row["current_cell"]["value"])
+    shares = [row["loss_share"] for row in report["rows"] if row["alloy"] == "70"]
+    assert shares == sorted(shares, reverse=True)
+    assert set(report["spread"]) == {"70", "90"}
+
+
+def test_catalogue_table_marks_recalled_cells_and_ends_with_the_spread() -> None:
+    text = fine("--catalogue", "--alloy", "90")
+    assert "! 150 mA" in text
+    assert "410 mA" in text and "! 410 mA" not in text
+    assert "90 °C, current: model/catalogue" in text
+    assert "No number is fitted to a size" in text
