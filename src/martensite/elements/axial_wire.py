@@ -16,14 +16,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 from martensite.elements.base import ELEMENTS
-from martensite.elements.cells import AbstractCells, Links
+from martensite.elements.cells import AbstractCells
+from martensite.elements.columns import Links
 from martensite.elements.network import Column
 from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
 from martensite.parameters import option, param, part
-from martensite.runtimes.bracket import UNROLLED
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.thermal.ends import AdiabaticEnds
 
 
 @ELEMENTS.register("axial-wire")
@@ -53,17 +51,8 @@ class AxialWire(AbstractCells):
     wire: Wire = part("the wire that is cut", ELEMENTS)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless a plain wire is cut, under a law that cells can solve."""
-        plain = self.wire.registered_name == Wire.registered_name
-        if not plain or not isinstance(self.wire.ends, AdiabaticEnds):
-            raise ParameterError(
-                "An `axial-wire` cuts a `wire` with `adiabatic` ends: clamps are its own."
-            )
-        if self.wire.law.iterations > UNROLLED:
-            raise ParameterError(
-                f"Law `{self.wire.law.registered_name}` has groups of its own, which an "
-                "`axial-wire` cannot cut further; try law `mas`."
-            )
+        """Raise `ParameterError` unless it is a plain wire that is cut."""
+        self.require_cells()
 
     def copies(self) -> Scalar:
         """Half spans."""

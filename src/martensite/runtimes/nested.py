@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from martensite.runtimes.namespace import Scalar
+from martensite.runtimes.namespace import Namespace, Scalar
 
 
 class Shape:
@@ -37,4 +37,12 @@ def total(column: Sequence[Scalar]) -> Scalar:
     result = column[0]
     for number in column[1:]:
         result = result + number
+    return result
+
+
+def largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
+    """The largest number of a column."""
+    result = column[0]
+    for number in column[1:]:
+        result = xp.maximum(result, number)
     return result
