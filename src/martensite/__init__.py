@@ -32,8 +32,12 @@ if TYPE_CHECKING:
     from martensite.electrical.pwm import PwmVoltage as PwmVoltage
     from martensite.electrical.temperature import PrescribedTemperature as PrescribedTemperature
     from martensite.electrical.voltage import VoltageSource as VoltageSource
+    from martensite.elements.axial_wire import AxialWire as AxialWire
+    from martensite.elements.bundle import Bundle as Bundle
+    from martensite.elements.chain import Chain as Chain
     from martensite.elements.coil_spring import CoilSpring as CoilSpring
     from martensite.elements.limits import Limits as Limits
+    from martensite.elements.ribbon import Ribbon as Ribbon
     from martensite.elements.wire import Wire as Wire
     from martensite.errors import InputError as InputError
     from martensite.errors import MartensiteError as MartensiteError
@@ -77,6 +81,7 @@ if TYPE_CHECKING:
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
+    from martensite.plot.profile import plot_profile as plot_profile
     from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
     from martensite.signals.held import Held as Held
@@ -107,6 +112,8 @@ if TYPE_CHECKING:
     from martensite.thermal.churchill_chu import ChurchillChu as ChurchillChu
     from martensite.thermal.combined import CombinedCooling as CombinedCooling
     from martensite.thermal.constant import ConstantCooling as ConstantCooling
+    from martensite.thermal.ends import AdiabaticEnds as AdiabaticEnds
+    from martensite.thermal.ends import ClampedEnds as ClampedEnds
     from martensite.thermal.fluids.air import Air as Air
     from martensite.thermal.fluids.air_table import AirTable as AirTable
     from martensite.thermal.fluids.oil import Oil as Oil
@@ -119,16 +126,21 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOME = {
+    "AdiabaticEnds": "thermal.ends",
     "Air": "thermal.fluids.air",
     "AirTable": "thermal.fluids.air_table",
     "Alarm": "simulate.alarms",
     "Averaging": "control.averaging",
+    "AxialWire": "elements.axial_wire",
     "Batch": "simulate.batch",
     "BiasSpring": "mechanisms.bias_spring",
     "Brinson": "laws.brinson",
+    "Bundle": "elements.bundle",
     "Carrier": "signals.carrier",
+    "Chain": "elements.chain",
     "ChurchillBernstein": "thermal.churchill_bernstein",
     "ChurchillChu": "thermal.churchill_chu",
+    "ClampedEnds": "thermal.ends",
     "CoilSpring": "elements.coil_spring",
     "CombinedCooling": "thermal.combined",
     "Constant": "signals.constant",
@@ -170,6 +182,7 @@ _HOME = {
     "Ramp": "signals.ramp",
     "Record": "io.records",
     "Result": "simulate.result",
+    "Ribbon": "elements.ribbon",
     "Scenario": "io.scenario",
     "Sensitivity": "simulate.batch",
     "Sine": "signals.sine",
@@ -197,6 +210,7 @@ _HOME = {
     "plateaus": "io.staircase",
     "plot_film": "plot.film_fit",
     "plot_point": "plot.law_paths",
+    "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
     "points_from_power": "identify.film_points",
     "read_table": "io.tables",

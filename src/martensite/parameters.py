@@ -39,6 +39,8 @@ class Declared:
         """Return the checked value in SI, or raise a sentence naming owner and name."""
         if self.kind == "parameter":
             return self._number(owner, name, value)
+        if self.kind == "option" and isinstance(value, int):
+            value = str(value)  # a count, such as `cells = 20`
         if self.kind == "option" and value not in self.choices:
             raise ParameterError(
                 f"Option `{name}` of `{owner}` is `{value}`. {suggestion(str(value), self.choices)}"
@@ -61,7 +63,7 @@ class Declared:
         if too_low or number > self.high or math.isnan(number):
             raise ParameterError(
                 f"Parameter `{name}` of `{owner}` must be {self.allowed()}, but is {value}"
-                f"{'' if isinstance(value, str) else ' ' + self.unit}."
+                f"{'' if isinstance(value, str) or self.unit == '1' else ' ' + self.unit}."
             )
         return number
 

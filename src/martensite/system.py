@@ -9,7 +9,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from martensite.electrical.base import SOURCES, AbstractSource
-from martensite.elements.base import ELEMENTS, AbstractElement, Heating, Pull, Spring, fitted
+from martensite.elements.base import (
+    ELEMENTS,
+    AbstractElement,
+    Heating,
+    Profile,
+    Pull,
+    Spring,
+    fitted,
+)
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
 from martensite.parameters import Parametrised, part
@@ -63,6 +71,12 @@ OUTPUTS: dict[str, tuple[str, str, str]] = {
 }
 
 
+PROFILES: dict[str, tuple[str, str, str]] = {
+    "cell_temperature": ("K", "temperature of a cell", "T"),
+    "cell_fraction": ("1", "martensite fraction of a cell", "ξ"),
+}
+
+
 class System(Parametrised):
     """An element, its environment, a source and a mechanism."""
 
@@ -108,6 +122,10 @@ class System(Parametrised):
 
         imposed = drive if self.source.sets_temperature else None
         return Heating(self.environment, current, imposed)
+
+    def profile(self, state: State) -> Profile:
+        """What differs along the element; described in `PROFILES`."""
+        return self.element.profile(state.element)
 
     def observe(self, xp: Namespace, state: State, drive: Scalar) -> Outputs:
         """Everything that can be measured in a state under a drive signal."""

@@ -22,9 +22,10 @@ def registries() -> dict[str, Registry[Any]]:
     from martensite.mechanisms.base import MECHANISMS
     from martensite.signals.base import WAVEFORMS
     from martensite.thermal.base import COOLING
+    from martensite.thermal.ends import ENDS
     from martensite.thermal.fluids.base import FLUIDS
 
-    found = (ELEMENTS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS)
+    found = (ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS)
     return {registry.kind: registry for registry in found}
 
 

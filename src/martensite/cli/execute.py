@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.cli.outputs import Outputs, parts
+from martensite.cli.waiting import spinner
 
 if TYPE_CHECKING:
     from martensite.control.averaging import Averaging
@@ -146,11 +146,11 @@ def _print_averaging(found: Averaging) -> None:
 def execute(scenario: Scenario, wanted: Wanted) -> Executed:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
     record = _record(scenario, wanted)
-    with _spinner(f"simulating {scenario.title}"):
+    with spinner(f"simulating {scenario.title}"):
         result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
         averaging = _averaged(scenario, wanted.carrier)
     agreements = _compared(result, record)
-    with _spinner("writing"), parts(wanted.outputs) as files:
+    with spinner("writing"), parts(wanted.outputs) as files:
         _write(files, scenario, result, record)
     return Executed(scenario, result, wanted.outputs, agreements, averaging)
 
@@ -194,17 +194,8 @@ def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | 
         from martensite.plot.overview import save_figure
 
         save_figure(result, files.figure, [record] if record else None, scenario.title)
+    if files.profile is not None:
+        from martensite.plot.files import write_figure
+        from martensite.plot.profile import plot_profile
 
-
-@contextmanager
-def _spinner(label: str) -> Iterator[None]:
-    """A moving sign on standard error, if somebody is looking there."""
-    import sys
-
-    if not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(label):
-        yield
+        write_figure(plot_profile(result, scenario.title), files.profile)

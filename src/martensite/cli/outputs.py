@@ -21,15 +21,24 @@ class Outputs:
 
     data: Path | None
     figure: Path | None
+    profile: Path | None = None
+    """A figure of what differs along the element."""
 
     def paths(self) -> list[Path]:
         """The files that will be written."""
-        return [path for path in (self.data, self.figure) if path is not None]
+        return [path for path in (self.data, self.figure, self.profile) if path is not None]
 
-    def check(self, force: bool, data: tuple[str, ...] = DATA) -> Outputs:
-        """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
+    def check(self, force: bool, data: tuple[str, ...] = DATA, option: str = "--force") -> Outputs:
+        """Raise `DataError` if a file has a wrong ending, no folder, or is there already.
+
+        Args:
+            force: files that are there may be replaced.
+            data: endings allowed for the data file.
+            option: the one that allows it.
+        """
         _ending(self.data, data)
         _ending(self.figure, FIGURE)
+        _ending(self.profile, FIGURE)
         for path in self.paths():
             if not path.parent.is_dir():
                 raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
@@ -37,8 +46,8 @@ class Outputs:
                 raise DataError(f"The folder `{path.parent}` cannot be written to.")
             if path.exists() and not force:
                 raise DataError(
-                    f"`{path}` is there already; use --force to replace it, "
-                    "or --out and --figure to write elsewhere."
+                    f"`{path}` is there already; use {option} to replace it, "
+                    "or write to another file."
                 )
         return self
 
@@ -58,7 +67,7 @@ def parts(outputs: Outputs) -> Iterator[Outputs]:
         return None if path is None else beside[path]
 
     try:
-        yield Outputs(part(outputs.data), part(outputs.figure))
+        yield Outputs(part(outputs.data), part(outputs.figure), part(outputs.profile))
         for path, written in beside.items():
             written.replace(path)
     finally:

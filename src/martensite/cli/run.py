@@ -38,6 +38,10 @@ def run(
         float | None, typer.Option(help="Replaces the tolerance of the scenario.")
     ] = None,
     runtime: Annotated[str, typer.Option(help="floats, jax, or c.")] = "floats",
+    profile: Annotated[
+        Path | None,
+        typer.Option(help="Figure of temperature and fraction along an axial-wire or a ribbon."),
+    ] = None,
     carrier: Annotated[
         str | None,
         typer.Option(
@@ -63,7 +67,7 @@ def run(
 
     loaded = load(scenario, read_settings(settings or []))
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
-    outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn).check(force)
+    outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
     names = [name.strip() for name in columns.split(",")] if columns else None
     pulses = None if carrier is None else units.parse(carrier, "Hz")
     wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, pulses)

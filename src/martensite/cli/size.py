@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,7 +9,8 @@ import typer
 
 from martensite.cli.app import app
 from martensite.cli.options import Json
-from martensite.errors import DataError, InputError, ParameterError, UnitError
+from martensite.cli.waiting import progress_bar
+from martensite.errors import InputError, ParameterError, UnitError
 
 if TYPE_CHECKING:
     from martensite.sizing.candidates import Sizing
@@ -31,14 +30,16 @@ def size(
     ] = None,
     strain: Annotated[Text, typer.Option(help="Largest strain used [default: 4 %].")] = None,
     stress: Annotated[Text, typer.Option(help="Largest stress [default: 172 MPa].")] = None,
-    bias: Annotated[str, typer.Option(help="What stretches the wire: spring, or weight.")] = (
-        "spring"
-    ),
+    bias: Annotated[
+        Text, typer.Option(help="What stretches the wire: spring, or weight [default: spring].")
+    ] = None,
     current_limit: Annotated[
         Text, typer.Option(help='Largest current of the supply, e.g. "3 A".')
     ] = None,
     alloy: Annotated[str, typer.Option(help="70, 90, or any.")] = "any",
-    strands: Annotated[int, typer.Option(help="Most wires side by side.")] = 12,
+    strands: Annotated[
+        int | None, typer.Option(help="Most wires side by side [default: 12].")
+    ] = None,
     every: Annotated[bool, typer.Option("--all", help="Show the wires that do not do, too.")] = (
         False
     ),
@@ -59,14 +60,17 @@ def size(
         "force": force, "stroke": stroke, "rate": rate, "supply": supply, "ambient": ambient,
         "strain": strain, "stress": stress, "current_limit": current_limit,
     }  # fmt: skip
+    chosen = {"bias": bias, "strands": strands}
     if catalogue:
-        idle = {**given, "out": out, "pick": pick}
-        _catalogue({name: idle[name] for name in idle if name not in ("stress", "ambient")},
-                   stress, ambient, alloy, json)  # fmt: skip
+        unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None}
+        _refuse_idle({n: v for n, v in unused.items() if n not in ("stress", "ambient")})
+        _catalogue(stress, ambient, alloy, json)
         return
-    _check_file(out, overwrite)
-    request = _request(given, bias, alloy, strands)
-    with _progress("simulating wires") as progress:
+    from martensite.cli.outputs import Outputs
+
+    Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
+    request = _request(given, {"alloy": alloy, **chosen})
+    with progress_bar("simulating wires") as progress:
         from martensite.sizing.candidates import size_wire
 
         sizing = size_wire(request, progress=progress)
@@ -76,7 +80,7 @@ def size(
 # ---------------------------------------------------------------- reading the options
 
 
-def _request(given: dict[str, Text], bias: str, alloy: str, strands: int) -> WireRequest:
+def _request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
     from martensite.sizing.request import WireRequest
 
     missing = [n for n in ("force", "stroke", "rate", "supply") if given[n] is None]
@@ -88,7 +92,7 @@ def _request(given: dict[str, Text], bias: str, alloy: str, strands: int) -> Wir
         )
     units = {name: declared.unit for name, declared in WireRequest.declarations.items()}
     numbers = {n: _quantity(n, t, units[n]) for n, t in given.items() if t is not None}
-    return WireRequest(**numbers, bias=bias, alloy=alloy, strands=strands)
+    return WireRequest(**numbers, **{n: v for n, v in chosen.items() if v is not None})
 
 
 def _quantity(name: str, text: str, unit: str) -> float:
@@ -100,31 +104,11 @@ def _quantity(name: str, text: str, unit: str) -> float:
         raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
 
 
-def _check_file(out: Path | None, overwrite: bool) -> None:
-    if out is None:
-        return
-    if out.suffix.lower() != ".toml":
-        raise DataError(f"`{out}` must end in .toml.")
-    if not out.parent.is_dir():
-        raise DataError(f"There is no folder `{out.parent}` to write `{out.name}` into.")
-    if out.exists() and not overwrite:
-        raise DataError(f"`{out}` is there already; use --overwrite to replace it.")
-
-
-@contextmanager
-def _progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A progress bar on standard error, if somebody is looking there."""
-    import sys
-
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def _refuse_idle(options: dict[str, Any]) -> None:
+    """An option without effect is a mistake of the caller."""
+    named = next((name for name, value in options.items() if value is not None), None)
+    if named is not None:
+        raise InputError(f"Option `--{named.replace('_', '-')}` has no effect with --catalogue.")
 
 
 # ---------------------------------------------------------------- answering
@@ -174,19 +158,16 @@ def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-def _catalogue(idle: dict[str, Any], stress: Text, ambient: Text, alloy: str, json: bool) -> None:
+def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     from martensite.cli import show, sized
     from martensite.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
     from martensite.sizing.request import ALLOYS, WireRequest
 
-    named = next((name for name, value in idle.items() if value is not None), None)
-    if named is not None:
-        raise InputError(f"Option `--{named.replace('_', '-')}` has no effect with --catalogue.")
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)
     alloys = ALLOYS if alloy == "any" else (alloy,)
     load = STRESS if stress is None else _quantity("stress", stress, "Pa")
     room = AMBIENT if ambient is None else _quantity("ambient", ambient, "K")
-    with _progress("simulating wires") as progress:
+    with progress_bar("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
     if json:
         show.as_json(sized.check_report(rows, load, room))

@@ -19,8 +19,8 @@ COLUMNS = ("", "wire\nmm", "alloy\n°C", "strands", "length\nmm", "stress\nMPa",
 RIGHT = ",".join(COLUMNS[:1] + COLUMNS[4:-1])
 NEAREST = 5
 """Wires that do not do and are shown if none does."""
-CHECKED = ("wire", "alloy", "1 s current", "catalogue", "ratio", "cools", "catalogue ", "ratio ",
-           "lost in 1 s", "I²R t/stored")  # fmt: skip
+CHECKED = ("wire\nmm", "alloy\n°C", "1 s pulse\nmA", "table\nmA", "ratio", "cools\ns", "table\ns",
+           "ratio ", "lost\nin 1 s", "I²R t\n/stored")  # fmt: skip
 
 
 # ---------------------------------------------------------------- candidates
@@ -45,6 +45,9 @@ def show_candidates(sizing: Sizing, every: bool, chosen: int | None) -> None:
     if chosen is not None and chosen not in [i for i, _ in shown]:
         shown.append(numbered[chosen])
     show.table(COLUMNS, [_row(i + 1, found) for i, found in shown], right=RIGHT)
+    for i, found in shown:
+        if not found.feasible:
+            show.text(f"{i + 1} does not: {found.reasons[0]}.")
     left = len(numbered) - len(shown)
     if not good:
         show.text("No wire meets the request; the nearest come first.", "yellow")
@@ -62,16 +65,21 @@ def _row(number: int, found: Candidate) -> tuple[str, ...]:
         electric = (f"{drive.current:.3g}", f"{drive.voltage:.3g}", f"{drive.energy:.3g}")
     times = ("", "")
     if cycle is not None:
-        times = (f"{cycle.heating:.2g}", _seconds(cycle.cooling).removesuffix(" s"))
+        times = (f"{cycle.heating:.2g}", _seconds(cycle.cooling))
     wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
-    verdict = "does" if found.feasible else found.reasons[0]
-    wire, strands = found.size.name.removesuffix(" mm"), f"{static.count}{wiring}"
+    verdict = "does" if found.feasible else "no"
+    wire, strands = _bare(found.size.name), f"{static.count}{wiring}"
     length = f"{1e3 * static.strand.length:.1f}"
     return (str(number), wire, found.alloy, strands, length, stress, *electric, *times, verdict)
 
 
+def _bare(size: str) -> str:
+    """Name of a size without the unit that the heading has."""
+    return size.removesuffix(" mm")
+
+
 def _seconds(time: float | None) -> str:
-    return "never" if time is None else f"{time:.3g} s"
+    return "never" if time is None else f"{time:.3g}"
 
 
 def _percent(share: float, digits: int = 0) -> str:
@@ -136,14 +144,15 @@ def _electric(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]
     running = ""
     if cycle.running is not None:
         running = f" in the first cycle, {cycle.running - 273.15:.0f} °C when it is repeated"
+    cooling = _seconds(cycle.cooling) + ("" if cycle.cooling is None else " s")
     duty = (drive.voltage / request.supply) ** 2
     lines = [
         f"Pulse: {drive.current:.3g} A{each} at {drive.voltage:.3g} V, {drive.power:.3g} W for "
         f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle; switched straight from "
         f"{request.supply:.4g} V it is a PWM of {_percent(duty)} duty with peaks of "
         f"{drive.current * request.supply / drive.voltage:.3g} A.",
-        f"Up to {cycle.hottest - 273.15:.0f} °C{running}; cooling {_seconds(cycle.cooling)}; in "
-        f"the long run {found.overheating_current:.3g} A per strand bring the wire to its limit of "
+        f"Up to {cycle.hottest - 273.15:.0f} °C{running}; cooling {cooling}; in the "
+        f"long run {found.overheating_current:.3g} A per strand bring the wire to its limit of "
         f"{found.temperature_limit - 273.15:.4g} °C.",
     ]
     if cycle.fastest is not None:
@@ -226,14 +235,14 @@ def show_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> None:
 def _checked(row: CheckRow) -> tuple[str, ...]:
     ratio = row.cooling_ratio
     return (
-        row.size, row.alloy, f"{1e3 * row.current:.0f} mA", _marked(row.current_cell),
-        f"{row.current_ratio:.2f}", _seconds(row.cooling), _marked(row.cooling_cell),
+        _bare(row.size), row.alloy, f"{1e3 * row.current:.0f}", _marked(row.current_cell, 1e3),
+        f"{row.current_ratio:.2f}", _seconds(row.cooling), _marked(row.cooling_cell, 1.0),
         "" if ratio is None else f"{ratio:.2f}", _percent(row.loss_share),
         f"{row.stored_share:.2f}",
     )  # fmt: skip
 
 
-def _marked(cell: Number) -> str:
+def _marked(cell: Number, scale: float) -> str:
     from martensite.materials.base import DOUBTFUL
 
-    return ("! " if cell.kind in DOUBTFUL else "") + cell.text
+    return ("! " if cell.kind in DOUBTFUL else "") + f"{scale * cell.value:.4g}"

@@ -13,7 +13,7 @@ Cell faces lie at y = ℓ (e^{γ s} - 1)/(e^γ - 1), s = 0, 1/N … 1 from the c
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 from martensite.elements.base import ELEMENTS
 from martensite.elements.cells import AbstractCells
@@ -21,6 +21,7 @@ from martensite.elements.columns import Links
 from martensite.elements.network import Column
 from martensite.elements.wire import Wire
 from martensite.parameters import option, param, part
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -64,6 +65,12 @@ class AxialWire(AbstractCells):
         faces = [xp.exp(self.grading * (k / count)) for k in range(count + 1)]
         scale = self.wire.length / (self.copies() * (faces[-1] - 1.0))
         return [scale * (b - a) for a, b in pairwise(faces)]
+
+    def places(self) -> list[float]:
+        """Middles of the cells, from the clamp [m]."""
+        lengths = self.lengths(floats)
+        ends = [0.0, *accumulate(lengths)]
+        return [0.5 * (a + b) for a, b in pairwise(ends)]
 
     def links(self, xp: Namespace, fractions: Column) -> Links:
         """Conduction between cells, and through the first half cell to the clamp [W/K]."""

@@ -11,7 +11,7 @@ is all a mechanism ever sees of it, whatever the law, the shape or the number of
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -68,6 +68,15 @@ class Condition(NamedTuple):
     """[W]"""
 
 
+class Profile(NamedTuple):
+    """What differs along or across an element, one number per cell."""
+
+    cell_temperature: Sequence[Scalar]
+    """[K]"""
+    cell_fraction: Sequence[Scalar]
+    """Martensite fraction."""
+
+
 class AbstractElement(Parametrised):
     """Interface of an element: its `law`, its safety `limits`, and a state of its own making."""
 
@@ -105,6 +114,14 @@ class AbstractElement(Parametrised):
     ) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
         raise NotImplementedError
+
+    def profile(self, state: Any) -> Profile:
+        """Temperature and martensite fraction along the element; nothing where it has no along."""
+        return Profile((), ())
+
+    def places(self) -> list[float]:
+        """Where the points of the profile lie [m]."""
+        return []
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""

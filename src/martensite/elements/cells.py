@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.elements.base import Condition, Heating, Pull, Spring
+from martensite.elements.base import Condition, Heating, Profile, Pull, Spring
 from martensite.elements.columns import Cells
 from martensite.elements.cut import AbstractCut
 from martensite.elements.network import Column
@@ -33,6 +33,11 @@ class AbstractCells(AbstractCut):
     def tangent(self, xp: Namespace, state: Cells, force: Scalar) -> Spring:
         """All cells as one spring, near a force [N]."""
         return self.linkage().whole(xp, *self.springs(xp, *self._columns(state)), force)
+
+    def profile(self, state: Cells) -> Profile:
+        """Temperature and martensite fraction of every cell."""
+        m, _, temperatures = self._columns(state)
+        return Profile(temperatures, m)
 
     def _columns(self, state: Cells) -> tuple[Column, Column, Column]:
         """Both fractions and the temperature [K] of every cell."""

@@ -62,6 +62,10 @@ class Ribbon(AbstractCells):
         """1 for wires in the circuit, 0 for the others."""
         return [xp.clip(self.heated - k, 0.0, 1.0) for k in range(int(self.wires))]
 
+    def places(self) -> list[float]:
+        """Axes of the wires, from the first [m]."""
+        return [k * self.distance for k in range(int(self.wires))]
+
     def links(self, xp: Namespace, fractions: Column) -> Links:
         """Conduction between neighbours [W/K]."""
         ratio = self.distance / self.wire.diameter

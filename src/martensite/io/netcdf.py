@@ -27,7 +27,7 @@ from martensite.errors import DataError
 from martensite.files import replacing
 from martensite.materials.base import Material
 from martensite.simulate.result import Result
-from martensite.system import OUTPUTS, System
+from martensite.system import OUTPUTS, PROFILES, System
 
 if TYPE_CHECKING:
     import xarray
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 CONVENTIONS = "CF-1.10"
 ENGINE = "h5netcdf"
 TIME = "time"
+CELL = "cell"
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def describe(
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
     attributes["citations"] = ", ".join(citations)
-    return Description([time, *columns], attributes)
+    return Description([time, *columns, *_profiles(result)], attributes)
 
 
 def to_dataset(
@@ -100,8 +101,8 @@ def to_dataset(
 
     description = describe(result, scenario_text, material, citations)
     arrays = {v.name: (v.dims, v.data, v.attributes()) for v in description.variables}
-    time = arrays.pop(TIME)
-    return xarray.Dataset(arrays, coords={TIME: time}, attrs=description.attributes)
+    axes = {name: arrays.pop(name) for name in (TIME, CELL) if name in arrays}
+    return xarray.Dataset(arrays, coords=axes, attrs=description.attributes)
 
 
 def save(
@@ -161,6 +162,20 @@ def _column(result: Result, name: str) -> Variable:
     _, long_name, symbol = OUTPUTS[name]
     data = _array(result.columns[name])
     return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
+
+
+def _profiles(result: Result) -> list[Variable]:
+    """What differs along the element, over time and cells."""
+    if not result.profiles:
+        return []
+    places = _array(result.system.element.places())
+    where = Variable(CELL, (CELL,), "m", "place of a cell", "y", places)
+    found = [where]
+    for name, cells in result.profiles.items():
+        unit, long_name, symbol = PROFILES[name]
+        data = np.stack([_array(cell) for cell in cells], axis=1)
+        found.append(Variable(name, (TIME, CELL), unit, long_name, symbol, data))
+    return found
 
 
 def _array(values: Iterable[float]) -> Any:

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED, styled
+from martensite.plot.style import (
+    COOLING,
+    HEATING,
+    INK,
+    MEASURED,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,14 +47,10 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
         forms: names of the forms to draw; all if left out.
         title: headline.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     shown = [form for form in report.fits if forms is None or form in forms]
     ambient = report.ambient
     with styled():
-        figure = Figure(figsize=(10.5 if ambient else 6.0, 4.2))
-        FigureCanvasAgg(figure)
+        figure = new_figure(10.5 if ambient else 6.0, 4.2)
         grid = figure.add_gridspec(
             1, 2 if ambient else 1, left=0.065 if ambient else 0.11, right=0.985, top=0.82,
             bottom=0.12, wspace=0.16,

@@ -16,7 +16,7 @@ import numpy as np
 from martensite.errors import InputError
 from martensite.plot.labels import Axis, around
 from martensite.plot.phase_diagram import ARROWS, STRESS, TEMPERATURE, arrow, draw_phase_diagram
-from martensite.plot.style import COOLING, HEATING, INK, QUIET, SIMULATED, styled
+from martensite.plot.style import COOLING, HEATING, INK, QUIET, SIMULATED, new_figure, styled
 from martensite.simulate.point import PointResult
 from martensite.simulate.stages import stages
 
@@ -178,12 +178,8 @@ def _names(results: Sequence[PointResult]) -> str:
 
 
 def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     size = 0.5 + columns * width, HEAD + rows * height
-    figure = Figure(figsize=size)
-    FigureCanvasAgg(figure)
+    figure = new_figure(*size)
     grid = figure.add_gridspec(
         rows, columns, left=0.75 / size[0], right=1.0 - 0.2 / size[0],
         top=1.0 - HEAD / size[1], bottom=0.5 / size[1], wspace=0.9 / width, hspace=0.75 / height,

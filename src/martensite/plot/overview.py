@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.plot.files import check_format, write_figure
 from martensite.plot.hysteresis import LOOPS, draw_loops
 from martensite.plot.measured import Record, check_records, draw_key
-from martensite.plot.style import HEATING, QUIET, styled
+from martensite.plot.style import HEATING, QUIET, new_figure, styled
 from martensite.plot.timeseries import draw_timeseries, panel_names
 from martensite.simulate.result import Result
 
@@ -67,16 +67,12 @@ def save_figure(
 
 
 def _figure(result: Result, records: Sequence[Record], title: str | None) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     names = panel_names(result, records)
     warnings = [line for text in result.warnings for line in textwrap.wrap(text, 165)]
     head = HEAD + (KEY if records else 0.0)
     foot = FOOT + LINE * len(warnings)
     height = head + foot + PANEL_HEIGHT * len(names)
-    figure = Figure(figsize=(WIDTH, height))
-    FigureCanvasAgg(figure)
+    figure = new_figure(WIDTH, height)
     left, right = figure.add_gridspec(
         1, 2, left=LEFT, right=0.985, top=1.0 - head / height, bottom=foot / height,
         width_ratios=(1.15, 1.0), wspace=0.17,

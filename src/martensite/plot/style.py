@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 INK = "#22303c"
 SIMULATED = "#1f5f8b"
@@ -64,3 +67,13 @@ def styled() -> Iterator[None]:
 
     with matplotlib.rc_context(STYLE):
         yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of a size [inch] that needs no window, made inside `styled()`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure

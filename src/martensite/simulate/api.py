@@ -12,7 +12,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.grid import Grid, build_grid, require_unit
 from martensite.simulate.march import Track, march_floats
-from martensite.simulate.result import Result
+from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import OUTPUTS, System
@@ -147,10 +147,11 @@ def _march(runtime: str, compiled: Compiled, values: list[float], grid: Grid) ->
 
 
 def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> Result:
-    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(OUTPUTS)}
+    rows = [row[: len(OUTPUTS)] for row in track.rows]
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(OUTPUTS)}
     result = Result(
         run.system, run.waveform, grid.times, columns, track.status, track.status_time,
-        len(grid.lengths), grid.longest, accuracy,
+        len(grid.lengths), grid.longest, accuracy, profiles=profiles_of(track.rows),
     )  # fmt: skip
     return add_warnings(result)
 

@@ -139,7 +139,8 @@ class _Walk:
         return track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
 
     def _period(self, time: float, memory: Any) -> Any:
-        found = dict(zip(NAMES, self.observe(*self.state, self.switched[0]), strict=True))
+        seen = self.observe(*self.state, self.switched[0])
+        found = dict(zip(NAMES, seen, strict=False))  # a profile comes after
         found |= {name: self.switched[NAMES.index(name)] for name in ELECTRICAL}
         signal, memory = self.plan.drive(time, found, memory)
         if not math.isfinite(signal):
@@ -147,7 +148,7 @@ class _Walk:
         self.signals.append(signal)
         pieces = self.plan.pieces(signal)
         self.rows.append(self.observe(*self.state, pieces[0][0]))
-        self.sums.append([0.0] * len(NAMES))
+        self.sums.append([0.0] * len(self.rows[-1]))
         for number, (level, length) in enumerate(pieces):
             end = self._piece(time, level, length)
             time += length

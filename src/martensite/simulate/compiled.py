@@ -16,7 +16,7 @@ from martensite.parameters import Parametrised
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
-from martensite.system import OUTPUTS, System
+from martensite.system import OUTPUTS, PROFILES, System
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +30,7 @@ class Compiled:
     """Number of state variables."""
     report: tuple[str, ...] = Report._fields
     outputs: tuple[str, ...] = tuple(OUTPUTS)
+    """Those of every system, then the profile of its element: `cell_temperature[0]`, …"""
 
     def values(self, system: System) -> list[float]:
         """Parameter values of a system of this structure, in order."""
@@ -84,7 +85,9 @@ def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     names = [f"s{i}" for i in range(size)]
     program.add("step", [*names, "u", "dt"], _step_kernel(system, shape, iterations))
     program.add("observe", [*names, "u"], _observe_kernel(system, shape))
-    return Compiled(program, paths, size)
+    cells = len(system.profile(shape.example).cell_temperature)
+    along = (f"{name}[{i}]" for name in PROFILES for i in range(cells))
+    return Compiled(program, paths, size, outputs=(*OUTPUTS, *along))
 
 
 def _step_kernel(system: System, shape: Shape, iterations: int) -> Callable[..., list[Any]]:
@@ -99,6 +102,8 @@ def _step_kernel(system: System, shape: Shape, iterations: int) -> Callable[...,
 def _observe_kernel(system: System, shape: Shape) -> Callable[..., list[Any]]:
     def observe(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, drive = arguments
-        return flatten(system.observe(xp, shape.rebuild(numbers), drive))
+        state = shape.rebuild(numbers)
+        along = [number for column in system.profile(state) for number in column]
+        return [*flatten(system.observe(xp, state, drive)), *along]
 
     return observe

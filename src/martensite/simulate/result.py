@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.alarms import Alarm
 from martensite.status import Status
-from martensite.system import OUTPUTS, System
+from martensite.system import OUTPUTS, PROFILES, System
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,10 @@ class Result:
     """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
     """Exceeded limits, slack and a saturated supply, with time, duration and amount."""
+
+    profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
+    """One list per cell and quantity named in `martensite.system.PROFILES`, in SI units; empty
+    for an element that is the same all over."""
 
     def __getitem__(self, name: str) -> list[float]:
         """A column by name, or the times."""
@@ -68,3 +73,15 @@ class Result:
             f"stress {min(self['stress']) / 1e6:.1f} to {max(self['stress']) / 1e6:.1f} MPa",
         ]
         return "\n".join([*lines, *self.warnings])
+
+
+def profiles_of(rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
+    """The profiles among rows of all outputs."""
+    first = len(OUTPUTS)
+    cells = (len(rows[0]) - first) // len(PROFILES)
+    starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
+    return {
+        name: [[row[start + i] for row in rows] for i in range(cells)]
+        for name, start in starts.items()
+        if cells
+    }

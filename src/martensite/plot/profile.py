@@ -1,0 +1,66 @@
+"""The figure of an element that differs along itself: temperature and fraction over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite import units
+from martensite.errors import InputError
+from martensite.plot.labels import mathematical
+from martensite.plot.style import INK, styled
+from martensite.simulate.result import Result
+from martensite.system import PROFILES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = {"cell_temperature": "inferno", "cell_fraction": "cividis"}
+
+
+def plot_profile(result: Result, title: str | None = None) -> Figure:
+    """Temperature and martensite fraction of every cell over time, as two maps.
+
+    Raises:
+        InputError: the element of the result is the same all over.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    if not result.profiles:
+        raise InputError(
+            f"Element `{result.system.element.registered_name}` has one temperature: there is no "
+            "profile to draw. Elements `axial-wire` and `ribbon` have one."
+        )
+    with styled():
+        figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+        FigureCanvasAgg(figure)
+        panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
+        for panel, name in zip(panels, PROFILES, strict=True):
+            _map(figure, panel, result, name)
+        panels[0].set_ylabel(f"{mathematical('y')} [mm]")
+        element = result.system.element.registered_name
+        figure.suptitle(
+            title or f"Profile of a simulated {element}", x=0.01, ha="left", fontweight="bold"
+        )
+        return figure
+
+
+def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
+    unit, long_name, symbol = PROFILES[name]
+    shown = units.readable(unit)
+    factor, offset = units.conversion(shown, unit)
+    values = (np.asarray(result.profiles[name]) - offset) / factor
+    low, high = (0.0, 1.0) if unit == "1" else (None, None)
+    places = 1e3 * np.asarray(result.system.element.places())
+    drawn = panel.pcolormesh(
+        np.asarray(result.times), places, values, shading="nearest", cmap=COLOURS[name],
+        vmin=low, vmax=high, rasterized=True,
+    )  # fmt: skip
+    label = {"degC": "°C", "1": "–"}.get(shown, shown)
+    bar = figure.colorbar(drawn, ax=panel, pad=0.02)
+    bar.set_label(f"{mathematical(symbol)} [{label}]", color=INK)
+    bar.outline.set_visible(False)
+    panel.set(title=long_name, xlabel=f"{mathematical('t')} [s]")
+    panel.grid(False)
