@@ -39,6 +39,7 @@ from martensite.system import System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.thermal.churchill_chu import ChurchillChu
 from martensite.thermal.constant import ConstantCooling
+from martensite.thermal.ends import ENDS
 from martensite.thermal.fluids.base import FLUIDS
 from martensite.thermal.polynomial import PolynomialCooling
 from martensite.thermal.radiation import Radiation
@@ -46,12 +47,14 @@ from martensite.thermal.radiation import Radiation
 ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {
     registry.kind: registry
-    for registry in (LAWS, COOLING, FLUIDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS)
-}
+    for registry in (
+        LAWS, COOLING, FLUIDS, ENDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS,
+    )
+}  # fmt: skip
 
 # ---------------------------------------------------------------- problem A
 
-LAW_A = {
+LAW_A: dict[str, Any] = {
     "E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "Theta": 0.055e6, "T_ref": 293.15,
     "A_s": 68 + ZERO, "A_f": 78 + ZERO, "M_s": 52 + ZERO, "M_f": 42 + ZERO,
     "C_A": 10e6, "C_M": 8e6,
@@ -274,12 +277,15 @@ VALUES: dict[str, dict[str, Any]] = {
     },
     "carrier": {"frequency": 3.0, "duty": Sine(low=0.1, high=0.9, frequency=0.7)},
     "axial-wire": {"cells": "5"},
+    "ribbon": {"heated": 1.0, "distance": 1e-3},
     "combined": {"convection": ChurchillChu(), "radiation": Radiation(emissivity=0.5)},
 }
 # Parts inside other parts: what an example takes, where the first by name would not do.
 USUAL = {"element": "wire"}
 # Options that an example leaves at their default: tried in other laws, and slow in these.
-UNTRIED = {"mas-polycrystal": ("heat_model", "groups"), "axial-wire": ("cells",)}
+UNTRIED = {
+    "mas-polycrystal": ("heat_model", "groups"), "axial-wire": ("cells",), "ribbon": ("wires",),
+}  # fmt: skip
 # Plausible sizes by name (also instead of defaults, which are often an inert zero), then by unit.
 BY_NAME = {
     "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,

@@ -37,12 +37,13 @@ class Kernel:
 
     ranges: Mapping[str, tuple[float, float]]
     function: Callable[..., Any]
+    lanes: int = LANES
 
     def inputs(self) -> np.ndarray:
         """Random inputs (inputs, lanes); in every eighth lane all of them at an end of range."""
         rng = np.random.default_rng(len(self.ranges))
         low, high = (np.array([r[i] for r in self.ranges.values()])[:, None] for i in (0, 1))
-        share = rng.random((len(self.ranges), LANES))
+        share = rng.random((len(self.ranges), self.lanes))
         share[:, ::8] = share[:, ::8].round()
         return low + share * (high - low)
 
@@ -147,6 +148,12 @@ KERNELS: dict[str, dict[str, Kernel]] = {
             lambda cooling, xp, T, ambient, d, l: cooling.film(xp, T, ambient, Cylinder(d, l)),
         ),
     },
+    "ends": {
+        "conductance": Kernel(
+            {"h": (0.0, 1e3), "d": (5e-5, 1e-3), "l": (1e-3, 1.0)},
+            lambda ends, xp, h, d, l: ends.conductance(xp, h, Cylinder(d, l)),
+        ),
+    },
     "fluid": {
         "properties": Kernel({"T": (200.0, 500.0)}, fluid_answers),
     },
@@ -170,7 +177,9 @@ KERNELS: dict[str, dict[str, Kernel]] = {
             {"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers
         ),
         "step": Kernel(
-            {"F": (1.0, 6.0), "T": (280.0, 360.0), "I": (0.0, 1.0), "dt": (0.0, 0.05)}, element_step
+            {"F": (1.0, 6.0), "T": (280.0, 360.0), "I": (0.0, 1.0), "dt": (0.0, 0.05)},
+            element_step,
+            lanes=32,  # slow where it is not traced
         ),
     },
     "mechanism": {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -15,6 +16,8 @@ from IPython import get_ipython
 
 from martensite.plot.style import STYLE
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+"""The example scenarios of the repository; a page runs in a folder of its own."""
 _COLOURED = ("FORCE_COLOR", "CLICOLOR_FORCE", "CLICOLOR")
 
 

@@ -19,6 +19,7 @@ from martensite.system import OUTPUTS
 
 PLURALS = {
     "element": "Elements",
+    "ends": "Ends of elements",
     "law": "Laws",
     "resistance": "Resistance models",
     "cooling": "Heat-loss models",

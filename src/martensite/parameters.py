@@ -222,6 +222,11 @@ class Parametrised:
         own.update({path: v for path, v in values.items() if "." not in path})
         return type(self)(**own)
 
+    def value_of(self, name: str) -> float:
+        """The number, in SI, of a parameter given by its path or by a unique ending of it."""
+        full = self.resolve(name)
+        return next(leaf.value for leaf in self.leaves() if leaf.path == full)
+
     def resolve(self, name: str) -> str:
         """The full path of a parameter given by its path or by a unique ending of it."""
         paths = [leaf.path for leaf in self.leaves()]

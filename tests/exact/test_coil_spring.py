@@ -141,10 +141,6 @@ def test_law_and_spring_agree_on_the_strain(fraction: float) -> None:
         assert found == pytest.approx(strain, rel=1e-12, abs=1e-16)
 
 
-def test_spring_rate_of_the_theory() -> None:
-    assert coil_theory.spring_rate(G_A, WIRE, COIL, TURNS) == exact(RATE_A)
-
-
 # ---------------------------------------------------------------- curvature
 
 

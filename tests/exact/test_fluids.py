@@ -96,5 +96,6 @@ def test_properties_are_held_beyond_the_span(name):
 
 def test_a_shifted_row_is_noticed():
     rows = [(t, 1.02 * k, nu, pr) for t, k, nu, pr in oil.ROWS]
-    found = FluidProperties(*between(floats, 300.0, rows), oil.EXPANSION)
+    conductivity, viscosity, prandtl = between(floats, 300.0, rows)
+    found = FluidProperties(conductivity, viscosity, prandtl, oil.EXPANSION)
     assert found.conductivity != pytest.approx(0.145, rel=1e-2)

@@ -14,13 +14,9 @@ from martensite.simulate.batch import sensitivity
 RUN = {"step": 10e-3, "samples": 601}
 
 
-def value(system, path):
-    return next(leaf.value for leaf in system.leaves() if leaf.path == path)
-
-
 def differenced(system, path, share):
     """d(stroke)/d(parameter) by central differences of fourth order."""
-    x = value(system, path)
+    x = system.value_of(path)
     width = share * (10.0 if path.endswith("A_f") else x)
 
     def stroke(k):
@@ -58,7 +54,7 @@ def test_printed_gradient_of_the_benchmark_objective():
     system = problem_a()
     names = {"h0": "h0", "latent": "latent_heat", "c": "heat_capacity"}
     paths = [system.resolve(names.get(name, name)) for name in THETA]
-    at = {path: value(system, path) for path in paths}
+    at = {path: system.value_of(path) for path in paths}
     zeros = {p: ZERO if p[-3:] in ("A_s", "A_f", "M_s", "M_f") else 0.0 for p in paths}
     factors = zip(paths, target_factors(), strict=True)
     wanted = {p: zeros[p] + (at[p] - zeros[p]) * q for p, q in factors}

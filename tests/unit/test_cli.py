@@ -296,7 +296,9 @@ def test_params_of_a_scenario_are_the_paths_that_set_takes(folder: Path) -> None
         if entry["value"] is not None:
             setting = f"{path}={entry['value']!r} {entry['unit']}"
             parsed("check", "wire.toml", "--set", setting.replace(" 1", ""))
-    assert "0.381 mm" in fine("params", "wire.toml")
+    text = fine("params", "wire.toml")
+    assert "0.381 mm" in text
+    assert " none " in text and " inf" not in text
 
 
 def test_params_of_a_part_come_from_every_registry() -> None:

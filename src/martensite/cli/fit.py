@@ -45,11 +45,11 @@ def film(
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
     json: Json = False,
 ) -> None:
-    """Fit a film coefficient h(T) to steady states of a heated wire, and judge the fit.
+    """Fit a film coefficient h(T) to steady states, and judge the fit.
 
-    TABLE needs a column `temperature` and one of: `h [W/m^2/K]`; `power`; `voltage` with `current`;
-    `voltage` with `resistance`, or with --resistance. All but `h` take --diameter, --length and
-    --ambient.
+    TABLE holds steady states of a heated wire. It needs a column `temperature` and one of:
+    `h [W/m^2/K]`; `power`; `voltage` with `current`; `voltage` with `resistance`, or with
+    --resistance. All but `h` take --diameter, --length and --ambient.
     """
     from martensite.cli.fit_film import Wire, print_report, read_points, snippet
     from martensite.cli.outputs import Outputs, parts

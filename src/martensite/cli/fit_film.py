@@ -9,6 +9,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from martensite.cli.options import quantity
 from martensite.errors import DataError, InputError
 
 if TYPE_CHECKING:
@@ -42,10 +43,11 @@ class Wire:
         Raises:
             UnitError: one of them is no quantity, or of another dimension.
         """
-        from martensite import units
-
-        given = ((diameter, "m"), (length, "m"), (ambient, "K"), (resistance, "ohm"))
-        return cls(*(None if text is None else units.parse(text, unit) for text, unit in given))
+        given = (
+            ("diameter", diameter, "m"), ("length", length, "m"),
+            ("ambient", ambient, "K"), ("resistance", resistance, "ohm"),
+        )  # fmt: skip
+        return cls(*(None if t is None else quantity(name, t, unit) for name, t, unit in given))
 
     def refuse(self, names: Sequence[str], why: str) -> None:
         """Raise `InputError` if an option is given that has no effect."""

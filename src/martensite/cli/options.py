@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from martensite.errors import InputError
+from martensite.errors import InputError, UnitError
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
@@ -27,6 +27,20 @@ Imports = Annotated[
         help="Import a module, or a .py file, that registers parts of your own; repeatable.",
     ),
 ]
+
+
+def quantity(name: str, text: str, unit: str) -> float:
+    """The number, in the SI `unit`, that the option `name` holds as text with a unit.
+
+    Raises:
+        UnitError: it is no quantity, or one of another dimension.
+    """
+    from martensite import units
+
+    try:
+        return units.parse(text, unit)
+    except UnitError as error:
+        raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
 
 
 def import_modules(names: list[str] | None) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
 from martensite.errors import InputError
 
 
@@ -59,7 +59,6 @@ def run(
     _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
     _refuse_idle("--compare", compare is not None and no_compare, "--no-compare is given")
     import_modules(modules)
-    from martensite import units
     from martensite.cli.execute import Wanted, execute
     from martensite.cli.outputs import Outputs
     from martensite.io.overrides import read_settings
@@ -69,7 +68,7 @@ def run(
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
     names = [name.strip() for name in columns.split(",")] if columns else None
-    pulses = None if carrier is None else units.parse(carrier, "Hz")
+    pulses = None if carrier is None else quantity("carrier", carrier, "Hz")
     wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, pulses)
     execute(loaded, wanted).show(json)
 

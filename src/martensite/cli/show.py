@@ -77,8 +77,11 @@ def _plain(value: Any) -> Any:
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number declared in the SI `unit`, in a readable unit."""
+    """A number declared in the SI `unit`, in a readable unit; `none` for a limit that is none."""
     from martensite import units
+
+    if math.isinf(value):
+        return "none"
 
     shown = units.readable(unit)
     number = f"{units.from_si(value, shown, unit):.6g}"

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Json
+from martensite.cli.options import Json, quantity
 from martensite.cli.waiting import progress_bar
-from martensite.errors import InputError, ParameterError, UnitError
+from martensite.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
     from martensite.sizing.candidates import Sizing
@@ -91,17 +91,8 @@ def _request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
             '`martensite size --force "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
         )
     units = {name: declared.unit for name, declared in WireRequest.declarations.items()}
-    numbers = {n: _quantity(n, t, units[n]) for n, t in given.items() if t is not None}
+    numbers = {n: quantity(n, t, units[n]) for n, t in given.items() if t is not None}
     return WireRequest(**numbers, **{n: v for n, v in chosen.items() if v is not None})
-
-
-def _quantity(name: str, text: str, unit: str) -> float:
-    from martensite import units
-
-    try:
-        return units.parse(text, unit)
-    except UnitError as error:
-        raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
 
 
 def _refuse_idle(options: dict[str, Any]) -> None:
@@ -165,8 +156,8 @@ def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
 
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)
     alloys = ALLOYS if alloy == "any" else (alloy,)
-    load = STRESS if stress is None else _quantity("stress", stress, "Pa")
-    room = AMBIENT if ambient is None else _quantity("ambient", ambient, "K")
+    load = STRESS if stress is None else quantity("stress", stress, "Pa")
+    room = AMBIENT if ambient is None else quantity("ambient", ambient, "K")
     with progress_bar("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
     if json:

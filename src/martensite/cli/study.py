@@ -9,6 +9,7 @@ import typer
 
 from martensite.cli.app import app
 from martensite.cli.options import Json
+from martensite.cli.waiting import spinner
 
 if TYPE_CHECKING:
     from martensite.studies.base import AbstractStudy, Claim
@@ -36,12 +37,14 @@ def study(
     drawn = _figures(found, figures, force)
     reports: list[dict[str, Any]] = []
     for one in found:
-        claims = one.claims()
+        with spinner(f"computing {one.key}"):
+            claims = one.claims()
         if not json:
             print_claims(one, claims)
         reports.append(_report(one, claims))
         if one.key in drawn:
-            one.figure(drawn[one.key])
+            with spinner(f"drawing {one.key}"):
+                one.figure(drawn[one.key])
             if not json:
                 show.text(f"wrote {drawn[one.key]}")
     if json:

@@ -21,7 +21,6 @@ from typing import ClassVar
 from martensite.electrical.base import SOURCES, AbstractSwitch, Reach
 from martensite.errors import ParameterError
 from martensite.parameters import option, param
-from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -61,5 +60,4 @@ class PowerPwm(AbstractSwitch):
     def reach(self, resistance: float) -> Reach:
         """Demands [W] that lead to a duty of at most 1."""
         known = self.reference_resistance if self.measured == "once" else resistance
-        most = self.closed(floats, known)
-        return Reach(0.0, most * most * known)
+        return Reach(0.0, self.largest_power(known))

@@ -83,8 +83,10 @@ class AbstractElement(Parametrised):
     passes: ClassVar[int] = 1
     """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
 
-    law: AbstractLaw
-    limits: Limits
+    law: AbstractLaw = NotImplemented
+    """The stress–strain–temperature law."""
+    limits: Limits = NotImplemented
+    """What a run warns about."""
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
         """The state at the start, under `force` [N] and at `temperature` [K]."""

@@ -52,11 +52,6 @@ def spring_index(wire: Scalar, coil: Scalar) -> Scalar:
     return coil / wire
 
 
-def spring_rate(shear_modulus: Scalar, wire: Scalar, coil: Scalar, turns: Scalar) -> Scalar:
-    """G d⁴/(8 N D³) [N/m] from G [Pa], wire and mean coil diameter [m]."""
-    return shear_modulus * wire * wire * wire * wire / (8.0 * turns * coil * coil * coil)
-
-
 def shear_stress(force: Scalar, wire: Scalar, coil: Scalar) -> Scalar:
     """8 F D/(π d³) [Pa] at the surface of the wire of a thin coil."""
     return force * (8.0 * coil / (math.pi * wire * wire * wire))

@@ -21,6 +21,7 @@ from itertools import groupby
 from statistics import fmean, stdev
 
 from martensite.errors import DataError, ParameterError
+from martensite.identify.linear import fit_powers
 from martensite.io.records import Record
 
 COUNT = "count"
@@ -150,15 +151,8 @@ def supply_offset(
             f"Record `{table.name}` has {n} plateaus from {low:g} to {high:g} V; an offset needs "
             "at least 3, of different currents."
         )
-    middle, level = fmean(i for i, _ in points), fmean(v for _, v in points)
-    spread = sum((i - middle) ** 2 for i, _ in points)
-    slope = sum((i - middle) * (v - level) for i, v in points) / spread
-    offset = level - slope * middle
-    scatter = math.sqrt(sum((v - offset - slope * i) ** 2 for i, v in points) / (n - 2))
-    return SupplyOffset(
-        offset, scatter * math.sqrt(1.0 / n + middle**2 / spread),
-        slope, scatter / math.sqrt(spread), n,
-    )  # fmt: skip
+    line = fit_powers([i for i, _ in points], [v for _, v in points], (0, 1))
+    return SupplyOffset(line.values[0], line.error(0), line.values[1], line.error(1), n)
 
 
 def _runs(values: Sequence[float], tolerance: float) -> list[tuple[int, int]]:

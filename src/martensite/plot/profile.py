@@ -9,7 +9,7 @@ import numpy as np
 from martensite import units
 from martensite.errors import InputError
 from martensite.plot.labels import mathematical
-from martensite.plot.style import INK, styled
+from martensite.plot.style import INK, new_figure, styled
 from martensite.simulate.result import Result
 from martensite.system import PROFILES
 
@@ -25,17 +25,14 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
     Raises:
         InputError: the element of the result is the same all over.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     if not result.profiles:
         raise InputError(
             f"Element `{result.system.element.registered_name}` has one temperature: there is no "
             "profile to draw. Elements `axial-wire` and `ribbon` have one."
         )
     with styled():
-        figure = Figure(figsize=(10.0, 3.6), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = new_figure(10.0, 3.6)
+        figure.set_layout_engine("constrained")
         panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
         for panel, name in zip(panels, PROFILES, strict=True):
             _map(figure, panel, result, name)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
+from martensite.simulate.alarms import excursion
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.system import System
@@ -141,11 +142,6 @@ def _falls_to(run: Result, start: float, level: float) -> float | None:
 
 
 def crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
-    """First time at which `values` reach `level` from below, between samples on a line."""
-    for i, value in enumerate(values):
-        if value >= level:
-            if i == 0:
-                return times[0]
-            share = (level - values[i - 1]) / (value - values[i - 1])
-            return times[i - 1] + share * (times[i] - times[i - 1])
-    return None
+    """First time at which `values` exceed `level`, between samples on a line; None if never."""
+    above = excursion(times, [value - level for value in values])
+    return None if above is None else above.first

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from martensite.plot.style import INK, MEASURED, QUIET, SIMULATED, styled
+from martensite.plot.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal.checks import ABSENT
 from martensite.studies.electrothermal.model_claims import KEPT, calibration
@@ -28,28 +28,23 @@ LOOKS = {
 
 def draw(stated: Stated) -> Figure:
     """Draw the figure."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     run = Staircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
     with styled():
-        figure = Figure(figsize=(11.0, 4.6))
-        FigureCanvasAgg(figure)
+        figure = new_figure(11.0, 4.6)
         grid = figure.add_gridspec(
-            1, 2, left=0.06, right=0.985, top=0.82, bottom=0.12, width_ratios=(1.5, 1.0),
+            1, 2, left=0.06, right=0.98, top=0.82, bottom=0.12, width_ratios=(1.5, 1.0),
             wspace=0.16,
         )  # fmt: skip
-        against_current = figure.add_subplot(grid[0, 0])
-        _simulated(against_current, stated, run)
-        against_warmth = figure.add_subplot(grid[0, 1], sharey=against_current)
+        axes = figure.add_subplot(grid[0, :] if run is None else grid[0, 0])
+        _simulated(axes, stated, run)
         if run is not None:
-            _measured(against_current, run)
-            _apparent(against_warmth, run)
-        _titles(figure, against_current, against_warmth, run)
+            _measured(axes, run)
+            _apparent(figure.add_subplot(grid[0, 1], sharey=axes), run)
+        _titles(figure, axes, run)
         return figure
 
 
-def _titles(figure: Any, left: Any, right: Any, run: Staircase | None) -> None:
+def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
     figure.text(
         0.02, 0.955, "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of "
         "voltage", fontsize=12.5, fontweight="bold", va="center",
@@ -57,14 +52,12 @@ def _titles(figure: Any, left: Any, right: Any, run: Staircase | None) -> None:
     below = "Points: Leal 2016, run 5 (MIT). Calibrated on these points: agreement in level and "
     below += "place of the drop says nothing."
     figure.text(0.02, 0.905, ABSENT if run is None else below, color=QUIET, va="center")
-    left.set_title("resistance against current")
-    left.set_xlabel("$I$ [A]")
-    left.set_ylabel("$R$ [ohm]")
-    left.set_xlim(0.4, 3.2)
-    left.set_ylim(1.25, 1.82)
-    left.legend(loc="upper right", ncols=2)
-    right.set_title("against apparent temperature: not that of the wire")
-    right.set_xlabel("read by the infrared camera [°C]")
+    axes.set_title("resistance against current")
+    axes.set_xlabel("$I$ [A]")
+    axes.set_ylabel("$R$ [Ω]")
+    axes.set_xlim(0.4, 3.2)
+    axes.set_ylim(1.25, 1.82)
+    axes.legend(loc="upper right", ncols=2)
 
 
 def _simulated(axes: Any, stated: Stated, run: Staircase | None) -> None:
@@ -74,7 +67,7 @@ def _simulated(axes: Any, stated: Stated, run: Staircase | None) -> None:
         fitted = calibration(stated) if key == "calibrated" else None
         table = model.predicted(key, stated, fitted)
         if run is not None:
-            label += f", rms {model.rms(table, run, *KEPT):.3f} ohm"
+            label += f", rms {model.rms(table, run, *KEPT):.3f} Ω"
         axes.plot(
             table["current"], table["resistance"], color=colour, linestyle=dashes, label=label,
             linewidth=1.8 if key == "calibrated" else 1.2,
@@ -100,6 +93,8 @@ def _apparent(axes: Any, run: Staircase) -> None:
     kept = run.within(*KEPT)
     warmth = [run.table["apparent_temperature"][i] - model.ZERO for i in kept]
     axes.plot(warmth, [run.resistance[i] for i in kept], "o", color=INK, markersize=3.8)
+    axes.set_title("against apparent temperature: not that of the wire")
+    axes.set_xlabel("read by the infrared camera [°C]")
     low, high = model.number("A_s") - model.ZERO, model.number("A_f") - model.ZERO
     axes.axvspan(low, high, color=MEASURED[2], alpha=0.15, linewidth=0.0)
     axes.text(

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import cast
 
 from martensite.elements.wire import Wire
+from martensite.identify.nonlinear import root_mean_square
 from martensite.io.records import Record
 from martensite.io.scenario import Scenario, load
 from martensite.io.staircase import plateaus
@@ -67,9 +68,7 @@ def wire() -> Wire:
 
 def number(path: str) -> float:
     """A number of the scenario's system by its dotted path, in SI units."""
-    system = scenario().system
-    full = system.resolve(path)
-    return next(leaf.value for leaf in system.leaves() if leaf.path == full)
+    return scenario().system.value_of(path)
 
 
 def half_way_temperature() -> float:
@@ -144,4 +143,4 @@ def rms(table: Record, staircase: Staircase, low: float, high: float) -> float:
     """RMS difference of the resistance on the plateaus between two set-points [ohm]."""
     places = staircase.within(low, high)
     apart = [table["resistance"][i] - staircase.resistance[i] for i in places]
-    return math.sqrt(sum(x * x for x in apart) / len(apart))
+    return root_mean_square(apart)

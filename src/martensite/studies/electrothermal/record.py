@@ -6,15 +6,17 @@ camera reads is apparent, the wire being thinner than a pixel.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from statistics import fmean
 
+from martensite.identify.linear import fit_powers
 from martensite.io import datasets
 from martensite.io.records import Record
 from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
 from martensite.io.tables import read_table
+from martensite.sizing.cycle import crossing
 from martensite.studies.electrothermal.printed import Stated
 
 DATA = "flexinol-electrothermal"
@@ -76,17 +78,16 @@ class Staircase:
         """Current at which half of the drop is done, linear between plateaus [A]."""
         level = 0.5 * (self.mean(*self.stated.cold) + self.mean(*self.stated.hot))
         current, found = self.table["current"], self.resistance
-        i = self.within(*self.stated.cold)[-1]
-        while found[i + 1] > level:
-            i += 1
-        share = (found[i] - level) / (found[i] - found[i + 1])
-        return current[i] + share * (current[i + 1] - current[i])
+        last = self.within(*self.stated.cold)[-1]
+        below = crossing(current[last:], [-ohms for ohms in found[last:]], -level)
+        return math.nan if below is None else below
 
     def rise(self) -> float:
         """Share by which the resistance of austenite rises per 40 K of apparent temperature."""
         places = self.within(self.stated.hot[0], 4.5)
-        points = [(self.table["apparent_temperature"][i], self.resistance[i]) for i in places]
-        return 40.0 * _slope(points) / self.mean(*self.stated.hot)
+        warmth = [self.table["apparent_temperature"][i] for i in places]
+        line = fit_powers(warmth, [self.resistance[i] for i in places], (0, 1))
+        return 40.0 * line.values[1] / self.mean(*self.stated.hot)
 
     def offset(self, low: float, high: float) -> SupplyOffset:
         """Offset that the plateaus between two set-points [V] have by themselves."""
@@ -119,10 +120,3 @@ def _joined() -> Record:
     columns = rows.columns | {"apparent_temperature": apparent.tolist()}
     units = rows.units | {"apparent_temperature": "K"}
     return Record(rows.name, columns, units, rows.source, rows.dropped)
-
-
-def _slope(points: Iterable[tuple[float, float]]) -> float:
-    x, y = zip(*points, strict=True)
-    middle, level = fmean(x), fmean(y)
-    products = sum((a - middle) * (b - level) for a, b in zip(x, y, strict=True))
-    return products / sum((a - middle) ** 2 for a in x)

@@ -61,9 +61,7 @@ def base_wire() -> Wire:
 
 def number(path: str) -> float:
     """A number of the scenario's system by its dotted path, in SI units."""
-    system = scenario().system
-    full = system.resolve(path)
-    return next(leaf.value for leaf in system.leaves() if leaf.path == full)
+    return scenario().system.value_of(path)
 
 
 def polynomial(printed: Printed) -> PolynomialCooling:

@@ -13,7 +13,16 @@ import numpy as np
 
 from martensite.plot.hysteresis import runs, senses, strips
 from martensite.plot.labels import mathematical
-from martensite.plot.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED, styled
+from martensite.plot.style import (
+    COOLING,
+    HEATING,
+    INK,
+    MEASURED,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
 from martensite.studies.migaone import bench, film_claims
 from martensite.studies.migaone.printed import Printed
 
@@ -32,12 +41,8 @@ OTHERS = (
 
 def draw(printed: Printed) -> Figure:
     """Draw the figure."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with styled():
-        figure = Figure(figsize=(11.5, 6.6))
-        FigureCanvasAgg(figure)
+        figure = new_figure(11.5, 6.6)
         grid = figure.add_gridspec(
             2, 2, left=0.06, right=0.985, top=0.875, bottom=0.085,
             width_ratios=(1.45, 1.0), height_ratios=(1.55, 1.0), wspace=0.2, hspace=0.3,

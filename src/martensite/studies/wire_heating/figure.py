@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, styled
+from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.wire_heating import bench, closures
 from martensite.studies.wire_heating.printed import Printed
 
@@ -27,14 +27,10 @@ NAMES = {
 
 def draw(printed: Printed) -> Figure:
     """Draw the figure."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     with styled():
-        figure = Figure(figsize=(11.0, 5.6))
-        FigureCanvasAgg(figure)
+        figure = new_figure(11.0, 5.6)
         grid = figure.add_gridspec(
-            2, 2, left=0.06, right=0.985, top=0.85, bottom=0.09,
+            2, 2, left=0.06, right=0.98, top=0.85, bottom=0.09,
             width_ratios=(1.25, 1.0), wspace=0.17, hspace=0.42,
         )  # fmt: skip
         _steady(figure.add_subplot(grid[:, 0]), printed)
@@ -45,8 +41,8 @@ def draw(printed: Printed) -> Figure:
             fontsize=12.5, fontweight="bold", va="center",
         )  # fmt: skip
         figure.text(
-            0.02, 0.91, "Computed for this project; points from the thesis's Table 2. Assumed: "
-            f"{bench.AMBIENT:g} °C around, alloy.",
+            0.02, 0.91, "Computed for this project; points from the thesis's Table 2. Assumed: an "
+            f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
             color=QUIET, va="center",
         )  # fmt: skip
         return figure
