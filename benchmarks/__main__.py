@@ -13,7 +13,12 @@ from typing import Any
 
 from rich.console import Console
 
-from benchmarks import sections_laws, sections_mas, sections_process  # noqa: F401  (enter theirs)
+from benchmarks import (  # noqa: F401  (enter theirs)
+    sections_elements,
+    sections_laws,
+    sections_mas,
+    sections_process,
+)
 from benchmarks.engines import PEERS, WHERE, available
 from benchmarks.inputs import DRIVES
 from benchmarks.report import machine, show

@@ -1,0 +1,24 @@
+"""The benchmark section of the elements still runs, and judges; so small that times say nothing."""
+
+import pytest
+from benchmarks import sections_elements
+from benchmarks.engines import available
+from benchmarks.sections import SECTIONS, Options
+
+from martensite.runtimes.c99 import compiler
+
+OURS = Options(available(["ours"]), repeats=1)
+
+
+def test_the_section_is_entered():
+    assert "cells" in SECTIONS
+
+
+@pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+def test_cells():
+    floats, native = sections_elements.cells(OURS, counts=("5",))
+    for table in (floats, native):
+        lumped, axial = table.rows
+        assert (lumped["err"], lumped["ratio"]) == (0.0, 1.0)
+        assert axial["err"] < 1e-9
+        assert axial["ratio"] > 1.0
