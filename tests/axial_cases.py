@@ -38,7 +38,7 @@ def thin_wire(length: float = L, law: Any = None, **changes: Any) -> Wire:
 
 def axial(wire: Wire | None = None, **numbers: Any) -> AxialWire:
     """The thin wire, cut."""
-    usual = {"thermal_conductivity": K, "contact": IDEAL, "grading": 3.0}
+    usual: dict[str, Any] = {"thermal_conductivity": K, "contact": IDEAL, "grading": 3.0}
     return AxialWire(wire=wire or thin_wire(), **(usual | numbers))
 
 

@@ -265,9 +265,7 @@ def test_unknown_names_are_refused_with_the_nearest(changes: dict[str, Any], wor
     assert words in sentence(**changes)
 
 
-def test_the_command_line_sets_the_strand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_line_sets_the_strand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "bundle.toml"
     file.write_text(SCENARIO, encoding="utf-8")

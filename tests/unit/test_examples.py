@@ -7,6 +7,7 @@ the wire's maker for the example with PWM.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -77,3 +78,21 @@ def test_platform_spring_lifts_and_lowers_what_its_comments_say(
     assert result.warnings == []
     assert result.stroke == pytest.approx(lift, abs=0.5e-3)
     assert (min(result["martensite_fraction"]), result["martensite_fraction"][-1]) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "stroke"),
+    [
+        ({}, 1.04e-3),
+        ({"element.contact": "0 W/K"}, 1.28e-3),
+        ({"element.spans": 3}, 0.53e-3),
+    ],
+    ids=["clamped", "insulated", "three spans"],
+)
+def test_clamped_wire_loses_the_stroke_that_its_comments_say(
+    changes: dict[str, Any], stroke: float
+) -> None:
+    result = load(EXAMPLES / "clamped_wire.toml", changes).run()
+    assert result.warnings == []
+    assert result.stroke == pytest.approx(stroke, abs=0.01e-3)
+    assert result["martensite_fraction"][-1] == pytest.approx(1.0, abs=1e-6)
