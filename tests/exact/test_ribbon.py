@@ -130,7 +130,7 @@ class TestSideBySide:
         ({"heated": 1.5}, "but is 1.5"),
         ({"distance": 0.2e-3}, "above the diameter"),
         ({"wires": "5"}, "Valid: `2`"),
-        ({"wire": Bundle(strand=WIRE, count=2.0)}, "is made of `wire`"),
+        ({"wire": Bundle(strand=WIRE, count=2.0)}, "but holds `bundle`"),
     ],
 )
 def test_what_cannot_be_is_one_sentence(values, sentence):

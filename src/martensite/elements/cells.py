@@ -11,11 +11,13 @@ from martensite.laws.base import Fractions
 from martensite.laws.coupling import Report
 from martensite.runtimes.bracket import UNROLLED
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.runtimes.nested import largest, total
+from martensite.runtimes.nested import Shape, flatten, largest, total
 from martensite.thermal.base import Environment
 
 SWEEPS, MORE_SWEEPS = 3, 10
 """Sweeps of a step, and of one that they leave unsolved."""
+MOST = 12
+"""Iterations of one cell, which are written out."""
 
 
 class AbstractCells(AbstractCut):
@@ -53,8 +55,13 @@ class AbstractCells(AbstractCut):
         step = Step(self, state, heating, pull, dt)
         start = step.start(xp)
         guess = step.unmoved(start)
-        for _ in range(SWEEPS if iterations <= UNROLLED else MORE_SWEEPS):
-            guess = step.sweep(xp, start, guess, min(iterations, UNROLLED))
+        shape, most = Shape(guess), min(iterations, MOST)
+
+        def sweep(*numbers: Scalar) -> list[Scalar]:
+            return flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
+
+        sweeps = SWEEPS if iterations <= UNROLLED else MORE_SWEEPS
+        guess = shape.rebuild(xp.repeat(sweeps, sweep, *flatten(guess)))
         return step.end(xp, start, guess)
 
     def condition(

@@ -25,7 +25,7 @@ class AbstractCut(AbstractElement):
         owner, wire = self.registered_name, self.wire
         if wire.registered_name != Wire.registered_name:
             raise ParameterError(
-                f"A `{owner}` is made of `wire`, but `wire` in it is `{wire.registered_name}`."
+                f"Element `{owner}` is made of `wire`, but holds `{wire.registered_name}`."
             )
         if not isinstance(wire.ends, AdiabaticEnds):
             raise ParameterError(

@@ -24,6 +24,7 @@ from martensite.elements.linkage import Rest
 from martensite.elements.network import Column, others, solved
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report, advance
+from martensite.runtimes.bracket import unrolled
 from martensite.runtimes.dual import value_and_slope, values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest, total
@@ -79,10 +80,11 @@ class Step:
     def unmoved(self, start: Start) -> Guess:
         """The guess that nothing transforms."""
         none = [0.0 for _ in start.long]
-        return Guess(
+        columns = (
             start.martensite, start.oriented, start.temperature, self.element.shared(self.state),
             start.long, start.elastic, start.elastic, none, none, none, none,
         )  # fmt: skip
+        return Guess(*(tuple(column) for column in columns))
 
     def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
         """Heat balance with what is conducted and what the current brings."""
@@ -136,7 +138,7 @@ class Step:
             [r + s for r, s in zip(lines.right, seen.source, strict=True)],
             felt.source, guess.force, *rests, *self.memories,
         )  # fmt: skip
-        return Guess(*found)
+        return Guess(*(tuple(column) for column in found))
 
     def _expected(self, start: Start, guess: Guess, lines: Lines) -> list[Scalar]:
         """Right-hand side with the latent heat as it is linear in temperature [J]."""
@@ -168,7 +170,7 @@ class Step:
             at = at + felt * (force - before) / diagonal
             return cell.stress(xp, force), at if imposed is None else imposed
 
-        after, report = advance(xp, law, memory, settle, self.dt, iterations)
+        after, report = advance(unrolled(xp), law, memory, settle, self.dt, iterations)
         end, stress, at = law.fractions(after), after.stress, after.temperature
 
         def moved(xp: Namespace, stress: Scalar, at: Scalar) -> tuple[Scalar, Scalar]:

@@ -11,6 +11,7 @@ the function needs no derivative of its own.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any, cast
 
 from martensite.runtimes import floats
 from martensite.runtimes.dual import value_and_slope
@@ -58,3 +59,24 @@ def turns(
 ) -> Sequence[Scalar]:
     """The state after `count` turns: written out if few, which runs faster, else as a loop."""
     return (xp if count > UNROLLED else floats).repeat(count, body, *state)
+
+
+class Unrolled:
+    """A namespace that writes long iterations out: for a solve inside a loop over rows."""
+
+    def __init__(self, xp: Namespace) -> None:
+        self._xp = xp
+
+    def __getattr__(self, operation: str) -> Any:
+        return getattr(self._xp, operation)
+
+    def repeat(
+        self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
+    ) -> Sequence[Scalar]:
+        """The state after `count` turns of `body`."""
+        return floats.repeat(count, body, *state)
+
+
+def unrolled(xp: Namespace) -> Namespace:
+    """The namespace with long iterations written out."""
+    return cast("Namespace", Unrolled(xp))
