@@ -81,7 +81,7 @@ def test_numpy_arrays_agree_over_five_seconds(history):
     assert (np.abs(ends[:, 1] - last) <= TOLERANCE * span + 1e-300).all()
 
 
-LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0}
+LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0, "1": 0.8}
 PARTS = [thing for kind in ("law", "element", "mechanism", "drive") for thing in examples(kind)]
 
 
