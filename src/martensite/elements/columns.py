@@ -77,5 +77,3 @@ class Lines(NamedTuple):
     right: Column
     """With the heat of the current."""
     links: Column
-    current: Scalar
-    """[A]"""

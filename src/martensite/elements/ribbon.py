@@ -23,6 +23,7 @@ from martensite.elements.wire import Wire
 from martensite.errors import ParameterError
 from martensite.parameters import option, param, part
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.thermal.base import Environment
 
 
 @ELEMENTS.register("ribbon")
@@ -88,3 +89,7 @@ class Ribbon(AbstractCells):
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity of all wires without transformation [J/K]."""
         return int(self.wires) * self.wire.heat_capacity_total()
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Heat flow through the surfaces [W] if all wires are equally hot."""
+        return int(self.wires) * self.wire.heat_loss(xp, temperature, environment)

@@ -89,7 +89,7 @@ class Step:
     def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
         """Heat balance with what is conducted and what the current brings."""
         middle = [0.5 * (a + b) for a, b in zip(start.martensite, guess.martensite, strict=True)]
-        current, joule = self._joule(xp, middle)
+        joule = self._joule(xp, middle)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
         diagonal = list(start.diagonal)
         right = [a + b for a, b in zip(start.right, joule, strict=True)]
@@ -103,10 +103,10 @@ class Step:
             flow = now * (t[i + 1] - t[i])
             right[i], right[i + 1] = right[i] + flow, right[i + 1] - flow
             between.append(later)
-        return Lines(diagonal, right, between, current)
+        return Lines(diagonal, right, between)
 
-    def _joule(self, xp: Namespace, middle: Column) -> tuple[Scalar, list[Scalar]]:
-        """Current [A], and the heat it brings to every cell [J]."""
+    def _joule(self, xp: Namespace, middle: Column) -> list[Scalar]:
+        """Heat that the current brings to every cell [J]."""
         element, law = self.element, self.law
 
         def one(length: Scalar, x: Scalar, share: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:
@@ -118,7 +118,7 @@ class Step:
         columns = element.lengths(xp), middle, element.shares(xp)
         seen, heated = xp.each(one, *columns, *self.memories)
         current = self.heating.current(xp, element.copies() * total(seen))
-        return current, [self.dt * current * current * r for r in heated]
+        return [self.dt * current * current * r for r in heated]
 
     def sweep(self, xp: Namespace, start: Start, guess: Guess, iterations: int) -> Guess:
         """Every cell for itself, with the others as they answered before."""
