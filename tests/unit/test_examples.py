@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from martensite.control.averaging import compare_averaging
 from martensite.errors import DataError
 from martensite.io.compare import compare
 from martensite.io.scenario import Scenario, load
@@ -96,3 +97,14 @@ def test_clamped_wire_loses_the_stroke_that_its_comments_say(
     assert result.warnings == []
     assert result.stroke == pytest.approx(stroke, abs=0.01e-3)
     assert result["martensite_fraction"][-1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> None:
+    scenario = load(EXAMPLES / "constant_power.toml", {"run.duration": "5 s"})
+    result = scenario.run(tolerance=1e-3)
+    assert result.warnings == []
+    assert result.stroke > 4e-3
+    assert max(result["power"]) == pytest.approx(0.45, rel=1e-9)
+    pulsed = compare_averaging(scenario.system, scenario.waveform, scenario.duration, 100.0)
+    assert pulsed.differences["power"].rms < 1e-3 * 0.45
+    assert pulsed.ripple == pytest.approx(pulsed.estimate, rel=0.05)
