@@ -265,6 +265,23 @@ def bent(spans: float, watts: float, even: bool = True, **options: str) -> float
     return math.degrees(run["position"][-1])
 
 
+@pytest.mark.parametrize(
+    ("mechanism", "grading"),
+    [(DeadWeight(mass=0.05), 2.0), (BiasSpring(stiffness=1800.0, preload=0.5), 1.0)],
+    ids=["weight", "spring"],
+)
+def test_coarse_steps_in_which_all_cells_cross_a_kink_are_solved(
+    mechanism: AbstractMechanism, grading: float
+) -> None:
+    """Usual sweeps go to and fro there; the stroke is that of short steps all the same."""
+    wire = thin_wire(10e-3, resistance=PerLengthResistance(r_A=110.0, r_M=125.0))
+    system = clamped(axial(wire, cells="5", grading=grading), mechanism)
+    wave = Step(high=0.07, at=0.1, until=1.5)
+    coarse, fine = (simulate(system, wave, 3.0, step=h, samples=61) for h in (0.02, 0.0025))
+    assert not coarse.status.failed
+    assert coarse.stroke == pytest.approx(fine.stroke, rel=1e-2)
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("c_compiler")
 def test_cold_ends_cost_a_finger_some_of_its_angle() -> None:

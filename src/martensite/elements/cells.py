@@ -14,8 +14,9 @@ from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest, total
 from martensite.thermal.base import Environment
 
-SWEEPS, MORE_SWEEPS = 3, 10
-"""Sweeps of a step, and of one that they leave unsolved."""
+SWEEPS, MORE_SWEEPS = 3, 24
+"""Sweeps of a step, and of one that they leave unsolved: where all cells cross a kink together,
+sweeps go to and fro over it, so then only half of every change is taken."""
 MOST = 12
 """Iterations of one cell, which are written out."""
 
@@ -58,7 +59,10 @@ class AbstractCells(AbstractCut):
         shape, most = Shape(guess), min(iterations, MOST)
 
         def sweep(*numbers: Scalar) -> list[Scalar]:
-            return flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
+            found = flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
+            if iterations <= UNROLLED:
+                return found
+            return [0.5 * (a + b) for a, b in zip(numbers, found, strict=True)]
 
         sweeps = SWEEPS if iterations <= UNROLLED else MORE_SWEEPS
         guess = shape.rebuild(xp.repeat(sweeps, sweep, *flatten(guess)))
