@@ -14,9 +14,9 @@ from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest, total
 from martensite.thermal.base import Environment
 
-SWEEPS, MORE_SWEEPS = 3, 24
-"""Sweeps of a step, and of one that they leave unsolved: where all cells cross a kink together,
-sweeps go to and fro over it, so then only half of every change is taken."""
+SWEEPS, HALF_SWEEPS = 3, 20
+"""Sweeps of a step, and those before them where they leave it unsolved: where all cells cross a
+kink together, sweeps go to and fro over it, so first only half of every change is taken."""
 MOST = 12
 """Iterations of one cell, which are written out."""
 
@@ -59,13 +59,15 @@ class AbstractCells(AbstractCut):
         shape, most = Shape(guess), min(iterations, MOST)
 
         def sweep(*numbers: Scalar) -> list[Scalar]:
-            found = flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
-            if iterations <= UNROLLED:
-                return found
-            return [0.5 * (a + b) for a, b in zip(numbers, found, strict=True)]
+            return flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
 
-        sweeps = SWEEPS if iterations <= UNROLLED else MORE_SWEEPS
-        guess = shape.rebuild(xp.repeat(sweeps, sweep, *flatten(guess)))
+        def half(*numbers: Scalar) -> list[Scalar]:
+            return [0.5 * (a + b) for a, b in zip(numbers, sweep(*numbers), strict=True)]
+
+        numbers = flatten(guess)
+        if iterations > UNROLLED:
+            numbers = xp.repeat(HALF_SWEEPS, half, *numbers)
+        guess = shape.rebuild(xp.repeat(SWEEPS, sweep, *numbers))
         return step.end(xp, start, guess)
 
     def condition(
