@@ -30,11 +30,7 @@ def scenario(cells: str) -> Scenario:
 
 def lumped(made: Scenario) -> System:
     """The same wire with one temperature."""
-    system = made.system
-    return System(
-        element=cast(AxialWire, system.element).wire, environment=system.environment,
-        source=system.source, mechanism=system.mechanism,
-    )  # fmt: skip
+    return made.system.with_parts(element=cast(AxialWire, made.system.element).wire)
 
 
 def strokes(made: Scenario, system: System, runtime: str) -> Any:

@@ -214,6 +214,10 @@ class Parametrised:
         full = {self.resolve(path): value for path, value in values.items()}
         return self._with_paths(full)
 
+    def with_parts(self, **parts: Any) -> Self:
+        """A checked copy with whole components (or numbers) of its own exchanged."""
+        return type(self)(**{**self.__dict__, **parts})
+
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
         own = dict(self.__dict__)
         for name, child in self.children():

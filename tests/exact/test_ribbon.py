@@ -29,9 +29,7 @@ LOADS = [BiasSpring(stiffness=2000.0, preload=16.0), DeadWeight(mass=2.0)]
 
 
 def system(element, mechanism: AbstractMechanism) -> System:
-    return System(
-        element=element, environment=BASE.environment, source=BASE.source, mechanism=mechanism
-    )
+    return BASE.with_parts(element=element, mechanism=mechanism)
 
 
 def ribbon(**values) -> Ribbon:

@@ -118,11 +118,7 @@ def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, Abs
     once = source.measured == "once"
     largest = source.reach(source.reference_resistance).most if once else math.inf
     drive = ConstantPower(demand=waveform, measured=source.measured, largest=largest)
-    bare = System(
-        element=system.element, environment=system.environment,
-        source=switch, mechanism=system.mechanism,
-    )  # fmt: skip
-    return bare, drive
+    return system.with_parts(source=switch), drive
 
 
 def ripples(pulsed: Loop) -> list[float]:

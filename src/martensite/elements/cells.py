@@ -76,9 +76,7 @@ class AbstractCells(AbstractCut):
         """Everything that can be measured on the element under a force [N]."""
         lengths, (m, o, temperatures) = self.lengths(xp), self._columns(state)
         free, soft = self.springs(xp, m, o, temperatures)
-        whole = self.linkage().whole(xp, free, soft, force)
-        own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
-        carried = [self.linkage().carried(xp, one, whole, force) for one in own]
+        carried = self.carried(xp, free, soft, force)
         stresses = [self.wire.stress(xp, each) for each in carried]
 
         def one(
@@ -104,7 +102,7 @@ class AbstractCells(AbstractCut):
             martensite_fraction=mean(m),
             oriented_fraction=mean(o),
             stress=largest(xp, stresses),
-            strain=(whole.free + whole.compliance * force) * (1.0 / self.wire.length),
+            strain=self.elongation(xp, state, force) * (1.0 / self.wire.length),
             resistance=self.copies() * total(ohms),
             heat_loss=self.copies() * (total(losses) + total(drained)),
         )

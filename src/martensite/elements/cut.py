@@ -98,6 +98,11 @@ class AbstractCut(AbstractElement):
             return linkage.whole(xp, free, soft, force)
 
         force = fitted(xp, near, pull, force, self.passes)
-        whole = near(xp, force)
+        return force, self.carried(xp, free, soft, force)
+
+    def carried(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:
+        """What each cell carries of a force [N]."""
+        linkage = self.linkage()
+        whole = linkage.whole(xp, free, soft, force)
         own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
-        return force, [linkage.carried(xp, one, whole, force) for one in own]
+        return [linkage.carried(xp, one, whole, force) for one in own]

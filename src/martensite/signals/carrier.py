@@ -14,7 +14,7 @@ from typing import ClassVar
 from martensite.errors import ParameterError
 from martensite.parameters import param, part
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import inside, interval, require_countable
+from martensite.signals.pulses import AbstractPulses
 
 
 def pulse(duty: float, shortest: float) -> float:
@@ -28,7 +28,7 @@ def pulse(duty: float, shortest: float) -> float:
 
 
 @WAVEFORMS.register("carrier")
-class Carrier(AbstractWaveform):
+class Carrier(AbstractPulses):
     """Pulses of 0 and 1 at a constant frequency, as long as another waveform says."""
 
     unit: ClassVar[str | None] = "1"
@@ -47,21 +47,10 @@ class Carrier(AbstractWaveform):
                 f"{0.5 / self.frequency:.6g} s, but is {self.shortest:.6g} s."
             )
 
+    def share(self, k: int) -> float:
+        """The duty at the start of period k, as the switch can make it."""
+        return pulse(self.duty.value(self._start(k)), self.shortest * self.frequency)
+
     def value(self, time: float) -> float:
         """1 while on, else 0; the new one at a jump itself."""
-        k = interval(time, time * self.frequency, self._on)
-        return 1.0 if time < self._off(k) else 0.0
-
-    def edges(self, duration: float) -> list[float]:
-        """Begin and end of every pulse in (0, duration) [s]."""
-        count = 2.0 * self.frequency * duration
-        require_countable("carrier", count, duration)
-        periods = range(int(0.5 * count) + 2)
-        return inside((t for k in periods for t in (self._on(k), self._off(k))), duration)
-
-    def _on(self, k: int) -> float:
-        return k / self.frequency
-
-    def _off(self, k: int) -> float:
-        share = pulse(self.duty.value(self._on(k)), self.shortest * self.frequency)
-        return (k + share) / self.frequency
+        return 1.0 if self.is_on(time) else 0.0

@@ -103,6 +103,17 @@ def alarms_of(system: System, times: Sequence[float], columns: Columns) -> list[
     return [alarm for alarm in found if alarm is not None]
 
 
+def _alarm(
+    times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float,
+    limit: float, sentence: str,
+) -> Alarm:  # fmt: skip
+    """An alarm about `what`: kind, quantity and unit."""
+    return Alarm(
+        *what, worst, limit, abs(worst - limit), when.first, when.duration, times[when.worst],
+        sentence,
+    )  # fmt: skip
+
+
 def _above(
     times: Sequence[float], values: Sequence[float], quantity: str, kind: str, unit: str,
     limit: float, zero: float, shown: str, scale: float,
@@ -115,10 +126,7 @@ def _above(
         f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {shown}, above the "
         f"`{kind}_limit` of {(limit - zero) / scale:.4g} {shown}, {when.words()}."
     )
-    return Alarm(
-        kind, quantity, unit, worst, limit, worst - limit, when.first, when.duration,
-        times[when.worst], sentence,
-    )  # fmt: skip
+    return _alarm(times, when, (kind, quantity, unit), worst, limit, sentence)
 
 
 def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
@@ -135,10 +143,7 @@ def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Al
         f"Warning: strain varies by {100 * worst:.3g} %, more than the "
         f"`strain_limit` of {100 * limit:.3g} %, {when.words()}."
     )
-    return Alarm(
-        "strain", "strain", "1", worst, limit, worst - limit, when.first, when.duration,
-        times[when.worst], sentence,
-    )  # fmt: skip
+    return _alarm(times, when, ("strain", "strain", "1"), worst, limit, sentence)
 
 
 def _slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
@@ -177,7 +182,4 @@ def undelivered(
         f"t = {times[when.worst]:.4g} s only {limit:.4g}{unit} of {worst:.4g}{unit}, "
         f"{when.words()}."
     )
-    return Alarm(
-        "supply", "drive", source.unit, worst, limit, abs(worst - limit), when.first,
-        when.duration, times[when.worst], sentence,
-    )  # fmt: skip
+    return _alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)

@@ -147,8 +147,7 @@ def _march(runtime: str, compiled: Compiled, values: list[float], grid: Grid) ->
 
 
 def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> Result:
-    rows = [row[: len(OUTPUTS)] for row in track.rows]
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(OUTPUTS)}
+    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(OUTPUTS)}
     result = Result(
         run.system, run.waveform, grid.times, columns, track.status, track.status_time,
         len(grid.lengths), grid.longest, accuracy, profiles=profiles_of(track.rows),

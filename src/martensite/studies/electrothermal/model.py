@@ -27,7 +27,7 @@ from martensite.simulate.api import simulate
 from martensite.studies.electrothermal.printed import Stated
 from martensite.studies.electrothermal.record import Staircase
 from martensite.system import System
-from martensite.thermal.base import AbstractCooling, Cylinder, Environment
+from martensite.thermal.base import AbstractCooling, Cylinder
 from martensite.thermal.constant import ConstantCooling
 from martensite.thermal.lefevre_ede import LeFevreEde
 
@@ -106,15 +106,8 @@ def build(key: str, stated: Stated, calibration: Calibration | None = None) -> S
         return base
     if key == "material" or calibration is None:
         return base.with_values({"rho_A": stated.rho_A, "rho_M": stated.rho_M})
-    environment = Environment(
-        temperature=base.environment.temperature, cooling=ConstantCooling(h=calibration.h)
-    )
-    system = System(
-        element=base.element,
-        environment=environment,
-        source=base.source,
-        mechanism=base.mechanism,
-    )
+    environment = base.environment.with_parts(cooling=ConstantCooling(h=calibration.h))
+    system = base.with_parts(environment=environment)
     return system.with_values({"rho_A": calibration.rho_A, "rho_M": calibration.rho_M})
 
 

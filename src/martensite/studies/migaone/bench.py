@@ -77,13 +77,8 @@ def mean_constant(printed: Printed) -> ConstantCooling:
 def heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
     """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
     base = scenario().system
-    environment = Environment(temperature=base.environment.temperature, cooling=cooling)
-    system = System(
-        element=base.element,
-        environment=environment,
-        source=PowerSource(),
-        mechanism=base.mechanism,
-    )
+    environment = base.environment.with_parts(cooling=cooling)
+    system = base.with_parts(environment=environment, source=PowerSource())
     return system.with_values(values or {})
 
 
@@ -192,12 +187,9 @@ def actuation_time(
         values: numbers of the system to change, by name.
         duration: length of the run, in which the stroke must complete [s].
     """
-    system = System(
-        element=base_wire(),
-        environment=Environment(temperature=ambient + ZERO, cooling=polynomial(printed)),
-        source=VoltageSource(),
-        mechanism=scenario().system.mechanism,
-    ).with_values(dict(values))
+    environment = Environment(temperature=ambient + ZERO, cooling=polynomial(printed))
+    base = scenario().system.with_parts(environment=environment, source=VoltageSource())
+    system = base.with_values(dict(values))
     wire = cast("Wire", system.element)
     rho = printed.resistance * wire.section() / wire.length
     system = system.with_values({"rho_A": rho, "rho_M": rho})

@@ -1,0 +1,36 @@
+"""What waveforms made of pulses share: one pulse from the start of every period.
+
+On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with f the frequency and D_k the share of period k.
+"""
+
+from __future__ import annotations
+
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.edges import inside, interval, require_countable
+
+
+class AbstractPulses(AbstractWaveform):
+    """Pulses; a subclass declares their frequency [Hz] and says how long each is."""
+
+    frequency: float
+
+    def share(self, k: int) -> float:
+        """Share of period k that is on."""
+        raise NotImplementedError
+
+    def is_on(self, time: float) -> bool:
+        """Whether a pulse is on at `time` [s]; it is at its start and is not at its end."""
+        return time < self._end(interval(time, time * self.frequency, self._start))
+
+    def edges(self, duration: float) -> list[float]:
+        """Start and end of every pulse in (0, duration) [s]."""
+        count = 2.0 * self.frequency * duration
+        require_countable(self.registered_name, count, duration)
+        periods = range(int(0.5 * count) + 2)
+        return inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
+
+    def _start(self, k: int) -> float:
+        return k / self.frequency
+
+    def _end(self, k: int) -> float:
+        return (k + self.share(k)) / self.frequency
