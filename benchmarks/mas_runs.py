@@ -14,13 +14,13 @@ import numpy as np
 
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
 from martensite.runtimes.bracket import ITERATIONS
-from martensite.simulate.api import THOROUGH
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.grid import Grid, build_grid
 from martensite.simulate.march import classify, march_floats
 from martensite.simulate.native import march_lanes
+from martensite.simulate.patient import THOROUGH
 from martensite.status import Status
 
 LANES = 256

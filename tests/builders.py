@@ -27,15 +27,14 @@ from martensite.materials.base import load_material, material_names
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.parameters import REQUIRED, Declared, Parametrised, part, structure
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.sine import Sine
-from martensite.simulate.compiled import structure
-from martensite.system import System
+from martensite.system import AbstractSystem, Actuator, Group, Machine, System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.thermal.churchill_chu import ChurchillChu
 from martensite.thermal.constant import ConstantCooling
@@ -279,7 +278,33 @@ VALUES: dict[str, dict[str, Any]] = {
     "axial-wire": {"cells": "5"},
     "ribbon": {"heated": 1.0, "distance": 1e-3},
     "combined": {"convection": ChurchillChu(), "radiation": Radiation(emissivity=0.5)},
-}
+    "antagonistic-pulley": {
+        "radius": 8e-3, "stiffness": 0.01, "moment": 0.02, "damping": 1e-3, "inertia": 1e-4,
+    },
+    "beam-motor": {
+        "mass": 0.25, "stiffness": 541.0, "damping": 0.2, "mass_2": 0.3, "stiffness_2": 2e4,
+        "mass_3": 0.4, "stiffness_3": 2e5, "mass_4": 0.5, "stiffness_4": 1e6, "unbalance": 0.02,
+        "eccentricity": 0.02, "rotor_inertia": 8e-5, "rotor_friction": 1e-5, "dry_friction": 1e-4,
+        "friction_rate": 5.0, "torque_constant": 0.02, "back_emf": 0.02, "resistance": 4.0,
+        "inductance": 0.02, "wire_length": 0.3,
+    },
+    "finger": {
+        "offset": 4e-3, "bracket": 5e-3, "stiffness": 200.0, "arm": 8e-3, "extension": 2e-3,
+        "friction": 0.1, "friction_rate": 5.0, "damping": 2e-4, "inertia": 2e-5,
+    },
+    "hand": {
+        "offset": 4e-3, "bracket": 5e-3, "knuckle": 5e-3, "preload": 2.0, "stiffness": 2e-3,
+        "torque": 1e-3, "lowest": -0.5, "damping": 2e-4, "gravity": 9.81, "thumb": 0.9,
+        "middle": 1.1,
+    },
+    "lever": {
+        "arm": 0.02, "distance": 0.06, "wire_angle": 1.3, "mass": 0.2, "weight_arm": 0.05,
+        "weight_angle": 0.2, "stiffness": 0.05, "torque": 0.02, "damping": 1e-2, "inertia": 1e-4,
+    },
+    "parallel-platform": {
+        "side": 0.1, "height": 0.05, "mass": 0.1, "eccentricity": -0.01, "damping": 1e-3,
+    },
+}  # fmt: skip
 # Parts inside other parts: what an example takes, where the first by name would not do.
 USUAL = {"element": "wire"}
 # Options that an example leaves at their default: tried in other laws, and slow in these.
@@ -377,12 +402,16 @@ def example_environment(cooling: AbstractCooling | None = None) -> Environment:
     return Environment(temperature=295.0, cooling=cooling or ConstantCooling(h=80.0))
 
 
-def example_system(thing: Parametrised) -> System:
+def example_system(thing: Parametrised) -> AbstractSystem:
     """Problem A with one part exchanged: a law, cooling, element, mechanism or source."""
     if isinstance(thing, AbstractLaw):
         return problem_a(element=wire_a(thing))
     if isinstance(thing, AbstractCooling):
         return problem_a(environment=example_environment(thing))
+    if isinstance(thing, AbstractMechanism) and len(thing.ports()) != 1:
+        plain = problem_a()
+        one = Actuator(**{name: getattr(plain, name) for name in Actuator.declarations})
+        return Machine(mechanism=thing, group=Group(**dict.fromkeys(thing.ports(), one)))
     kinds = {"element": AbstractElement, "mechanism": AbstractMechanism, "source": AbstractSource}
     exchanged: dict[str, Any] = {s: thing for s, kind in kinds.items() if isinstance(thing, kind)}
     return problem_a(**exchanged)

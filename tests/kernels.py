@@ -14,12 +14,18 @@ from typing import Any
 
 import builders
 import numpy as np
+from elastic import REST, Elastic
 
 from martensite.electrical.base import Conductor
+from martensite.electrical.current import CurrentSource
+from martensite.electrical.temperature import PrescribedTemperature
 from martensite.elements.base import Heating, Spring
 from martensite.elements.lumped import AbstractLumped
 from martensite.laws.base import Fractions
-from martensite.mechanisms.base import Assembly
+from martensite.mechanisms.base import AbstractMechanism, Load
+from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.mechanisms.motion import Course, Motion
+from martensite.mechanisms.multibody import AbstractMultibody
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.c99 import c_source, load_library
@@ -116,18 +122,74 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
         meets = force + 300.0 * (start - spring.free)
         return xp.maximum(meets / (1.0 + 300.0 * spring.compliance), 0.0)
 
-    heating = Heating(environment, lambda xp, ohms: amperes)
+    heating = Heating(environment, CurrentSource(), amperes)
     after, report = element.advance(xp, state, heating, pull, dt, 4)
     now = element.force(after)
     seen = element.tangent(xp, after, now), element.condition(xp, after, now, environment)
     return after, report.crossing, seen
 
 
-def mechanism_answers(mechanism: Any, xp: Any, start: Any, free: Any, compliance: Any) -> Any:
+def mechanism_answers(
+    mechanism: AbstractMechanism, xp: Any, start: Any, free: Any, compliance: Any, x: Any, y: Any,
+    z: Any,
+) -> Any:  # fmt: skip
+    """All that a mechanism says by itself."""
+    if isinstance(mechanism, AbstractMultibody):
+        return multibody_answers(mechanism, xp, x, y, z)
+    assert isinstance(mechanism, AbstractLoadLine)
     assembly = Assembly(start)
     force = mechanism.force(xp, assembly, Spring(free, compliance))
     position = mechanism.position(xp, assembly, force, free + compliance * force)
     return mechanism.start_force(xp), force, position
+
+
+def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: Any) -> Any:
+    """A mechanism somewhere near home, in motion and under some tensions."""
+    coordinates, home = mechanism.coordinates(), mechanism.home(xp)
+    many = list(enumerate(zip(coordinates, home, strict=True)))
+    motion = Motion(
+        tuple(q + 0.3 * c.size * xp.sin(3.0 * x + k) for k, (c, q) in many),
+        tuple(c.size * xp.sin(5.0 * y + 2.0 * k) for k, (c, _) in many),
+        tuple(10.0 * c.size * xp.sin(7.0 * z + 3.0 * k) for k, (c, _) in many),
+    )
+    ports, signals = range(len(mechanism.ports())), [x for _ in mechanism.signals()]
+    forces = [3.0 + xp.sin(x + y + k) for k in ports]
+    supply = mechanism.supply(xp, motion.position, forces, motion.velocity)
+    course = Course(*motion, motion.acceleration if mechanism.moves else ())
+    found = (
+        mechanism.contraction(xp, motion.position), mechanism.demand(xp, motion, signals),
+        mechanism.transmission(xp, motion), supply, mechanism.start_forces(xp), home,
+        mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
+        mechanism.release(xp, motion, supply, signals),
+        mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
+        mechanism.energy(xp, motion) if hasattr(mechanism, "energy") else 0.0,
+    )  # fmt: skip
+    return tuple(tuple(part) if isinstance(part, list) else part for part in found)
+
+
+def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: Any) -> Any:
+    """Assembly, two steps with elastic elements that get shorter, and what is seen then."""
+    signals = [y for _ in mechanism.signals()]
+    forces = mechanism.start_forces(xp)
+    elements = [Elastic(compliance=2e-3 * (k + 1)) for k in range(len(forces))]
+    states = [e.init(xp, force, REST) for e, force in zip(elements, forces, strict=True)]
+    rows = zip(elements, states, forces, strict=True)
+    elongations = [e.elongation(xp, state, force) for e, state, force in rows]
+    memory, source = mechanism.init(xp, elements, elongations, signals), PrescribedTemperature()
+    crossings: list[Any] = []
+    for share in (0.5, 1.0):
+        heated = [
+            Heating(builders.example_environment(), source, REST + share * x * ((k + 1) % 2))
+            for k in range(len(elements))
+        ]
+        loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
+        memory, states, report = mechanism.advance(xp, memory, loads, signals, dt, 4)
+        crossings.append(report.crossing)
+    loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
+    tensions, seen = mechanism.observe(xp, memory, loads, signals)
+    if isinstance(mechanism, AbstractMultibody):  # a slope over almost nothing is rough
+        memory = memory._replace(stiffness=())
+    return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings)
 
 
 FRACTION, STRESS, TEMPERATURE = (0.0, 1.0), (0.0, 400e6), (275.0, 400.0)
@@ -184,8 +246,13 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     },
     "mechanism": {
         "answers": Kernel(
-            {"start": (0.0, 0.02), "free": (-0.01, 0.03), "compliance": (1e-6, 1e-3)},
+            {"start": (0.0, 0.02), "free": (-0.01, 0.03), "compliance": (1e-6, 1e-3),
+             "x": (-1.0, 1.0), "y": (-1.0, 1.0), "z": (-1.0, 1.0)},
             mechanism_answers,
+            lanes=64,
+        ),
+        "steps": Kernel(
+            {"x": (0.0, 1.0), "y": (-1.0, 1.0), "dt": (1e-3, 0.02)}, mechanism_steps, lanes=16
         ),
     },
 }  # fmt: skip

@@ -16,7 +16,7 @@ from martensite.laws.mas import MullerAchenbachSeelecke
 from martensite.runtimes import floats
 from martensite.runtimes.nested import flatten
 from martensite.runtimes.program import Program
-from martensite.simulate.compiled import structure
+from martensite.parameters import structure
 
 TABLE_1 = {
     "E_A": 50e9, "E_M": 30e9, "eps_T": 0.04, "sigma_L": 1e6, "T_L": 320.0, "dsigma_dT": 4e6,

@@ -153,6 +153,8 @@ def outputs() -> str:
         (code(name), symbol, "that of the source" if name == "drive" else code(unit), long_name)
         for name, (unit, long_name, symbol) in OUTPUTS.items()
     ]
+    own = "coordinates of the mechanism, rates where inertia counts, and its own signals"
+    rows.append(("`position`, `angle`, …", "", "of the mechanism", own))
     return table(("column", "symbol", "SI unit", "meaning"), rows)
 
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from martensite.control.averaging import Averaging as Averaging
     from martensite.control.averaging import compare_averaging as compare_averaging
     from martensite.control.constant_power import ConstantPower as ConstantPower
+    from martensite.control.latched import LatchedOnOff as LatchedOnOff
+    from martensite.control.on_off import OnOff as OnOff
     from martensite.electrical.current import CurrentSource as CurrentSource
     from martensite.electrical.furst_seelecke import (
         FurstSeeleckeResistance as FurstSeeleckeResistance,
@@ -42,12 +44,32 @@ if TYPE_CHECKING:
     from martensite.errors import InputError as InputError
     from martensite.errors import MartensiteError as MartensiteError
     from martensite.errors import SolveError as SolveError
+    from martensite.export.mjcf import bridge_of as bridge_of
+    from martensite.export.mjcf import tendon_signals as tendon_signals
+    from martensite.export.mjcf import to_mjcf as to_mjcf
+    from martensite.export.mujoco_bridge import MujocoBridge as MujocoBridge
+    from martensite.export.mujoco_bridge import TendonActuator as TendonActuator
+    from martensite.export.mujoco_render import render_mujoco as render_mujoco
+    from martensite.export.mujoco_rest import holding_tensions as holding_tensions
+    from martensite.export.mujoco_result import MujocoResult as MujocoResult
+    from martensite.identify.estimate import Estimate as Estimate
     from martensite.identify.film import FilmFit as FilmFit
     from martensite.identify.film import fit_film as fit_film
     from martensite.identify.film_points import FilmPoints as FilmPoints
     from martensite.identify.film_points import points_from_power as points_from_power
     from martensite.identify.film_report import FilmReport as FilmReport
     from martensite.identify.film_report import judge_film as judge_film
+    from martensite.identify.motor import MotorConstants as MotorConstants
+    from martensite.identify.motor import motor_constants as motor_constants
+    from martensite.identify.motor_tests import steady_running as steady_running
+    from martensite.identify.motor_tests import winding_resistance as winding_resistance
+    from martensite.identify.rise import Rise as Rise
+    from martensite.identify.rise import fit_rise as fit_rise
+    from martensite.identify.smoothing import moving_average as moving_average
+    from martensite.identify.spectrum import SpectralPeak as SpectralPeak
+    from martensite.identify.spectrum import natural_frequency as natural_frequency
+    from martensite.identify.vibration import LogDecrement as LogDecrement
+    from martensite.identify.vibration import log_decrement as log_decrement
     from martensite.io.compare import compare as compare
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
@@ -75,13 +97,25 @@ if TYPE_CHECKING:
     from martensite.materials.base import load_material as load_material
     from martensite.materials.base import material_names as material_names
     from martensite.materials.wires import load_wires as load_wires
+    from martensite.mechanisms.beam_modes import BeamModes as BeamModes
+    from martensite.mechanisms.beam_modes import CantileverBeam as CantileverBeam
+    from martensite.mechanisms.beam_modes import beam_modes as beam_modes
+    from martensite.mechanisms.beam_motor import BeamMotor as BeamMotor
+    from martensite.mechanisms.beam_motor import modal_numbers as modal_numbers
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
     from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
+    from martensite.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
+    from martensite.mechanisms.platform_kinematics import Plates as Plates
+    from martensite.mechanisms.platform_kinematics import platform_angles as platform_angles
+    from martensite.mechanisms.platform_kinematics import platform_lengths as platform_lengths
+    from martensite.mechanisms.platform_workspace import Workspace as Workspace
+    from martensite.mechanisms.platform_workspace import reachable_angles as reachable_angles
     from martensite.plot.film_fit import plot_film as plot_film
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
     from martensite.plot.profile import plot_profile as plot_profile
+    from martensite.plot.workspace import plot_workspace as plot_workspace
     from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
     from martensite.signals.held import Held as Held
@@ -100,13 +134,17 @@ if TYPE_CHECKING:
     from martensite.simulate.batch import simulate_batch as simulate_batch
     from martensite.simulate.closed_loop import Loop as Loop
     from martensite.simulate.closed_loop import simulate_loop as simulate_loop
+    from martensite.simulate.controlled import simulate_controlled as simulate_controlled
     from martensite.simulate.point import Leg as Leg
     from martensite.simulate.point import PointResult as PointResult
     from martensite.simulate.point import material_point as material_point
     from martensite.simulate.result import Result as Result
     from martensite.sizing.candidates import size_wire as size_wire
     from martensite.sizing.request import WireRequest as WireRequest
-    from martensite.system import System as System
+    from martensite.system.actuator import Actuator as Actuator
+    from martensite.system.actuator import Group as Group
+    from martensite.system.machine import Machine as Machine
+    from martensite.system.single import System as System
     from martensite.thermal.base import Environment as Environment
     from martensite.thermal.churchill_bernstein import ChurchillBernstein as ChurchillBernstein
     from martensite.thermal.churchill_chu import ChurchillChu as ChurchillChu
@@ -126,6 +164,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOME = {
+    "Actuator": "system.actuator",
     "AdiabaticEnds": "thermal.ends",
     "Air": "thermal.fluids.air",
     "AirTable": "thermal.fluids.air_table",
@@ -133,9 +172,12 @@ _HOME = {
     "Averaging": "control.averaging",
     "AxialWire": "elements.axial_wire",
     "Batch": "simulate.batch",
+    "BeamModes": "mechanisms.beam_modes",
+    "BeamMotor": "mechanisms.beam_motor",
     "BiasSpring": "mechanisms.bias_spring",
     "Brinson": "laws.brinson",
     "Bundle": "elements.bundle",
+    "CantileverBeam": "mechanisms.beam_modes",
     "Carrier": "signals.carrier",
     "Chain": "elements.chain",
     "ChurchillBernstein": "thermal.churchill_bernstein",
@@ -150,27 +192,38 @@ _HOME = {
     "DeadWeight": "mechanisms.dead_weight",
     "Elahinia": "laws.elahinia",
     "Environment": "thermal.base",
+    "Estimate": "identify.estimate",
     "FilmFit": "identify.film",
     "FilmPoints": "identify.film_points",
     "FilmReport": "identify.film_report",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
+    "Group": "system.actuator",
     "Held": "signals.held",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
+    "LatchedOnOff": "control.latched",
     "LeFevreEde": "thermal.lefevre_ede",
     "Leg": "simulate.point",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
+    "LogDecrement": "identify.vibration",
     "Loop": "simulate.closed_loop",
+    "Machine": "system.machine",
     "MartensiteError": "errors",
     "Material": "materials.base",
     "MixtureResistance": "electrical.mixture",
     "Morgan": "thermal.morgan",
+    "MotorConstants": "identify.motor",
+    "MujocoBridge": "export.mujoco_bridge",
+    "MujocoResult": "export.mujoco_result",
     "MullerAchenbachSeelecke": "laws.mas",
     "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeeleckePolycrystal": "laws.mas_polycrystal",
     "Oil": "thermal.fluids.oil",
+    "OnOff": "control.on_off",
+    "ParallelPlatform": "mechanisms.parallel_platform",
     "PerLengthResistance": "electrical.per_length",
+    "Plates": "mechanisms.platform_kinematics",
     "PointResult": "simulate.point",
     "PolynomialCooling": "thermal.polynomial",
     "PowerPwm": "electrical.power_pwm",
@@ -183,47 +236,70 @@ _HOME = {
     "Record": "io.records",
     "Result": "simulate.result",
     "Ribbon": "elements.ribbon",
+    "Rise": "identify.rise",
     "Scenario": "io.scenario",
     "Sensitivity": "simulate.batch",
     "Sine": "signals.sine",
     "SolveError": "errors",
+    "SpectralPeak": "identify.spectrum",
     "Staircase": "signals.staircase",
     "Step": "signals.step",
-    "System": "system",
+    "System": "system.single",
     "Table": "signals.table",
     "Tanaka": "laws.tanaka",
+    "TendonActuator": "export.mujoco_bridge",
     "Triangle": "signals.triangle",
     "VoltageSource": "electrical.voltage",
     "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
     "WireRequest": "sizing.request",
+    "Workspace": "mechanisms.platform_workspace",
+    "beam_modes": "mechanisms.beam_modes",
+    "bridge_of": "export.mjcf",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
     "fit_film": "identify.film",
+    "fit_rise": "identify.rise",
+    "holding_tensions": "export.mujoco_rest",
     "judge_film": "identify.film_report",
     "load": "io.scenario",
     "load_material": "materials.base",
     "load_wires": "materials.wires",
+    "log_decrement": "identify.vibration",
     "material_names": "materials.base",
     "material_point": "simulate.point",
+    "modal_numbers": "mechanisms.beam_motor",
+    "motor_constants": "identify.motor",
+    "moving_average": "identify.smoothing",
+    "natural_frequency": "identify.spectrum",
     "open_result": "io.netcdf",
     "plateaus": "io.staircase",
+    "platform_angles": "mechanisms.platform_kinematics",
+    "platform_lengths": "mechanisms.platform_kinematics",
     "plot_film": "plot.film_fit",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
+    "plot_workspace": "plot.workspace",
     "points_from_power": "identify.film_points",
     "read_table": "io.tables",
+    "reachable_angles": "mechanisms.platform_workspace",
+    "render_mujoco": "export.mujoco_render",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
     "sensitivity": "simulate.batch",
     "simulate": "simulate.api",
     "simulate_batch": "simulate.batch",
+    "simulate_controlled": "simulate.controlled",
     "simulate_loop": "simulate.closed_loop",
     "size_wire": "sizing.candidates",
+    "steady_running": "identify.motor_tests",
     "table_waveform": "io.records",
+    "tendon_signals": "export.mjcf",
     "to_dataset": "io.netcdf",
+    "to_mjcf": "export.mjcf",
     "unwrap_counter": "io.staircase",
+    "winding_resistance": "identify.motor_tests",
 }
 """Public name -> module of this package that defines it."""
 

@@ -138,7 +138,11 @@ class Parametrised:
 
     def __init_subclass__(cls) -> None:
         own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
-        cls.declarations = {**cls.declarations, **own}
+        inherited: dict[str, Declared] = {}
+        for base in cls.__bases__:
+            inherited |= getattr(base, "declarations", {})
+        if "declarations" not in vars(cls):  # else it answers for itself
+            cls.declarations = {**inherited, **own}
         for name in own:
             delattr(cls, name)
 
@@ -240,3 +244,13 @@ class Parametrised:
         if found:
             raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
         raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
+
+
+def structure(part: Parametrised) -> tuple[Any, ...]:
+    """A hashable description of everything but the numbers."""
+    options = tuple(
+        (name, getattr(part, name))
+        for name, declared in part.declarations.items()
+        if declared.kind == "option"
+    )
+    return type(part), options, tuple((name, structure(child)) for name, child in part.children())

@@ -60,10 +60,25 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
     "1/K": ("1/K", 1.0, 0.0),
     "1/Pa": ("1/Pa", 1.0, 0.0),
     "m/s^2": ("m/s^2", 1.0, 0.0),
+    "m/s": ("m/s", 1.0, 0.0),
+    "rad": ("rad", 1.0, 0.0),
+    "deg": ("rad", 0.017453292519943295, 0.0),
+    "rad/s": ("rad/s", 1.0, 0.0),
+    "deg/s": ("rad/s", 0.017453292519943295, 0.0),
+    "N*m": ("N*m", 1.0, 0.0),
+    "mN*m": ("N*m", 1e-3, 0.0),
+    "N*m/rad": ("N*m/rad", 1.0, 0.0),
+    "N*m*s/rad": ("N*m*s/rad", 1.0, 0.0),
+    "N*s/m": ("N*s/m", 1.0, 0.0),
+    "kg*m^2": ("kg*m^2", 1.0, 0.0),
+    "N*m/A": ("N*m/A", 1.0, 0.0),
+    "V*s/rad": ("V*s/rad", 1.0, 0.0),
+    "H": ("H", 1.0, 0.0),
+    "mH": ("H", 1e-3, 0.0),
 }
 
 # declared SI unit -> unit a person would rather read
-READABLE = {"K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g"}
+READABLE = {"K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg", "rad/s": "deg/s"}
 
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 _SPELLINGS = str.maketrans(

@@ -16,7 +16,7 @@ from martensite.elements.limits import Limits
 from martensite.elements.lumped import AbstractLumped
 from martensite.io.citations import bibliography
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.mechanisms.base import Assembly
+from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import Parametrised, param
 from martensite.runtimes import floats
 from martensite.signals.base import DRIVE
@@ -149,11 +149,13 @@ def test_sources_name_the_unit_of_their_signal(source):
     assert source.sets_temperature == (source.unit == "K")
 
 
-# ---------------------------------------------------------------- mechanisms
+# ---------------------------------------------------------------- load lines
+
+LOAD_LINES = [m for m in examples("mechanism") if isinstance(m, AbstractLoadLine)]
 
 
-@pytest.mark.parametrize("mechanism", examples("mechanism"), ids=label)
-class TestMechanisms:
+@pytest.mark.parametrize("mechanism", LOAD_LINES, ids=label)
+class TestLoadLines:
     def test_force_is_never_negative_and_falls_with_free_length(self, mechanism):
         for compliance in (1e-6, 1e-4, 1e-2):
             frees = np.linspace(-0.05, 0.05, 101).tolist()

@@ -83,12 +83,28 @@ def test_loops_over_rows_are_traced_once():
     assert program.graph.operations.count("exp") == 1
 
 
-def test_loops_do_not_nest():
-    def nested(_, xp, a):
-        return xp.each(lambda x: xp.each(lambda y: (x * y,), (x, a))[0], (a, a))[0][0]
+def table(_, xp, a, b):
+    """A loop over rows inside another, with numbers of both, of the outer one and from outside."""
 
-    with pytest.raises(TypeError, match="inside another"):
-        traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, nested))
+    def outer(x, n):
+        def inner(y):
+            return xp.exp(-(x - y) * (x - y)) + n * b, xp.sin(x) + y
+
+        first, second = xp.each(inner, (a, 2.0, x))
+        return sum(first) * first[1], second[2], n
+
+    columns = xp.each(outer, (a, b, a * b, 1.0), (1.0, 2.0, 3.0, b))
+    again, _, _ = xp.each(outer, (b, 2.0), (1.0, 3.0))
+    return (*columns[0], *columns[1], *columns[2], *again)
+
+
+def test_loops_over_rows_may_nest(runtime):
+    kernel = Kernel({"a": (-2.0, 2.0), "b": (-2.0, 2.0)}, table)
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(Parametrised(), kernel, inputs)
+    assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 1e-14
+    program = traced(Parametrised(), kernel)
+    assert program.graph.operations.count("exp") == 1
 
 
 def root(_, xp, a, b):
@@ -112,12 +128,30 @@ def test_loops_over_states_agree(runtime):
     assert program.graph.operations.count("repeat") == 2
 
 
-def test_loops_over_states_do_not_nest():
-    def nested(_, xp, a):
-        return xp.repeat(2, lambda x: xp.repeat(2, lambda y: (x * y,), x), a)
+def nest(_, xp, a, b):
+    """Loops over states inside others, and inside loops over rows."""
 
-    with pytest.raises(TypeError, match="inside another"):
-        traced(Parametrised(), Kernel({"a": (0.0, 1.0)}, nested))
+    def row(x, start):
+        def slow(y, count):
+            def quick(z, w):
+                return 0.5 * (z + (x + y) * b), w + z
+
+            z, w = xp.repeat(8, quick, 0.0, count)
+            return 0.5 * y + 0.1 * z * a, 0.01 * w + start
+
+        return xp.repeat(9, slow, start, 0.0)
+
+    first, second = xp.each(row, (a, b, 1.0), (0.0, b, a))
+    constant = xp.repeat(8, lambda y: (0.5 * y + 1.0,), 0.0)
+    return *first, *second, *row(a, b), *constant
+
+
+def test_loops_over_states_may_nest(runtime):
+    kernel = Kernel({"a": (-2.0, 2.0), "b": (-2.0, 2.0)}, nest)
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(Parametrised(), kernel, inputs)
+    assert np.ptp(meant[:6], axis=1).min() > 0.1
+    assert disagreement(meant, runtime(Parametrised(), kernel, inputs)) <= 1e-14
 
 
 def test_a_missing_operation_is_named():

@@ -67,13 +67,13 @@ def test_runtimes_agree_over_a_minute(drive, history, runtime):
 def test_numpy_arrays_agree_over_five_seconds(history):
     system = problem_a(history)
     compiled = compile_system(system)
-    grid = build_grid(DRIVES["pwm"][0], 5.0, 51, 0.01, False)
+    grid = build_grid([DRIVES["pwm"][0]], 5.0, 51, 0.01, [False])
     lanes = [np.full(3, v) for v in compiled.values(system)]
     functions = compiled.program.bind_arrays(ArrayNamespace(np), lanes)
-    state = [np.broadcast_to(v, 3) for v in functions["init"](grid.sampled[0])]
+    state = [np.broadcast_to(v, 3) for v in functions["init"](*grid.sampled[0])]
     for u, dt in zip(grid.drives, grid.lengths, strict=True):
-        state = functions["step"](*state, u, dt)[: compiled.size]
-    ends = np.array([np.broadcast_to(v, 3) for v in functions["observe"](*state, grid.sampled[-1])])
+        state = functions["step"](*state, *u, dt)[: compiled.size]
+    ends = np.array([np.broadcast_to(v, 3) for v in functions["observe"](*state, *grid.sampled[-1])])
     meant = simulate(system, DRIVES["pwm"][0], 5.0, step=0.01, samples=51)
     last = np.array([column[-1] for column in meant.columns.values()])
     span = np.array([max(meant.range(name), abs(meant[name][-1])) for name in meant.columns])
@@ -82,18 +82,23 @@ def test_numpy_arrays_agree_over_five_seconds(history):
 
 
 LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0, "1": 0.8}
-PARTS = [thing for kind in ("law", "element", "mechanism", "drive") for thing in examples(kind)]
+PARTS = [
+    thing
+    for kind in ("law", "element", "mechanism", "drive")
+    for thing in examples(kind)
+    if kind != "mechanism" or len(thing.ports()) == 1
+]
 
 
 @pytest.mark.parametrize("thing", PARTS, ids=label)
 def test_every_part_runs_the_same_in_c(thing, c_compiler):
-    """Three seconds of on and off with any registered part in the system."""
+    """Three seconds of on and off with any registered part in a system of one element."""
     system = example_system(thing)
     source = system.source
     rest = system.environment.temperature if source.sets_temperature else 0.0
     wave = Step(low=rest, high=LEVELS[source.unit], at=0.1, until=1.5)
     runs = [
-        simulate(system, wave, 3.0, step=0.01, samples=31, runtime=runtime)
+        simulate(system, {"drive": wave}, 3.0, step=0.01, samples=31, runtime=runtime)
         for runtime in ("floats", "c")
     ]
     meant, found = (np.array(list(run.columns.values())).T for run in runs)

@@ -14,8 +14,9 @@ from benchmarks.problem_a import RANGE_P, REFERENCE_P, REFERENCE_R
 from builders import SINE_A, ZERO, FunctionWaveform, problem_a, volts_a
 
 from martensite.signals.pwm import PulseWidthModulation
-from martensite.simulate.api import JUDGED, simulate
+from martensite.simulate.api import simulate
 
+JUDGED = tuple(problem_a().judged())
 RULES = ("resume", "restart")
 STEPS = (50e-3, 20e-3, 10e-3, 5e-3)
 FINE = 0.25e-3

@@ -20,7 +20,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
 from martensite.simulate.closed_loop import ELECTRICAL, simulate_loop
-from martensite.system import OUTPUTS
+
+OUTPUTS = hanging_wire().outputs()
 
 
 class Scripted(AbstractDrive):

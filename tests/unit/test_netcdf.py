@@ -23,7 +23,6 @@ from martensite.io.netcdf import open_result, save, to_dataset
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 from martensite.status import Status
-from martensite.system import OUTPUTS
 
 if TYPE_CHECKING:
     import xarray
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
 SCENARIO = '[run]\nduration = "4 s"  # Dauer: ξ, σ\n'
 CITED = ("liang1990", "tanaka1986")
 TIMES = [0.0, 0.5, 1.0, 1.5, 2.0]
+OUTPUTS = plain_system().outputs()
 
 
 class Ramp(AbstractWaveform):

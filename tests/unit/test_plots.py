@@ -35,7 +35,6 @@ from martensite.plot.overview import plot_result, save_figure
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 from martensite.status import Status
-from martensite.system import OUTPUTS
 
 N = 41
 TIMES = np.arange(N) * 1.0
@@ -64,6 +63,8 @@ SI = {
 }
 LOOPS = (("temperature", "martensite_fraction"), ("temperature", "strain"), ("strain", "stress"))
 PEAK = 20
+
+OUTPUTS = plain_system().outputs()
 
 
 class Still(AbstractWaveform):

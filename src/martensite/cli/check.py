@@ -11,7 +11,10 @@ from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from martensite.io.scenario import Scenario
+    from martensite.parameters import Leaf
 
 
 @app.command()
@@ -114,22 +117,33 @@ def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:
 
 def _values(scenario: Scenario) -> list[dict[str, Any]]:
     """Every number of a scenario under the path by which `--set` reaches it."""
-    from martensite.signals.base import DRIVE
+    from martensite.io.assemble import scenario_path
 
-    unit = scenario.system.source.unit
     found = [
-        ("drive." + leaf.path.removeprefix("source.") if leaf.path.startswith("source.")
-         else leaf.path, leaf)
+        _value(scenario, scenario_path(leaf.path), leaf, leaf.declared.unit)
         for leaf in scenario.system.leaves()
-    ]  # fmt: skip
-    found += [(leaf.path, leaf) for leaf in scenario.waveform.leaves("drive.waveform.")]
-    return [
-        {
-            "path": path,
-            "value": leaf.value,
-            "unit": unit if leaf.declared.unit == DRIVE else leaf.declared.unit,
-            "meaning": leaf.declared.doc,
-            "from": scenario.origins.get(path, "default"),
-        }
-        for path, leaf in found
     ]
+    return [*found, *_levels(scenario)]
+
+
+def _levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
+    """The numbers of the waveforms; their levels are in the unit of what they drive."""
+    from martensite.io.assemble import waveform_path
+    from martensite.signals.base import DRIVE
+    from martensite.simulate.driven import by_name
+
+    units = {drive.name: drive.unit for drive in scenario.system.drives()}
+    for name, waveform in by_name(scenario.system, scenario.waveform).items():
+        for leaf in waveform.leaves(waveform_path(scenario.system, name)):
+            unit = units[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
+            yield _value(scenario, leaf.path, leaf, unit)
+
+
+def _value(scenario: Scenario, path: str, leaf: Leaf, unit: str) -> dict[str, Any]:
+    return {
+        "path": path,
+        "value": leaf.value,
+        "unit": unit,
+        "meaning": leaf.declared.doc,
+        "from": scenario.origins.get(path, "default"),
+    }

@@ -83,10 +83,10 @@ class Executed:
 
         show.text(self.scenario.title, "bold")
         first, *_ = str(self.result).partition("\n")
-        show.text(f"{first}; stroke {show.quantity(self.result.stroke, 'm')}")
+        show.text(f"{first}; {_stroke(self.result)}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
         if self.agreements:
-            rows = [_agreement(agreement) for agreement in self.agreements]
+            rows = [self._agreement(agreement) for agreement in self.agreements]
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))
         if self.averaging:
             _print_averaging(self.averaging)
@@ -95,24 +95,28 @@ class Executed:
         for path in self.outputs.paths():
             show.text(f"wrote {path}")
 
+    def _agreement(self, found: Agreement) -> tuple[str, ...]:
+        from martensite.cli import show
+
+        sizes = (found.rms, found.maximum)
+        apart = (show.difference(size, found.unit) for size in sizes)
+        spread = show.difference(found.range, found.unit)
+        words = self.result.outputs[found.quantity].long_name
+        return words, *apart, f"{found.time:.4g} s", spread
+
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         from martensite.cli import show
-        from martensite.system import OUTPUTS
 
         for name, column in self.result.columns.items():
             unit = self.result.unit(name)
             low, high = show.quantity(min(column), unit), show.quantity(max(column), unit)
-            yield OUTPUTS[name][1], low, high
+            yield self.result.outputs[name].long_name, low, high
 
 
-def _agreement(found: Agreement) -> tuple[str, ...]:
+def _stroke(result: Result) -> str:
     from martensite.cli import show
-    from martensite.system import OUTPUTS
 
-    sizes = (found.rms, found.maximum)
-    apart = (show.difference(size, found.unit) for size in sizes)
-    spread = show.difference(found.range, found.unit)
-    return OUTPUTS[found.quantity][1], *apart, f"{found.time:.4g} s", spread
+    return f"stroke {show.difference(result.stroke, result.unit(result.coordinate))}"
 
 
 def _averaging(found: Averaging | None) -> dict[str, Any] | None:
@@ -130,10 +134,10 @@ def _averaging(found: Averaging | None) -> dict[str, Any] | None:
 
 def _print_averaging(found: Averaging) -> None:
     from martensite.cli import show
-    from martensite.system import OUTPUTS
 
+    names = found.average.outputs
     rows = [
-        (OUTPUTS[name][1], *(show.difference(v, OUTPUTS[name][0]) for v in (d.rms, d.largest)))
+        (names[name][1], *(show.difference(v, names[name][0]) for v in (d.rms, d.largest)))
         for name, d in found.differences.items()
     ]
     show.table(AVERAGED, rows, right=",".join(AVERAGED[1:]))
@@ -159,8 +163,14 @@ def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
     if carrier is None:
         return None
     from martensite.control.averaging import compare_averaging
+    from martensite.errors import InputError
+    from martensite.signals.base import AbstractWaveform
+    from martensite.system import System
 
-    return compare_averaging(scenario.system, scenario.waveform, scenario.duration, carrier)
+    system, waveform = scenario.system, scenario.waveform
+    if not (isinstance(system, System) and isinstance(waveform, AbstractWaveform)):
+        raise InputError("Option `--carrier` is for a system of one element and one drive.")
+    return compare_averaging(system, waveform, scenario.duration, carrier)
 
 
 def _record(scenario: Scenario, wanted: Wanted) -> Record | None:

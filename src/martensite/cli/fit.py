@@ -75,6 +75,103 @@ def film(
         print_report(report, forms, origin, outputs.paths())
 
 
+@fit.command("vibration")
+def vibration(
+    record: Annotated[
+        Path, typer.Argument(metavar="RECORD", help="A record with `time` and what vibrates.")
+    ],
+    column: Annotated[
+        str | None, typer.Option(help="Column that vibrates, if there are several.")
+    ] = None,
+    start: Annotated[
+        str | None, typer.Option(help='Time from which on it is free, e.g. "0.5 s".')
+    ] = None,
+    end: Annotated[str | None, typer.Option(help='Time of the last row used, e.g. "4 s".')] = None,
+    cycles: Annotated[int | None, typer.Option(help="Most cycles used; all if left out.")] = None,
+    stiffness: Annotated[
+        str | None, typer.Option(help='Stiffness, e.g. "540 N/m": gives the moving mass.')
+    ] = None,
+    mass: Annotated[
+        str | None, typer.Option(help='Moving mass, e.g. "190 g": gives the stiffness.')
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Frequency and damping from the record of a free vibration.
+
+    RECORD begins at the release, or --start says when that was. The frequency is found from the
+    spectrum, then from the times of the extremes; the damping ratio is that of the logarithmic
+    decrement over all cycles.
+    """
+    from martensite.cli.fit_vibration import Oscillator, as_dict, print_vibration, read_vibration
+
+    oscillator = Oscillator.read(stiffness, mass)
+    times, values, label = read_vibration(record, column, start, end)
+    from martensite.identify.spectrum import natural_frequency
+    from martensite.identify.vibration import log_decrement
+
+    peak = natural_frequency(times, values)
+    found = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)
+    if json:
+        from martensite.cli import show
+
+        show.as_json(as_dict(peak, found, oscillator))
+    else:
+        print_vibration(peak, found, oscillator, len(times), label)
+
+
+@fit.command("motor")
+def motor(
+    steady: Annotated[
+        Path,
+        typer.Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`."),
+    ],
+    locked: Annotated[
+        Path | None, typer.Option(help="Rotor held still: `voltage` and `current`.")
+    ] = None,
+    resistance: Annotated[
+        str | None, typer.Option(help='Resistance instead, e.g. "41 ohm".')
+    ] = None,
+    current_rise: Annotated[
+        Path | None, typer.Option(help="Step of the voltage, rotor held: `time` and `current`.")
+    ] = None,
+    inductance: Annotated[str | None, typer.Option(help='Inductance instead, e.g. "3 mH".')] = None,
+    run_up: Annotated[
+        Path | None, typer.Option(help="Step of the voltage, rotor free: `time` and `speed`.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Constants of a DC motor from its tests.
+
+    The resistance and the steady states give K_T = K_B and friction, viscous and dry; a run-up
+    gives the inertia. Records of a step begin after it. Speeds are in rad/s or rpm.
+    """
+    from martensite.cli.fit_motor import (
+        print_motor,
+        read_inductance,
+        read_rise,
+        read_steady,
+        read_winding,
+    )
+
+    winding, coil = read_winding(locked, resistance), read_inductance(inductance)
+    states = read_steady(steady)
+    from martensite.identify.motor import motor_constants
+
+    found = motor_constants(
+        states,
+        winding,
+        current_rise=read_rise(current_rise, "current"),
+        inductance=coil,
+        run_up=read_rise(run_up, "speed"),
+    )
+    if json:
+        from martensite.cli import show
+
+        show.as_json(found.to_dict())
+    else:
+        print_motor(found, len(states.speeds))
+
+
 def _check_form(form: str, out: Path | None) -> None:
     from martensite.identify.film import FORMS
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
+from martensite.electrical.base import AbstractSource
 from martensite.elements.limits import Limits
 from martensite.laws.base import AbstractLaw
 from martensite.laws.coupling import Report
@@ -44,10 +45,18 @@ class Heating:
     """What heats and cools an element during a step."""
 
     environment: Environment
-    current: Callable[[Namespace, Scalar], Scalar]
-    """Current [A] through a resistance [ohm]."""
-    temperature: Scalar | None = None
-    """Temperature imposed on the element [K]; None if the heat balance decides."""
+    source: AbstractSource
+    drive: Scalar
+    """Signal of the source, in its unit."""
+
+    def current(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Current [A] through a resistance [ohm]."""
+        return self.source.current(xp, self.drive, resistance)
+
+    @property
+    def temperature(self) -> Scalar | None:
+        """Temperature imposed on the element [K]; None if the heat balance decides."""
+        return self.drive if self.source.sets_temperature else None
 
 
 class Condition(NamedTuple):

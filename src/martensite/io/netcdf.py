@@ -27,7 +27,7 @@ from martensite.errors import DataError
 from martensite.files import replacing
 from martensite.materials.base import Material
 from martensite.simulate.result import Result
-from martensite.system import OUTPUTS, PROFILES, System
+from martensite.system import OUTPUTS, PROFILES
 
 if TYPE_CHECKING:
     import xarray
@@ -36,6 +36,7 @@ CONVENTIONS = "CF-1.10"
 ENGINE = "h5netcdf"
 TIME = "time"
 CELL = "cell"
+ACTUATOR = "actuator"
 
 
 @dataclass(frozen=True)
@@ -75,12 +76,12 @@ def describe(
 ) -> Description:
     """Describe a result as variables and attributes, whatever they are written to."""
     time = Variable(TIME, (TIME,), "s", "time", "t", _array(result.times), {"axis": "T"})
-    columns = [_column(result, name) for name in OUTPUTS]
+    columns = [_column(result, name) for name in result.outputs if "." not in name]
     attributes = _attributes(result)
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
     attributes["citations"] = ", ".join(citations)
-    return Description([time, *columns, *_profiles(result)], attributes)
+    return Description([time, *columns, *_by_actuator(result), *_profiles(result)], attributes)
 
 
 def to_dataset(
@@ -101,7 +102,7 @@ def to_dataset(
 
     description = describe(result, scenario_text, material, citations)
     arrays = {v.name: (v.dims, v.data, v.attributes()) for v in description.variables}
-    axes = {name: arrays.pop(name) for name in (TIME, CELL) if name in arrays}
+    axes = {name: arrays.pop(name) for name in (TIME, CELL, ACTUATOR) if name in arrays}
     return xarray.Dataset(arrays, coords=axes, attrs=description.attributes)
 
 
@@ -133,7 +134,11 @@ def save(
             for name, size in zip(variable.dims, variable.data.shape, strict=True):
                 if name not in file.dimensions:
                     file.dimensions[name] = size
-            written = file.create_variable(variable.name, variable.dims, data=variable.data)
+            text = variable.data.dtype == object
+            written = file.create_variable(
+                variable.name, variable.dims, data=variable.data,
+                dtype=h5netcdf.core.h5py.string_dtype() if text else None,
+            )  # fmt: skip
             written.attrs.update(variable.attributes())
 
 
@@ -152,23 +157,42 @@ def open_result(path: str | os.PathLike[str]) -> xarray.Dataset:
         dataset = xarray.load_dataset(path, engine=ENGINE)
     except (OSError, ValueError) as error:
         raise DataError(f"The file `{path}` cannot be read as netCDF-4: {error}.") from None
-    missing = [name for name in (TIME, *OUTPUTS) if name not in dataset.variables]
-    if missing:
-        raise DataError(f"The file `{path}` is no saved result: it lacks `{missing[0]}`.")
+    if TIME not in dataset.variables:
+        raise DataError(f"The file `{path}` is no saved result: it lacks `{TIME}`.")
+    if "martensite_version" not in dataset.attrs:
+        raise DataError(f"The file `{path}` is no saved result: it lacks `martensite_version`.")
     return dataset
 
 
 def _column(result: Result, name: str) -> Variable:
-    _, long_name, symbol = OUTPUTS[name]
+    _, long_name, symbol = result.outputs[name]
     data = _array(result.columns[name])
     return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
+
+
+def _by_actuator(result: Result) -> list[Variable]:
+    """Outputs of several actuators, over time and actuators."""
+    system = result.system
+    ports = [port for port in system.actuators() if "." in system.label(port, "drive")]
+    if not ports:
+        return []
+    names = np.asarray(ports, dtype=object)
+    found = [Variable(ACTUATOR, (ACTUATOR,), "", "port of the mechanism", "", names)]
+    for name, (_, long_name, symbol) in OUTPUTS.items():
+        labels = [system.label(port, name) for port in ports]
+        units = {result.unit(label) for label in labels}
+        data = np.stack([_array(result[label]) for label in labels], axis=1)
+        unit = units.pop() if len(units) == 1 else "mixed"
+        found.append(Variable(name, (TIME, ACTUATOR), unit, long_name, symbol, data))
+    return found
 
 
 def _profiles(result: Result) -> list[Variable]:
     """What differs along the element, over time and cells."""
     if not result.profiles:
         return []
-    places = _array(result.system.element.places())
+    (actuator,) = result.system.actuators().values()
+    places = _array(actuator.element.places())
     where = Variable(CELL, (CELL,), "m", "place of a cell", "y", places)
     found = [where]
     for name, cells in result.profiles.items():
@@ -185,7 +209,7 @@ def _array(values: Iterable[float]) -> Any:
 def _attributes(result: Result) -> dict[str, str | int | float]:
     return {
         "Conventions": CONVENTIONS,
-        "title": _title(result.system),
+        "title": f"Simulation of {result.system.described()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "status": result.status.name,
         "status_meaning": result.status.sentence,
@@ -203,13 +227,6 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
 
 def _number(value: float | None) -> float:
     return math.nan if value is None else float(value)
-
-
-def _title(system: System) -> str:
-    element = system.element
-    names = element.registered_name, element.law.registered_name
-    load, drive = system.mechanism.registered_name, system.source.registered_name
-    return f"Simulated shape-memory {names[0]} ({names[1]}) on {load}, driven by {drive}"
 
 
 def _version(package: str) -> str:

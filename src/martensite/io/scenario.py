@@ -1,7 +1,8 @@
 """Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
 
 Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
-optionally `title` and [measured], a record to compare with. Quantities are text with a
+optionally `title`, [actuators] and [signals] (`martensite.io.assemble`) and [measured], a
+record to compare with. Quantities are text with a
 unit. Unknown names are refused with the nearest valid one; nothing is guessed.
 """
 
@@ -14,26 +15,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.electrical.base import SOURCES
-from martensite.elements.base import ELEMENTS
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.io import recorded
-from martensite.io.build import Builder, Table, as_table, refuse_unknown, section
+from martensite.io.assemble import Assembly, section_of
+from martensite.io.build import Builder, Table, refuse_unknown
 from martensite.io.overrides import as_toml, changed
 from martensite.io.recorded import Recorded
-from martensite.materials.base import Material, load_material
-from martensite.mechanisms.base import MECHANISMS
+from martensite.materials.base import Material
 from martensite.parameters import Parametrised, param
 from martensite.runtimes.namespace import Scalar
-from martensite.signals.base import WAVEFORMS, AbstractWaveform
-from martensite.simulate.grid import require_unit
-from martensite.system import System
-from martensite.thermal.base import Environment
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
-SECTIONS = ("title", "element", "environment", "mechanism", "drive", "run", "measured")
+SECTIONS = (
+    "title", "element", "environment", "mechanism", "drive", "actuators", "signals", "run",
+    "measured",
+)  # fmt: skip
 
 
 class Run(Parametrised):
@@ -61,8 +59,10 @@ class Run(Parametrised):
 class Scenario:
     """Everything that a run needs, and where it came from."""
 
-    system: System
-    waveform: AbstractWaveform
+    system: Any
+    """A `System` of one element, or a `Machine` of several."""
+    waveform: Any
+    """The waveform of its drive, or waveforms by name."""
     duration: float
     """[s]"""
     tolerance: float
@@ -139,79 +139,23 @@ def _parsed(text: str, path: Path | None) -> dict[str, Any]:
 
 def _built(document: dict[str, Any], text: str, path: Path | None) -> Scenario:
     folder = path.parent if path else Path()
-    element = _section(document, "element")
-    material = _material(element, folder)
-    drive = _section(document, "drive")
-    origins: dict[str, str] = {}
-    builder = Builder(material, origins=origins)
-    source = Builder(origins=origins, extra=("waveform",)).choose(
-        SOURCES, {key: value for key, value in drive.items() if key != "waveform"}, "drive"
-    )
-    system = System(
-        element=Builder(material, origins=origins, extra=("material",)).choose(
-            ELEMENTS, element, "element", draws=True
-        ),
-        environment=_environment(builder, document, source.sets_temperature),
-        source=source,
-        mechanism=builder.choose(MECHANISMS, _section(document, "mechanism"), "mechanism"),
-    )
-    waveform, end = _waveform(drive, source.unit, folder, origins)
-    run = builder.build(Run, _section(document, "run", {}), "run")
+    assembly = Assembly(document, folder)
+    system = assembly.system()
+    run = Builder(origins=assembly.origins).build(Run, section_of(document, "run", {}), "run")
     return Scenario(
         system=system,
-        waveform=waveform,
-        duration=_duration(run, end),
+        waveform=assembly.driven(system),
+        duration=_duration(run, assembly.end),
         tolerance=run.tolerance,
         samples=int(run.samples),
         step=run.step if math.isfinite(run.step) else None,
         title=str(document.get("title", path.stem if path else "scenario")),
         text=text,
         path=path,
-        material=material,
+        material=assembly.material,
         measured=_measured(document, folder),
-        origins=origins,
+        origins=assembly.origins,
     )
-
-
-def _section(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:
-    if name not in document and default is None:
-        raise ParameterError(f"The scenario needs a section [{name}]; none given.")
-    return as_table(document.get(name, default), name)
-
-
-def _material(element: Table, folder: Path) -> Material | None:
-    name = element.get("material")
-    if name is None:
-        return None
-    if not isinstance(name, str):
-        raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
-    with section("element"):
-        return load_material(name, folder)
-
-
-def _environment(builder: Builder, document: Table, sets_temperature: bool) -> Environment:
-    """The surroundings; where the drive sets the temperature no heat balance is solved."""
-    table = _section(document, "environment", {})
-    if sets_temperature and "cooling" not in table:
-        table = {**table, "cooling": {"kind": "constant", "h": "0 W/m^2/K"}}
-    return builder.build(Environment, table, "environment")
-
-
-def _waveform(
-    drive: Table, unit: str, folder: Path, origins: dict[str, str]
-) -> tuple[AbstractWaveform, float]:
-    """The waveform, and its end [s]: infinite unless it is a table."""
-    if "waveform" not in drive:
-        kinds = suggestion("", WAVEFORMS.names())
-        raise ParameterError(f"[drive] needs `waveform`; none given. {kinds}")
-    table = as_table(drive["waveform"], "drive.waveform")
-    if table.get("kind") == recorded.KIND:
-        return recorded.waveform(table, "drive.waveform", folder, unit)
-    if "kind" in table:
-        with section("drive.waveform"):
-            require_unit(WAVEFORMS[str(table["kind"])], unit)
-    builder = Builder(drive_unit=unit, origins=origins)
-    return builder.choose(WAVEFORMS, table, "drive.waveform"), math.inf
 
 
 def _duration(run: Run, end: float) -> float:
@@ -225,4 +169,4 @@ def _duration(run: Run, end: float) -> float:
 def _measured(document: Table, folder: Path) -> Recorded | None:
     if "measured" not in document:
         return None
-    return recorded.recorded(_section(document, "measured"), "measured", folder)
+    return recorded.recorded(section_of(document, "measured"), "measured", folder)

@@ -1,43 +1,90 @@
-"""What every mechanism answers: the force on an element that is, for now, a linear spring.
+"""What every mechanism answers: it takes its elements through a step together with itself.
 
-An element at frozen fractions and temperature has elongation = free + compliance · force.
-The mechanism closes the loop: it returns the force at which both fit. It is assembled with
-the element in its initial state, which defines position zero. Position grows as the element
-shortens.
+A mechanism pulls on one or several elements, each at a port of its own, and may have signals
+of its own, such as the voltage of a motor. To it an element is a `Load`: something that
+advances when it is told which force a spring of its kind meets (`martensite.elements.base`).
+
+Two families: a load line (`load_line`) answers in closed form for one element; a multibody
+mechanism (`multibody`) has coordinates, any number of elements, and inertia if it is wanted.
+Every mechanism is assembled with its elements in their initial state.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from martensite.elements.base import Spring
+from martensite.elements.base import AbstractElement, Heating
+from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
 MECHANISMS: Registry[AbstractMechanism] = Registry("mechanism", "martensite.mechanisms")
 
+Column = Sequence[Scalar]
 
-class Assembly(NamedTuple):
-    """What a mechanism remembers of being assembled."""
 
-    elongation: Scalar
-    """Elongation of the element at position zero [m]."""
+class Output(NamedTuple):
+    """How a quantity that can be observed is called."""
+
+    unit: str
+    """In SI."""
+    long_name: str
+    symbol: str
+
+
+class Load(NamedTuple):
+    """An element at a port of a mechanism."""
+
+    element: AbstractElement
+    state: Any
+    heating: Heating
 
 
 class AbstractMechanism(Parametrised):
-    """Interface of a quasi-static mechanism with one element and one coordinate."""
+    """Interface of a mechanism."""
 
-    def start_force(self, xp: Namespace) -> Scalar:
-        """Force [N] on the element when it is assembled."""
+    def ports(self) -> tuple[str, ...]:
+        """Names of the elements that it takes."""
+        return ("element",)
+
+    def signals(self) -> dict[str, str]:
+        """Names of its own drive signals, with their units."""
+        return {}
+
+    def outputs(self) -> dict[str, Output]:
+        """What can be observed on the mechanism itself; the first is its stroke."""
         raise NotImplementedError
 
-    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
-        """Force [N] at which element and mechanism fit; never below zero."""
+    def judged(self) -> dict[str, float]:
+        """Outputs whose convergence is judged, with the least range that counts."""
         raise NotImplementedError
 
-    def position(
-        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
-    ) -> Scalar:
-        """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
+    def first_step(self) -> float:
+        """Longest step [s] with which a run may begin, for the sake of the mechanism."""
+        return float("inf")
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """Force [N] on each element when it is assembled."""
+        raise NotImplementedError
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Any:  # fmt: skip
+        """The memory at the start, from the elongations [m] that the start forces give."""
+        raise NotImplementedError
+
+    def advance(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar,
+        iterations: int,
+    ) -> tuple[Any, list[Any], Report]:  # fmt: skip
+        """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        raise NotImplementedError
+
+    def observe(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """Force [N] in each element, and the `outputs` in order."""
         raise NotImplementedError

@@ -8,13 +8,14 @@ with F₀ the preload at assembly and x the position. Neither wire nor spring ca
 from __future__ import annotations
 
 from martensite.elements.base import Spring
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
+from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
 @MECHANISMS.register("bias-spring")
-class BiasSpring(AbstractMechanism):
+class BiasSpring(AbstractLoadLine):
     """A linear return spring with preload."""
 
     stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from martensite.elements.base import Spring
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Assembly
+from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
 @MECHANISMS.register("dead-weight")
-class DeadWeight(AbstractMechanism):
+class DeadWeight(AbstractLoadLine):
     """A hanging mass; inertia is left out, and the wire is never slack."""
 
     mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6)

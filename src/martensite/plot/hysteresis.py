@@ -93,7 +93,8 @@ def runs(sense: Any) -> list[tuple[int, int, int]]:
 
 def strips(result: Result) -> list[StripMark]:
     """The strips of the law at the mean stress of the run; none if it has no such strips."""
-    law = result.system.element.law
+    (actuator,) = result.system.actuators().values()
+    law = actuator.element.law
     known = law.declarations
     if any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
         return []

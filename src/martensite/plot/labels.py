@@ -10,7 +10,6 @@ import numpy as np
 
 from martensite import units
 from martensite.simulate.result import Result
-from martensite.system import OUTPUTS
 
 PERCENT = ("strain",)
 """Shares that are read more easily in percent."""
@@ -53,8 +52,8 @@ def axis(result: Result, name: str) -> Axis:
     unit = result.unit(name)
     if name == "time":
         return Axis(name, "time", "t", unit, unit)
-    _, long_name, symbol = OUTPUTS[name]
-    shown = "%" if name in PERCENT else units.readable(unit)
+    _, long_name, symbol = result.outputs[name]
+    shown = "%" if name.rpartition(".")[-1] in PERCENT else units.readable(unit)
     return Axis(name, long_name, symbol, unit, shown)
 
 
@@ -75,7 +74,7 @@ def limits(name: str, *columns: Any) -> tuple[float, float]:
     A fraction is always seen from 0 to 1.
     """
     low, high = around(*columns)
-    if name in FRACTIONS:
+    if name.rpartition(".")[-1] in FRACTIONS:
         return min(low, -0.06), max(high, 1.06)
     return low, high
 

@@ -16,7 +16,6 @@ from martensite.errors import DataError
 from martensite.plot.labels import Axis, axis
 from martensite.plot.style import MEASURED, SIMULATED
 from martensite.simulate.result import Result
-from martensite.system import OUTPUTS
 
 DOTS = 150
 """Records of more samples than this are drawn as lines."""
@@ -27,7 +26,7 @@ KEYED = 5
 
 
 class Record(Protocol):
-    """What a figure needs of a record: columns in SI under the names of `OUTPUTS`."""
+    """What a figure needs of a record: columns in SI under the names of outputs."""
 
     @property
     def name(self) -> str:
@@ -69,7 +68,7 @@ def check_records(result: Result, records: Iterable[Record] | None) -> list[Reco
         if "time" not in record.columns:
             raise DataError(f"The record `{record.name}` has no column `time`.")
         if not recorded(result, [record]):
-            listed = ", ".join(f"`{name}` [{result.unit(name)}]" for name in OUTPUTS)
+            listed = ", ".join(f"`{name}` [{result.unit(name)}]" for name in result.outputs)
             raise DataError(
                 f"The record `{record.name}` has no column to compare; possible are {listed}."
             )
@@ -84,7 +83,7 @@ def check_records(result: Result, records: Iterable[Record] | None) -> list[Reco
 def recorded(result: Result, records: Iterable[Record]) -> list[str]:
     """Names of the outputs that at least one of the records holds."""
     records = list(records)
-    return [name for name in OUTPUTS if any(_holds(result, r, name) for r in records)]
+    return [name for name in result.outputs if any(_holds(result, r, name) for r in records)]
 
 
 def overlays(result: Result, records: Iterable[Record], name: str) -> list[Overlay]:

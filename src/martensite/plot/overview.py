@@ -12,12 +12,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from martensite import units
 from martensite.plot.files import check_format, write_figure
 from martensite.plot.hysteresis import LOOPS, draw_loops
+from martensite.plot.labels import axis
+from martensite.plot.machine import draw_machine
 from martensite.plot.measured import Record, check_records, draw_key
 from martensite.plot.style import HEATING, QUIET, new_figure, styled
 from martensite.plot.timeseries import draw_timeseries, panel_names
 from martensite.simulate.result import Result
+from martensite.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,6 +50,8 @@ def plot_result(
     """
     measured = check_records(result, records)
     with styled():
+        if not isinstance(result.system, System):
+            return _machine(result, title)
         return _figure(result, measured, title)
 
 
@@ -91,6 +97,13 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
     return figure
 
 
+def _machine(result: Result, title: str | None) -> Figure:
+    """Records of machines are compared in numbers only."""
+    figure = draw_machine(result)
+    _write_text(figure, result, title, [])
+    return figure
+
+
 def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
     height = figure.get_figheight()
     top = title if title is not None else _title(result)
@@ -103,15 +116,17 @@ def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequen
 
 
 def _title(result: Result) -> str:
-    system = result.system
-    element, law = system.element.registered_name, system.element.law.registered_name
-    load, drive = system.mechanism.registered_name, system.source.registered_name
-    text = f"{element} ({law}) on {load}, driven by {drive}"
+    text = result.system.described()
     return text[:1].upper() + text[1:]
 
 
 def _summary(result: Result) -> str:
-    parts = [f"stroke {result.stroke * 1e3:.3g} mm", f"{result.steps:,} steps"]
+    stroke = axis(result, result.coordinate)
+    factor, _ = units.conversion(stroke.shown, stroke.unit)
+    parts = [
+        f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}",
+        f"{result.steps:,} steps",
+    ]
     if result.accuracy is not None:
         parts.append(f"changes by {result.accuracy:.1e} of range on halving the step")
     if result.status:

@@ -25,10 +25,12 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
     Raises:
         InputError: the element of the result is the same all over.
     """
+    elements = [one.element for one in result.system.actuators().values()]
     if not result.profiles:
+        names = ", ".join(f"`{element.registered_name}`" for element in elements) or "none"
         raise InputError(
-            f"Element `{result.system.element.registered_name}` has one temperature: there is no "
-            "profile to draw. Elements `axial-wire` and `ribbon` have one."
+            f"There is no profile to draw of the elements of this run ({names}). "
+            "A single `axial-wire` or `ribbon` has one."
         )
     with styled():
         figure = new_figure(10.0, 3.6)
@@ -37,7 +39,7 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
         for panel, name in zip(panels, PROFILES, strict=True):
             _map(figure, panel, result, name)
         panels[0].set_ylabel(f"{mathematical('y')} [mm]")
-        element = result.system.element.registered_name
+        element = elements[0].registered_name
         figure.suptitle(
             title or f"Profile of a simulated {element}", x=0.01, ha="left", fontweight="bold"
         )
@@ -50,7 +52,8 @@ def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
     factor, offset = units.conversion(shown, unit)
     values = (np.asarray(result.profiles[name]) - offset) / factor
     low, high = (0.0, 1.0) if unit == "1" else (None, None)
-    places = 1e3 * np.asarray(result.system.element.places())
+    (actuator,) = result.system.actuators().values()
+    places = 1e3 * np.asarray(actuator.element.places())
     drawn = panel.pcolormesh(
         np.asarray(result.times), places, values, shading="nearest", cmap=COLOURS[name],
         vmin=low, vmax=high, rasterized=True,

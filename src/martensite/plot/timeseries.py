@@ -11,9 +11,9 @@ from martensite.plot.style import SIMULATED
 from martensite.simulate.result import Result
 
 PANELS = (
-    "drive", "temperature", "martensite_fraction", "strain", "stress", "position", "resistance",
+    "drive", "temperature", "martensite_fraction", "strain", "stress", "mechanism", "resistance",
 )  # fmt: skip
-"""Quantities shown of every result, from top to bottom."""
+"""Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
 
 
 def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
@@ -21,9 +21,15 @@ def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
 
     A drive that prescribes the temperature is the temperature, and is not shown twice.
     """
-    twice = result.system.source.sets_temperature
-    usual = [name for name in PANELS if not (twice and name == "drive")]
-    return usual + [name for name in recorded(result, records) if name not in PANELS]
+    (actuator,) = result.system.actuators().values()
+    twice = actuator.source.sets_temperature
+    own = list(result.system.of_mechanism())
+    usual = [
+        shown
+        for name in PANELS if not (twice and name == "drive")
+        for shown in (own if name == "mechanism" else [name])
+    ]  # fmt: skip
+    return usual + [name for name in recorded(result, records) if name not in usual]
 
 
 def draw_timeseries(

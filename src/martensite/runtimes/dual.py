@@ -290,3 +290,21 @@ def values_and_slopes(
     dual: Any = DualNamespace(xp)
     pairs = [dual.parts(result) for result in function(dual, dual.pair(x, 1.0))]
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]
+
+
+def jacobian(
+    xp: Namespace,
+    function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]],
+    at: Sequence[Scalar],
+) -> tuple[list[Scalar], list[list[Scalar]]]:
+    """Values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
+    values: list[Scalar] = []
+    columns: list[list[Scalar]] = []
+    for k in range(len(at)):
+
+        def along(xp: Namespace, x: Scalar, k: int = k) -> Sequence[Scalar]:
+            return function(xp, [*at[:k], x, *at[k + 1 :]])
+
+        values, slopes = values_and_slopes(xp, along, at[k])
+        columns.append(slopes)
+    return values, [list(row) for row in zip(*columns, strict=True)]

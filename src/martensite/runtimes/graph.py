@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 
 from martensite.runtimes import floats
 
-PARAMETER, VARYING, ROW, TURN = 1, 2, 4, 8
-"""What a node may depend on; ROW and TURN nodes live inside the body of a loop."""
+PARAMETER, VARYING, LOOP = 1, 2, 4
+"""What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
+LOOP << 1 in a loop inside another, and so on."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -43,6 +44,8 @@ class Loop(NamedTuple):
     outputs: tuple[int, ...]
     around: tuple[int, ...]
     """What the body takes from around it."""
+    bit: int
+    """What the nodes of the body depend on."""
 
 
 class Repeat(NamedTuple):
@@ -53,6 +56,8 @@ class Repeat(NamedTuple):
     state: tuple[int, ...]
     """The inputs of the body."""
     outputs: tuple[int, ...]
+    bit: int
+    """What the nodes of the body depend on."""
 
 
 class Graph:
@@ -65,6 +70,7 @@ class Graph:
         self.details: list[Any] = []
         self.loops: dict[int, Loop] = {}
         self.repeats: dict[int, Repeat] = {}
+        self._depth = 0
         self._known: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
@@ -89,22 +95,19 @@ class Graph:
         self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]]
     ) -> tuple[list[Expr], ...]:
         """Trace a body over rows; equal loops are one."""
-        row = [self.input(f"g{k}", ROW | VARYING) for k in range(len(columns))]
-        results = [self._expr(result) for result in body(*row)]
-        inside = [r for r in results if self.depends[r.index] & ROW]
+        bit, results, row = self._body(body, "g", len(columns))
+        inside = [r for r in results if self.depends[r.index] & bit]
         table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
-        if any(self.depends[index] & ROW for column in table for index in column):
-            raise TypeError("A kernel must not put `xp.each` inside another `xp.each`.")
         outputs = tuple(r.index for r in inside)
-        around = tuple(self._outside(outputs))
+        around = tuple(self._outside(outputs, bit))
         needed = (*dict.fromkeys(i for column in table for i in column), *around)
-        depends = VARYING | (self._joined(needed) & TURN)
+        depends = self._loop_depends(needed)
         node = self._node("each", needed, depends, (table, outputs)).index
-        self.loops[node] = Loop(table, tuple(r.index for r in row), outputs, around)
+        self.loops[node] = Loop(table, row, outputs, around, bit)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
         for result in results:
-            if self.depends[result.index] & ROW:
+            if self.depends[result.index] & bit:
                 place = next(places)
                 found.append([self._node("item", (node,), depends, (place, k)) for k in rows])
             else:
@@ -116,16 +119,32 @@ class Graph:
     ) -> list[Expr]:
         """Trace one turn of a loop over a state."""
         begin = tuple(self._expr(value).index for value in state)
-        if self._joined(begin) & TURN:
-            raise TypeError("A kernel must not put `xp.repeat` inside another `xp.repeat`.")
-        inputs = [self.input(f"r{k}", TURN | VARYING) for k in range(len(begin))]
-        outputs = tuple(self._expr(result).index for result in body(*inputs))
-        needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, TURN))))
-        node = self._node("repeat", needed, VARYING, (count, begin, outputs)).index
-        self.repeats[node] = Repeat(count, begin, tuple(i.index for i in inputs), outputs)
-        return [self._node("result", (node,), VARYING, place) for place in range(len(outputs))]
+        bit, results, inputs = self._body(body, "r", len(begin))
+        outputs = tuple(r.index for r in results)
+        needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, bit))))
+        depends = self._loop_depends(needed)
+        node = self._node("repeat", needed, depends, (count, begin, outputs)).index
+        self.repeats[node] = Repeat(count, begin, inputs, outputs, bit)
+        return [self._node("result", (node,), depends, place) for place in range(len(outputs))]
 
-    def _outside(self, outputs: Sequence[int], bit: int = ROW) -> list[int]:
+    def _body(
+        self, body: Callable[..., Sequence[Any]], letter: str, count: int
+    ) -> tuple[int, list[Expr], tuple[int, ...]]:
+        """Trace the body of a loop: its bit, its results and its inputs."""
+        bit, name = LOOP << self._depth, letter * (self._depth + 1)
+        inputs = [self.input(f"{name}{k}", bit | VARYING) for k in range(count)]
+        self._depth += 1
+        try:
+            results = [self._expr(result) for result in body(*inputs)]
+        finally:
+            self._depth -= 1
+        return bit, results, tuple(i.index for i in inputs)
+
+    def _loop_depends(self, needed: Sequence[int]) -> int:
+        """What a loop depends on that takes these nodes: the loops around it, and VARYING."""
+        return VARYING | (self._joined(needed) & ~PARAMETER)
+
+    def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
         """The nodes that the body of a loop takes from around it."""
         found: dict[int, None] = {}
         seen: set[int] = set()

@@ -24,16 +24,25 @@ class JaxNamespace(ArrayNamespace):
 
     def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """One loop of the compiler, over states of the shape that the body makes of them."""
-        made = self.jax.eval_shape(body, *state)
-
-        def shaped(values: Sequence[Any]) -> list[Any]:
-            pairs = zip(values, made, strict=True)
-            return [self.np.broadcast_to(v, m.shape).astype(m.dtype) for v, m in pairs]
+        now: list[Any] = list(state)
+        for _ in range(len(state) + 1):
+            made, before = self.jax.eval_shape(body, *now), [self.np.shape(v) for v in now]
+            pairs = zip(before, made, strict=True)
+            shapes = [self.np.broadcast_shapes(s, m.shape) for s, m in pairs]
+            now = self._shaped(now, made, shapes)
+            if shapes == before:
+                break
 
         def turn(_: Any, now: Sequence[Any]) -> list[Any]:
-            return shaped(body(*now))
+            found = body(*now)
+            return self._shaped(found, now, [n.shape for n in now])
 
-        return self.jax.lax.fori_loop(0, count, turn, shaped(state))
+        return self.jax.lax.fori_loop(0, count, turn, now)
+
+    def _shaped(self, values: Sequence[Any], like: Sequence[Any], shapes: Any) -> list[Any]:
+        """Arrays of given shapes, each of the type of another."""
+        rows = zip(values, like, shapes, strict=True)
+        return [self.np.broadcast_to(v, shape).astype(m.dtype) for v, m, shape in rows]
 
 
 @cache

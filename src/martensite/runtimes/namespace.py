@@ -85,7 +85,7 @@ class Namespace(Protocol):
     def each(
         self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]
     ) -> tuple[Sequence[Scalar], ...]:
-        """Columns of results of `body` over the rows of equally long columns; not nested.
+        """Columns of results of `body` over the rows of equally long columns.
 
         Traced, the body is one loop instead of as many copies as there are rows.
         """
@@ -94,7 +94,7 @@ class Namespace(Protocol):
     def repeat(
         self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
     ) -> Sequence[Scalar]:
-        """The state after `count` turns of `body`, as one loop; not nested, for long iterations."""
+        """The state after `count` turns of `body`, as one loop: for long iterations."""
         ...
 
     def detach(self, x: Scalar, /) -> Scalar:

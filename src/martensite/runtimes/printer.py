@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from martensite.runtimes.graph import PARAMETER, ROW, TURN, Expr, Graph
+from martensite.runtimes.graph import PARAMETER, Expr, Graph
 
 DEEPEST = 24
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
@@ -104,7 +104,7 @@ class Printer:
     def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
         """A loop over rows, its body printed with names of its own."""
         loop, inner = self.graph.loops[index], dict(text)
-        uses = self._uses(loop.outputs, ROW)
+        uses = self._uses(loop.outputs, loop.bit)
         body = self._lines(uses, inner, "b")
         named = LoopText(
             name=text[index],
@@ -119,7 +119,7 @@ class Printer:
     def _repeat(self, index: int, text: Mapping[int, str]) -> list[str]:
         """A loop over a state, its body printed with names of its own."""
         loop, inner = self.graph.repeats[index], dict(text)
-        body = self._lines(self._uses(loop.outputs, TURN), inner, "t")
+        body = self._lines(self._uses(loop.outputs, loop.bit), inner, "t")
         named = RepeatText(
             name=text[index],
             count=loop.turns,
@@ -150,7 +150,7 @@ class Printer:
     def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
         """How often each needed node is used; names wanted by an operation count double.
 
-        Inside the body of a loop (ROW, TURN) only its own nodes count: the others have names.
+        Inside the body of a loop only nodes with its bit count: the others have names.
         """
         uses: dict[int, int] = {}
         stack = list(wanted)

@@ -15,13 +15,15 @@ and a peak between two samples is not seen: choose more samples where pulses are
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from martensite.electrical.base import AbstractSource
-from martensite.system import System
+from martensite.system import AbstractSystem, Actuator
 
 Columns = Mapping[str, Sequence[float]]
+JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance")
+"""Outputs of an actuator that alarms are about."""
 ROUNDING = 1e-9
 """Share of a demand by which it may exceed what can be delivered."""
 
@@ -50,6 +52,8 @@ class Alarm:
     """Time of the worst value [s]."""
     sentence: str
     """The same in words."""
+    port: str = ""
+    """Which of several actuators it is about."""
 
 
 @dataclass(frozen=True)
@@ -88,9 +92,27 @@ def _share_above(begin: float, end: float) -> float:
     return high / (high - low) if high > 0.0 else 0.0
 
 
-def alarms_of(system: System, times: Sequence[float], columns: Columns) -> list[Alarm]:
+def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
     """All alarms of a run, from its sampled columns in SI."""
-    limits = system.element.limits
+    found: list[Alarm] = []
+    for port, actuator in system.actuators().items():
+        own = {name: columns[system.label(port, name)] for name in JUDGED}
+        several = system.label(port, "stress") != "stress"
+        found += [
+            _at_port(alarm, port) if several else alarm
+            for alarm in _of_actuator(actuator, times, own)
+        ]
+    return found
+
+
+def _at_port(alarm: Alarm, port: str) -> Alarm:
+    """The alarm with the name of the port that it is about."""
+    sentence = alarm.sentence.replace("Warning: ", f"Warning: `{port}`: ", 1)
+    return replace(alarm, port=port, sentence=sentence)
+
+
+def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -> list[Alarm]:
+    limits = actuator.element.limits
     hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
     high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
     found = (
@@ -98,7 +120,7 @@ def alarms_of(system: System, times: Sequence[float], columns: Columns) -> list[
         _above(times, columns["stress"], "stress", *high),
         _strain(times, columns["strain"], limits.strain_limit),
         _slack(times, columns["force"]),
-        undelivered(system.source, times, columns["drive"], columns["resistance"]),
+        undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
     )
     return [alarm for alarm in found if alarm is not None]
 

@@ -8,28 +8,25 @@ from dataclasses import dataclass
 from martensite.errors import InputError, ParameterError, suggestion
 from martensite.runtimes import floats
 from martensite.runtimes.bracket import ITERATIONS
-from martensite.signals.base import AbstractWaveform
-from martensite.simulate.compiled import Compiled, compile_system
-from martensite.simulate.grid import Grid, build_grid, require_unit
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.driven import Waveforms, arranged, grid_of
+from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, march_floats
+from martensite.simulate.patient import THOROUGH, patient
 from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
-from martensite.system import OUTPUTS, System
+from martensite.system import AbstractSystem
 
 RUNTIMES = ("floats", "jax", "c")
-JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "position": 1e-6}
-"""Columns whose convergence is judged, with the least range that counts."""
 HALVINGS = 14
 MOST_REFINED = 4_000_000
 """Steps beyond which a run is not refined further, but returned with a warning."""
-THOROUGH = 24
-"""Iterations of the solve when the usual few leave a step unsolved: kinks, strong pulses."""
 
 
 def simulate(
-    system: System,
-    waveform: AbstractWaveform,
+    system: AbstractSystem,
+    waveform: Waveforms,
     duration: float,
     *,
     tolerance: float = 1e-4,
@@ -39,12 +36,13 @@ def simulate(
 ) -> Result:
     """Run a system from rest under a waveform for `duration` [s].
 
-    Steps end on the edges of the waveform and are halved until halving changes temperature,
-    martensite fraction and position by less than `tolerance` times their range.
+    Steps end on the edges of the waveforms and are halved until halving changes temperatures,
+    martensite fractions and coordinates by less than `tolerance` times their range.
 
     Args:
-        system: element, environment, source and mechanism.
-        waveform: drive signal in the unit of the source.
+        system: a `System` of one element, or a `Machine` of several.
+        waveform: drive signal in the unit of the source; for a system with several drives a
+            table of them by name.
         duration: length of the run [s].
         tolerance: accepted change on halving, as a share of range.
         step: longest step [s]; if given, one run is made with it and nothing is estimated.
@@ -56,7 +54,7 @@ def simulate(
         SolveError: the run failed; the sentence says when and what to try.
     """
     _check(duration, tolerance, step, samples, runtime)
-    require_unit(waveform, system.source.unit)
+    arranged(system, waveform)
     run = _Runner(system, waveform, duration, samples, runtime)
     if step is not None:
         grid, track = run(step)
@@ -75,34 +73,44 @@ def simulate(
 class _Runner:
     """Everything about a run but its step."""
 
-    system: System
-    waveform: AbstractWaveform
+    system: AbstractSystem
+    waveform: Waveforms
     duration: float
     samples: int
     runtime: str
 
     def __call__(self, step: float) -> tuple[Grid, Track]:
-        at_end = self.system.source.sets_temperature
-        grid = build_grid(self.waveform, self.duration, self.samples, step, at_end)
-        track = self._march(self.runtime, grid, ITERATIONS)
+        grid = grid_of(self.system, self.waveform, self.duration, self.samples, step)
+        if self.runtime == "floats":
+            return grid, march_floats(*patient(self.system), grid)
+        track = self._compiled(grid, ITERATIONS)
         if track.status is Status.UNSOLVED:
-            track = self._march(self.runtime, grid, THOROUGH)
-        if track.status.failed and track.status_time is None:
-            track = self._march("floats", grid, THOROUGH)  # the one that records when
+            track = self._compiled(grid, THOROUGH)
+        if track.status.failed:  # floats record when
+            track = march_floats(*patient(self.system), grid)
         return grid, track
 
-    def _march(self, runtime: str, grid: Grid, iterations: int) -> Track:
+    def _compiled(self, grid: Grid, iterations: int) -> Track:
         compiled = compile_system(self.system, iterations)
-        return _march(runtime, compiled, compiled.values(self.system), grid)
+        values = compiled.values(self.system)
+        if self.runtime == "c":
+            from martensite.simulate.native import march_c
+
+            return march_c(compiled, values, grid)
+        from martensite.simulate.batch import march_jax
+
+        return march_jax(compiled, values, grid)
 
 
-def first_step(system: System, duration: float, samples: int) -> float:
+def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
     """A first guess of the step [s]: a tenth of the thermal time constant, or a sample."""
-    element, environment = system.element, system.environment
-    warm = environment.temperature + 50.0
-    lost = element.heat_loss(floats, warm, environment) / 50.0
-    constant = element.heat_capacity_total() / lost if lost > 0.0 else math.inf
-    return min(0.1 * constant, duration / (samples - 1))
+    constants: list[float] = []
+    for one in system.actuators().values():
+        warm = one.environment.temperature + 50.0
+        lost = one.element.heat_loss(floats, warm, one.environment) / 50.0
+        if lost > 0.0:
+            constants.append(0.1 * one.element.heat_capacity_total() / lost)
+    return min(*constants, system.mechanism.first_step(), duration / (samples - 1))
 
 
 def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, float]:
@@ -114,43 +122,33 @@ def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, f
             break
         step = 0.5 * min(step, grid.longest)
         grid, fine = run(step)
-        accuracy = _difference(coarse, fine)
+        accuracy = _difference(run.system, coarse, fine)
         if accuracy <= tolerance and not fine.status.failed:
             return grid, Track(fine.rows, Status.OK, 0.0), accuracy
         coarse = fine
     return grid, coarse, accuracy
 
 
-def _difference(coarse: Track, fine: Track) -> float:
+def _difference(system: AbstractSystem, coarse: Track, fine: Track) -> float:
     """Largest difference of the judged columns as a share of their range."""
     if len(coarse.rows) != len(fine.rows):
         return math.inf
     worst = 0.0
-    for name, least in JUDGED.items():
-        i = list(OUTPUTS).index(name)
+    names = list(system.outputs())
+    for name, least in system.judged().items():
+        i = names.index(name)
         a, b = [row[i] for row in coarse.rows], [row[i] for row in fine.rows]
         apart = max(abs(x - y) for x, y in zip(a, b, strict=True))
         worst = max(worst, apart / max(max(b) - min(b), least))
     return worst if math.isfinite(worst) else math.inf
 
 
-def _march(runtime: str, compiled: Compiled, values: list[float], grid: Grid) -> Track:
-    if runtime == "floats":
-        return march_floats(compiled.program.bind_floats(*values), compiled.size, grid)
-    if runtime == "c":
-        from martensite.simulate.native import march_c
-
-        return march_c(compiled, values, grid)
-    from martensite.simulate.batch import march_jax
-
-    return march_jax(compiled, values, grid)
-
-
 def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> Result:
-    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(OUTPUTS)}
+    names, rows = list(run.system.outputs()), track.rows
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
     result = Result(
         run.system, run.waveform, grid.times, columns, track.status, track.status_time,
-        len(grid.lengths), grid.longest, accuracy, profiles=profiles_of(track.rows),
+        len(grid.lengths), grid.longest, accuracy, profiles=profiles_of(len(names), rows),
     )  # fmt: skip
     return add_warnings(result)
 

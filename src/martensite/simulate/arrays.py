@@ -21,11 +21,11 @@ class Schedule(NamedTuple):
     """A grid as arrays."""
 
     first: Any
-    """Signal at t = 0."""
+    """Signals at t = 0, one per drive."""
     sampled: Any
-    """Signal at the end of every interval, (intervals,)."""
+    """Signals at the end of every interval, an array (intervals,) per drive."""
     drives: Any
-    """Signal of every step, (intervals, steps)."""
+    """Signals of every step, an array (intervals, steps) per drive."""
     lengths: Any
     """Length of every step [s], 0 for padding, (intervals, steps)."""
     one: Any
@@ -36,12 +36,18 @@ def schedule(grid: Grid, dtype: str = "float64") -> tuple[Schedule, bool]:
     """The grid as padded arrays, and whether padding was needed."""
     counts = np.asarray(grid.counts)
     shape = (len(counts), int(counts.max()))
-    drives, lengths = np.zeros(shape, dtype), np.zeros(shape, dtype)
     used = np.arange(shape[1]) < counts[:, None]
-    drives[used], lengths[used] = grid.drives, grid.lengths
-    sampled = np.asarray(grid.sampled, dtype)
-    one = np.ones((), dtype)
-    return Schedule(sampled[0], sampled[1:], drives, lengths, one), not bool(used.all())
+
+    def padded(values: Any) -> Any:
+        made = np.zeros(shape, dtype)
+        made[used] = values
+        return made
+
+    drives = tuple(padded(signal) for signal in zip(*grid.drives, strict=True))
+    sampled = [np.asarray(signal, dtype) for signal in zip(*grid.sampled, strict=True)]
+    first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
+    plan = Schedule(first, rest, drives, padded(grid.lengths), np.ones((), dtype))
+    return plan, not bool(used.all())
 
 
 class Rows(NamedTuple):
@@ -68,26 +74,27 @@ def march(
         shape = np_.broadcast_shapes(*(np_.shape(v) for v in values))
         zero = np_.zeros(shape, plan.lengths.dtype)
 
-        def observe(state: Any, drive: Any) -> tuple[Any, ...]:
-            row = functions["observe"](*state, drive)
+        def observe(state: Any, signals: Any) -> tuple[Any, ...]:
+            row = functions["observe"](*state, *signals)
             return tuple(zero + row[i] for i in outputs)
 
         def one(carry: Any, now: Any) -> tuple[Any, None]:
             state, residual, crossing = carry
-            *after, r, c = functions["step"](*state, *now)
+            signals, dt = now
+            *after, r, c = functions["step"](*state, *signals, dt)
             after = [np_.broadcast_to(a, shape) for a in after]
             if padded:
-                after = [xp.where(now[1] > 0.0, a, b) for a, b in zip(after, state, strict=True)]
-                r, c = (xp.where(now[1] > 0.0, v, 0.0) for v in (r, c))
+                after = [xp.where(dt > 0.0, a, b) for a, b in zip(after, state, strict=True)]
+                r, c = (xp.where(dt > 0.0, v, 0.0) for v in (r, c))
             worst = np_.where(residual >= r, residual, r), np_.where(crossing >= c, crossing, c)
             return (tuple(after), *worst), None
 
         def interval(carry: Any, now: Any) -> tuple[Any, tuple[Any, ...]]:
-            drive, *steps = now
+            signals, *steps = now
             carry, _ = jax.lax.scan(one, carry, tuple(steps))
-            return carry, observe(carry[0], drive)
+            return carry, observe(carry[0], signals)
 
-        state = tuple(zero + v for v in functions["init"](plan.first))
+        state = tuple(zero + v for v in functions["init"](*plan.first))
         start = observe(state, plan.first)
         (_, residual, crossing), rows = jax.lax.scan(
             interval, (state, zero, zero), (plan.sampled, plan.drives, plan.lengths)

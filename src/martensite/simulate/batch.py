@@ -10,13 +10,13 @@ import numpy as np
 
 from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
 from martensite.runtimes.bracket import ITERATIONS
-from martensite.signals.base import AbstractWaveform
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import Compiled, compile_system
-from martensite.simulate.grid import Grid, build_grid, require_unit
+from martensite.simulate.driven import Waveforms, grid_of
+from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track
 from martensite.status import Status
-from martensite.system import System
+from martensite.system import AbstractSystem
 
 CHUNK = 256
 PRECISIONS = ("float64", "float32")
@@ -51,8 +51,8 @@ class Sensitivity:
 
 
 def simulate_batch(
-    system: System,
-    waveform: AbstractWaveform,
+    system: AbstractSystem,
+    waveform: Waveforms,
     duration: float,
     over: Mapping[str, Sequence[float]],
     *,
@@ -104,8 +104,8 @@ def simulate_batch(
 
 
 def sensitivity(
-    system: System,
-    waveform: AbstractWaveform,
+    system: AbstractSystem,
+    waveform: Waveforms,
     duration: float,
     wrt: Sequence[str],
     *,
@@ -147,14 +147,12 @@ def march_jax(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
 
 
 def _plan(
-    system: System, waveform: AbstractWaveform, duration: float, samples: int, step: float,
+    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float,
     precision: str,
 ) -> tuple[Schedule, bool]:  # fmt: skip
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
-    require_unit(waveform, system.source.unit)
-    at_end = system.source.sets_temperature
-    return schedule(build_grid(waveform, duration, samples, step, at_end), precision)
+    return schedule(grid_of(system, waveform, duration, samples, step), precision)
 
 
 def _indices(compiled: Compiled, outputs: Sequence[str]) -> tuple[int, ...]:
@@ -164,7 +162,7 @@ def _indices(compiled: Compiled, outputs: Sequence[str]) -> tuple[int, ...]:
     return tuple(compiled.outputs.index(name) for name in outputs)
 
 
-def _varied(system: System, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+def _varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
     """The varied parameters by full path, as arrays of equal length within their bounds."""
     leaves = {leaf.path: leaf for leaf in system.leaves()}
     varied = {system.resolve(name): np.asarray(values, float) for name, values in over.items()}

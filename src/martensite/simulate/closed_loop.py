@@ -19,21 +19,19 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from martensite.errors import InputError, SolveError
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractDrive
-from martensite.simulate.api import THOROUGH, first_step
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.api import first_step
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
 from martensite.simulate.march import COARSE, SOLVED, Track, Watch, track
+from martensite.simulate.patient import patient
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
-from martensite.system import OUTPUTS, System
+from martensite.system import System
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 """Outputs that are measured while the source is on."""
-NAMES = tuple(OUTPUTS)
 Row = tuple[float, ...]
 
 
@@ -92,12 +90,8 @@ def simulate_loop(
         raise InputError(f"The loop needs more than {MOST_STEPS:,} steps; shorten its duration.")
     started = probe if probe is not None else (1.0 if pulses else 0.0)
     plan = Plan(system, drive, periods, period, pulses, shortest, started, longest)
-    walk = _Walk(plan, ITERATIONS)
-    found = walk.run()
-    if found.status is Status.UNSOLVED:
-        walk = _Walk(plan, THOROUGH)
-        found = walk.run()
-    return walk.loop(found.require())
+    walk = _Walk(plan)
+    return walk.loop(walk.run().require())
 
 
 @dataclass
@@ -105,7 +99,6 @@ class _Walk:
     """One march through all periods."""
 
     plan: Plan
-    iterations: int
     rows: list[Row] = field(default_factory=list[Row])
     ends: list[Row] = field(default_factory=list[Row])
     sums: list[list[float]] = field(default_factory=list[list[float]])
@@ -116,11 +109,10 @@ class _Walk:
     longest: float = 0.0
 
     def __post_init__(self) -> None:
-        compiled = compile_system(self.plan.system, self.iterations)
-        functions = compiled.program.bind_floats(*compiled.values(self.plan.system))
+        functions, self.size = patient(self.plan.system)
         self.advance: Callable[..., Row] = functions["step"]
         self.observe: Callable[..., Row] = functions["observe"]
-        self.size = compiled.size
+        self.names = tuple(self.plan.system.outputs())
         self.state: Row = functions["init"](self.plan.probe)
         self.switched: Row = self.observe(*self.state, self.plan.probe)
         """Outputs when the source was last on."""
@@ -140,8 +132,8 @@ class _Walk:
 
     def _period(self, time: float, memory: Any) -> Any:
         seen = self.observe(*self.state, self.switched[0])
-        found = dict(zip(NAMES, seen, strict=False))  # a profile comes after
-        found |= {name: self.switched[NAMES.index(name)] for name in ELECTRICAL}
+        found = dict(zip(self.names, seen, strict=False))  # a profile comes after
+        found |= {name: self.switched[self.names.index(name)] for name in ELECTRICAL}
         signal, memory = self.plan.drive(time, found, memory)
         if not math.isfinite(signal):
             raise SolveError(f"The drive answered with {signal} at t = {time:.6g} s.")
@@ -182,12 +174,12 @@ class _Walk:
         plan, count = self.plan, len(self.times)
         times = [plan.start(k) for k in range(plan.periods + 1)]
         result = Result(
-            plan.system, plan.waveform(self.signals), times, _columns(found.rows), found.status,
-            found.status_time, count, self.longest,
+            plan.system, plan.waveform(self.signals), times, self._columns(found.rows),
+            found.status, found.status_time, count, self.longest,
         )  # fmt: skip
-        ends = _columns(self.ends)
+        ends = self._columns(self.ends)
         add_warnings(result, self._judged(result.columns, ends))
-        return Loop(result, plan.period, self.signals, ends, _columns(self.sums))
+        return Loop(result, plan.period, self.signals, ends, self._columns(self.sums))
 
     def _judged(
         self, starts: dict[str, list[float]], ends: dict[str, list[float]]
@@ -199,6 +191,5 @@ class _Walk:
         }
         return {**starts, **peaks, "drive": [*self.signals, self.signals[-1]]}
 
-
-def _columns(rows: Sequence[Sequence[float]]) -> dict[str, list[float]]:
-    return {name: [row[i] for row in rows] for i, name in enumerate(NAMES)}
+    def _columns(self, rows: Sequence[Row | list[float]]) -> dict[str, list[float]]:
+        return {name: [row[i] for row in rows] for i, name in enumerate(self.names)}

@@ -12,11 +12,11 @@ from functools import lru_cache
 from typing import Any
 
 from martensite.laws.coupling import Report
-from martensite.parameters import Parametrised
+from martensite.parameters import structure
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
-from martensite.system import OUTPUTS, PROFILES, System
+from martensite.system import PROFILES, AbstractSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,27 +28,19 @@ class Compiled:
     """Parameter paths in the order in which the program takes them."""
     size: int
     """Number of state variables."""
+    drives: int
+    """Number of drive signals."""
+    outputs: tuple[str, ...]
+    """Those of the system, then the profile of its element: `cell_temperature[0]`, …"""
     report: tuple[str, ...] = Report._fields
-    outputs: tuple[str, ...] = tuple(OUTPUTS)
-    """Those of every system, then the profile of its element: `cell_temperature[0]`, …"""
 
-    def values(self, system: System) -> list[float]:
+    def values(self, system: AbstractSystem) -> list[float]:
         """Parameter values of a system of this structure, in order."""
         known = {leaf.path: leaf.value for leaf in system.leaves()}
         return [known[path] for path in self.paths]
 
 
-def structure(part: Parametrised) -> tuple[Any, ...]:
-    """A hashable description of everything but the numbers."""
-    options = tuple(
-        (name, getattr(part, name))
-        for name, declared in part.declarations.items()
-        if declared.kind == "option"
-    )
-    return type(part), options, tuple((name, structure(child)) for name, child in part.children())
-
-
-def compile_system(system: System, iterations: int = ITERATIONS) -> Compiled:
+def compile_system(system: AbstractSystem, iterations: int = ITERATIONS) -> Compiled:
     """Trace a system, or return the program of an earlier one of the same structure.
 
     `iterations` is the fixed count of the bracketed solve of every step.
@@ -59,7 +51,7 @@ def compile_system(system: System, iterations: int = ITERATIONS) -> Compiled:
 @dataclass(frozen=True)
 class _Keyed:
     key: tuple[Any, ...]
-    system: System
+    system: AbstractSystem
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -75,35 +67,39 @@ def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     system = keyed.system.rebuilt({path: program.parameter(path) for path in paths})
     found: list[Shape] = []
 
-    def init(xp: Any, drive: Any) -> list[Any]:
-        state = system.init(xp, drive)
+    def init(xp: Any, *drives: Any) -> list[Any]:
+        state = system.init(xp, *drives)
         found.append(Shape(state))
         return flatten(state)
 
-    program.add("init", ["u"], init)
+    signals = [f"u{i}" for i in range(len(system.drives()))]
+    program.add("init", signals, init)
     shape, size = found[0], len(flatten(found[0].example))
     names = [f"s{i}" for i in range(size)]
-    program.add("step", [*names, "u", "dt"], _step_kernel(system, shape, iterations))
-    program.add("observe", [*names, "u"], _observe_kernel(system, shape))
-    cells = len(system.profile(shape.example).cell_temperature)
-    along = (f"{name}[{i}]" for name in PROFILES for i in range(cells))
-    return Compiled(program, paths, size, outputs=(*OUTPUTS, *along))
+    program.add("step", [*names, *signals, "dt"], _step_kernel(system, shape, size, iterations))
+    program.add("observe", [*names, *signals], _observe_kernel(system, shape, size))
+    profile = system.profile(shape.example)
+    along = (f"{n}[{i}]" for n, c in zip(PROFILES, profile, strict=False) for i in range(len(c)))
+    outputs = (*keyed.system.outputs(), *along)
+    return Compiled(program, paths, size, len(signals), outputs)
 
 
-def _step_kernel(system: System, shape: Shape, iterations: int) -> Callable[..., list[Any]]:
+def _step_kernel(
+    system: AbstractSystem, shape: Shape, size: int, iterations: int
+) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
-        *numbers, drive, dt = arguments
-        state, report = system.step(xp, shape.rebuild(numbers), drive, dt, iterations)
-        return flatten(state) + flatten(report)
+        *numbers, dt = arguments
+        state, drives = shape.rebuild(numbers[:size]), numbers[size:]
+        after, report = system.step(xp, state, *drives, dt=dt, iterations=iterations)
+        return flatten(after) + flatten(report)
 
     return step
 
 
-def _observe_kernel(system: System, shape: Shape) -> Callable[..., list[Any]]:
+def _observe_kernel(system: AbstractSystem, shape: Shape, size: int) -> Callable[..., list[Any]]:
     def observe(xp: Any, *arguments: Any) -> list[Any]:
-        *numbers, drive = arguments
-        state = shape.rebuild(numbers)
+        state, drives = shape.rebuild(arguments[:size]), arguments[size:]
         along = [number for column in system.profile(state) for number in column]
-        return [*flatten(system.observe(xp, state, drive)), *along]
+        return [*system.observe(xp, state, *drives), *along]
 
     return observe

@@ -21,11 +21,11 @@ from typing import Any
 
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import advance
+from martensite.parameters import structure
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
-from martensite.simulate.compiled import structure
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """What every function returns after the memory: [-], [-], [-], [Pa], [-]."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -10,6 +11,8 @@ from martensite.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
 
 MOST_STEPS = 20_000_000
+Signals = tuple[float, ...]
+"""One number per drive of a system."""
 
 
 @dataclass(frozen=True)
@@ -17,14 +20,14 @@ class Grid:
     """Sample times, and the steps between them."""
 
     times: list[float]
-    sampled: list[float]
-    """Signal at the sample times."""
+    sampled: list[Signals]
+    """Signals at the sample times."""
     counts: list[int]
     """Steps in each interval between samples."""
     lengths: list[float]
     """Length of every step [s]."""
-    drives: list[float]
-    """Signal of every step."""
+    drives: list[Signals]
+    """Signals of every step."""
 
     @property
     def longest(self) -> float:
@@ -43,15 +46,17 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
 
 
 def build_grid(
-    waveform: AbstractWaveform, duration: float, samples: int, step: float, at_end: bool
-) -> Grid:
+    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float,
+    at_end: Sequence[bool],
+) -> Grid:  # fmt: skip
     """Cut [0, duration] at samples and edges, and the pieces into steps of at most `step` [s].
 
     The signal of a step is its value at mid-step (second order), or at its end (from the
-    left) for signals that prescribe a state.
+    left) for signals that prescribe a state: one flag per waveform says which.
     """
     times = [duration * i / (samples - 1) for i in range(samples)]
-    edges = [*waveform.edges(duration), math.inf]
+    found = {edge for waveform in waveforms for edge in waveform.edges(duration)}
+    edges = [*sorted(found), math.inf]
     if duration / step + len(edges) + samples > MOST_STEPS:
         raise InputError(
             f"A run of {duration:.6g} s in steps of {step:.3g} s needs more than "
@@ -59,8 +64,9 @@ def build_grid(
         )
     counts: list[int] = []
     lengths: list[float] = []
-    drives: list[float] = []
-    share = 1.0 - 1e-9 if at_end else 0.5
+    drives: list[Signals] = []
+    shares = [1.0 - 1e-9 if late else 0.5 for late in at_end]
+    rows = list(zip(waveforms, shares, strict=True))
     next_edge, hair = 0, 1e-12 * duration
     for first, last in pairwise(times):
         cuts = [first]
@@ -73,6 +79,10 @@ def build_grid(
             pieces = max(1, math.ceil((b - a) / step - 1e-9))
             length = (b - a) / pieces
             lengths += [length] * pieces
-            drives += [waveform.value(a + (k + share) * length) for k in range(pieces)]
+            drives += [
+                tuple(wave.value(a + (k + share) * length) for wave, share in rows)
+                for k in range(pieces)
+            ]
         counts.append(len(lengths) - before)
-    return Grid(times, [waveform.value(t) for t in times], counts, lengths, drives)
+    sampled = [tuple(waveform.value(t) for waveform in waveforms) for t in times]
+    return Grid(times, sampled, counts, lengths, drives)

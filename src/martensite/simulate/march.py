@@ -39,19 +39,19 @@ class Track:
 def march_floats(functions: Functions, size: int, grid: Grid) -> Track:
     """Advance through the grid with traced float functions; failures are a status."""
     step, observe = functions["step"], functions["observe"]
-    state = functions["init"](grid.sampled[0])
-    rows = [observe(*state, grid.sampled[0])]
+    state = functions["init"](*grid.sampled[0])
+    rows = [observe(*state, *grid.sampled[0])]
     watch = Watch()
     k = 0
     try:
-        for count, drive in zip(grid.counts, grid.sampled[1:], strict=True):
+        for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):
             for u, dt in zip(grid.drives[k : k + count], grid.lengths[k : k + count], strict=True):
-                after = step(*state, u, dt)
+                after = step(*state, *u, dt)
                 state = after[:size]
                 if not after[size] <= SOLVED or after[size + 1] > COARSE:
                     watch.note(after[size], after[size + 1], k)
                 k += 1
-            rows.append(observe(*state, drive))
+            rows.append(observe(*state, *drives))
     except ArithmeticError:  # a division by zero or an overflow
         watch.note(math.inf, 0.0, k)
     return track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))

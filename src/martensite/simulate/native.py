@@ -23,16 +23,21 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
     double c[{constants} * {lanes}], x[{inputs} * {lanes}], y[{results} * {lanes}];
     const long n = {lanes};
     k_prepare(n, p, c);
-    for (long l = 0; l < n; l++) {{ x[l] = first[0]; worst[l] = 0.0; worst[n + l] = 0.0; }}
+    for (long l = 0; l < n; l++) {{
+        for (long d = 0; d < {drives}; d++) x[d * n + l] = first[d];
+        worst[l] = 0.0;
+        worst[n + l] = 0.0;
+    }}
     k_init(n, c, x, y);
     memcpy(x, y, sizeof(double) * {size} * n);
-    for (long l = 0; l < n; l++) x[{size} * n + l] = first[0];
+    for (long d = 0; d < {drives}; d++)
+        for (long l = 0; l < n; l++) x[({size} + d) * n + l] = first[d];
     k_observe(n, c, x, rows);
     for (long i = 0; i < intervals; i++) {{
-        for (long k = 0; k < counts[i]; k++, drives++, lengths++) {{
+        for (long k = 0; k < counts[i]; k++, drives += {drives}, lengths++) {{
             for (long l = 0; l < n; l++) {{
-                x[{size} * n + l] = *drives;
-                x[({size} + 1) * n + l] = *lengths;
+                for (long d = 0; d < {drives}; d++) x[({size} + d) * n + l] = drives[d];
+                x[({size} + {drives}) * n + l] = *lengths;
             }}
             k_step(n, c, x, y);
             memcpy(x, y, sizeof(double) * {size} * n);
@@ -42,7 +47,8 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
                 worst[n + l] = (worst[n + l] >= s) ? worst[n + l] : s;
             }}
         }}
-        for (long l = 0; l < n; l++) x[{size} * n + l] = sampled[i];
+        for (long d = 0; d < {drives}; d++)
+            for (long l = 0; l < n; l++) x[({size} + d) * n + l] = sampled[i * {drives} + d];
         rows += {outputs} * n;
         k_observe(n, c, x, rows);
     }}
@@ -58,9 +64,10 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
     loop = _MARCH.format(
         lanes=lanes,
         constants=max(1, len(compiled.program.hoisted)),
-        inputs=compiled.size + 2,
+        inputs=compiled.size + compiled.drives + 1,
         results=compiled.size + len(compiled.report),
         size=compiled.size,
+        drives=compiled.drives,
         outputs=len(outputs),
     )
     return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
@@ -82,10 +89,10 @@ def march_lanes(
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((2, lanes))
-    sampled = np.asarray(grid.sampled)
+    sampled = np.asarray(grid.sampled, float)
     arrays = (
         parameters, sampled[:1].copy(), sampled[1:].copy(), np.asarray(grid.counts, np.int_),
-        np.asarray(grid.drives), np.asarray(grid.lengths), rows, worst,
+        np.asarray(grid.drives, float), np.asarray(grid.lengths), rows, worst,
     )  # fmt: skip
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
-from martensite.signals.base import AbstractWaveform
+from martensite import units
+from martensite.mechanisms.base import Output
 from martensite.simulate.alarms import Alarm
 from martensite.status import Status
-from martensite.system import OUTPUTS, PROFILES, System
+from martensite.system import PROFILES
 
 
 @dataclass(frozen=True)
 class Result:
     """Columns over time, and how far they can be trusted."""
 
-    system: System
-    waveform: AbstractWaveform
+    system: Any
+    """What was run: a `System` of one element, or a `Machine` of several."""
+    waveform: Any
+    """The waveform that drove it, or waveforms by name."""
     times: list[float]
     """Sample times [s]."""
     columns: dict[str, list[float]]
-    """One list per output named in `martensite.system.OUTPUTS`, in SI units."""
+    """One list per output of the system, in SI units."""
     status: Status
     """The worst status of all steps; a failed run has no result but raises."""
     status_time: float | None
@@ -30,7 +35,7 @@ class Result:
     """Longest step taken [s]."""
     accuracy: float | None = None
     """Largest difference to the run with twice the step, as a share of each column's range
-    (temperature, martensite fraction, position); None if only one run was made."""
+    (temperatures, martensite fractions, coordinates); None if only one run was made."""
     warnings: list[str] = field(default_factory=list[str])
     """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
@@ -44,11 +49,19 @@ class Result:
         """A column by name, or the times."""
         return self.times if name == "time" else self.columns[name]
 
+    @cached_property
+    def outputs(self) -> dict[str, Output]:
+        """How every column is called, with its unit."""
+        return self.system.outputs()
+
     def unit(self, name: str) -> str:
         """SI unit of a column."""
-        if name == "time":
-            return "s"
-        return self.system.source.unit if name == "drive" else OUTPUTS[name][0]
+        return "s" if name == "time" else self.outputs[name].unit
+
+    @property
+    def coordinate(self) -> str:
+        """Name of the first coordinate of the mechanism: its stroke is that of the system."""
+        return next(iter(self.system.mechanism.outputs()))
 
     def range(self, name: str) -> float:
         """Largest minus smallest value of a column, in SI."""
@@ -56,28 +69,30 @@ class Result:
 
     @property
     def stroke(self) -> float:
-        """Largest position less smallest [m]."""
-        return self.range("position")
+        """Largest less smallest value of the first coordinate [m] or [rad]."""
+        return self.range(self.coordinate)
 
     def __str__(self) -> str:
         """A summary of a few lines."""
-        hot, cold = max(self["temperature"]) - 273.15, min(self["temperature"]) - 273.15
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
         lines = [
             f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s, "
             f"accuracy {accuracy}",
-            f"temperature {cold:.1f} to {hot:.1f} °C",
-            f"stroke {self.stroke * 1e3:.3f} mm",
-            f"martensite fraction {min(self['martensite_fraction']):.3f} to "
-            f"{max(self['martensite_fraction']):.3f}",
-            f"stress {min(self['stress']) / 1e6:.1f} to {max(self['stress']) / 1e6:.1f} MPa",
+            *(line for name in self.system.judged() for line in [self._line(name)]),
         ]
         return "\n".join([*lines, *self.warnings])
 
+    def _line(self, name: str) -> str:
+        """From where to where a column goes, in a readable unit."""
+        unit = self.unit(name)
+        shown = units.readable(unit)
+        low, high = (units.from_si(f(self[name]), shown, unit) for f in (min, max))
+        label = "" if shown == "1" else f" {shown}"
+        return f"{self.outputs[name].long_name} {low:.4g} to {high:.4g}{label}"
 
-def profiles_of(rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
-    """The profiles among rows of all outputs."""
-    first = len(OUTPUTS)
+
+def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
+    """The profiles among rows; they start at column `first`."""
     cells = (len(rows[0]) - first) // len(PROFILES)
     starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
     return {

@@ -1,0 +1,202 @@
+"""From the sections of a scenario to a system and the waveforms that drive it.
+
+[element], [environment] and [drive] describe the actuator of a mechanism with one port. A
+mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
+there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
+port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
+the mechanism itself, such as the voltage of a motor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast
+
+from martensite.electrical.base import SOURCES
+from martensite.elements.base import ELEMENTS
+from martensite.errors import ParameterError, suggestion
+from martensite.io import recorded
+from martensite.io.build import Builder, Table, as_table, refuse_unknown, section
+from martensite.materials.base import Material, load_material
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
+from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.simulate.driven import Waveforms
+from martensite.simulate.grid import require_unit
+from martensite.system import AbstractSystem, Actuator, Group, Machine, System
+from martensite.thermal.base import Environment
+
+COMMON = ("element", "environment", "drive")
+GROUP = "actuators"
+SIGNALS = "signals"
+
+
+@dataclass
+class Assembly:
+    """A system in the making."""
+
+    document: Table
+    folder: Path
+    """Where files that are named are looked for."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path of each number -> where it came from."""
+    waveforms: dict[str, AbstractWaveform] = field(default_factory=dict[str, AbstractWaveform])
+    end: float = math.inf
+    """When the last recorded waveform ends [s]."""
+    material: Material | None = None
+    """That of the first element which names one."""
+
+    def system(self) -> AbstractSystem:
+        """The system; fills the other fields on the way."""
+        table = section_of(self.document, "mechanism")
+        mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
+        ports = mechanism.ports()
+        made = self._single(mechanism) if len(ports) == 1 else self._machine(mechanism, ports)
+        self._signals(mechanism)
+        return made
+
+    def driven(self, system: AbstractSystem) -> Waveforms:
+        """The waveform of a system with one drive, or those of one with several by name."""
+        known = self.waveforms
+        return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
+
+    def _single(self, mechanism: AbstractMechanism) -> System:
+        if GROUP in self.document:
+            raise ParameterError(
+                f"Mechanism `{mechanism.registered_name}` takes one element, described in "
+                f"[element]; there are no [{GROUP}]."
+            )
+        actuator = self._actuator(self.document, "", "drive", True)
+        return System(mechanism=mechanism, **actuator)
+
+    def _machine(self, mechanism: AbstractMechanism, ports: tuple[str, ...]) -> Machine:
+        own = section_of(self.document, GROUP, {})
+        for name in own:
+            if name not in ports:
+                raise ParameterError(
+                    f"[{GROUP}.{name}]: `{mechanism.registered_name}` has no port of that name. "
+                    f"{suggestion(name, ports)}"
+                )
+        members: dict[str, Actuator] = {}
+        for port in ports:
+            path = f"{GROUP}.{port}"
+            different = as_table(own.get(port, {}), path)
+            refuse_unknown(different, COMMON, f"[{path}]")
+            tables = {
+                name: _over(section_of(self.document, name, {}), different.get(name, {}), path)
+                for name in COMMON
+            }
+            members[port] = Actuator(**self._actuator(tables, f"{path}.", port, False))
+        return Machine(mechanism=mechanism, group=Group(**members))
+
+    def _actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
+        """Element, environment and source; notes the waveform of the drive."""
+        element = section_of(tables, "element")
+        material = self._material(element)
+        table = section_of(tables, "drive")
+        path = f"{prefix}drive"
+        source = Builder(origins=self.origins, extra=("waveform",)).choose(
+            SOURCES, {key: value for key, value in table.items() if key != "waveform"}, path
+        )
+        if driven or "waveform" in table:
+            self.waveforms[drive] = self._waveform(table, source.unit, path)
+        builder = Builder(material, origins=self.origins)
+        return {
+            "element": Builder(material, origins=self.origins, extra=("material",)).choose(
+                ELEMENTS, element, f"{prefix}element", draws=True
+            ),
+            "environment": _environment(builder, tables, source.sets_temperature, prefix),
+            "source": source,
+        }
+
+    def _signals(self, mechanism: AbstractMechanism) -> None:
+        """The waveforms of the mechanism's own signals."""
+        units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
+        for name, table in tables.items():
+            if name not in units:
+                raise ParameterError(
+                    f"[{SIGNALS}.{name}]: `{mechanism.registered_name}` has no signal of that "
+                    f"name. {suggestion(name, units)}"
+                )
+            path = f"{SIGNALS}.{name}"
+            self.waveforms[name] = self._waveform({"waveform": table}, units[name], path)
+
+    def _material(self, element: Table) -> Material | None:
+        name = element.get("material")
+        if name is None:
+            return None
+        if not isinstance(name, str):
+            raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
+        with section("element"):
+            found = load_material(name, self.folder)
+        self.material = self.material or found
+        return found
+
+    def _waveform(self, drive: Table, unit: str, path: str) -> AbstractWaveform:
+        """The waveform of a drive; a table of records has an end."""
+        if "waveform" not in drive:
+            kinds = suggestion("", WAVEFORMS.names())
+            raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
+        below = path if path.startswith(SIGNALS) else f"{path}.waveform"
+        table = as_table(drive["waveform"], below)
+        if table.get("kind") == recorded.KIND:
+            waveform, end = recorded.waveform(table, below, self.folder, unit)
+            self.end = end if math.isinf(self.end) else max(self.end, end)
+            return waveform
+        if "kind" in table:
+            with section(below):
+                require_unit(WAVEFORMS[str(table["kind"])], unit)
+        builder = Builder(drive_unit=unit, origins=self.origins)
+        return builder.choose(WAVEFORMS, table, below)
+
+
+def section_of(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:
+    """A section of a scenario.
+
+    Raises:
+        ParameterError: there is none, and no default.
+    """
+    if name not in document and default is None:
+        raise ParameterError(f"The scenario needs a section [{name}]; none given.")
+    return as_table(document.get(name, default), name)
+
+
+def scenario_path(path: str) -> str:
+    """The path by which a scenario reaches a number of its system, such as `drive.supply`."""
+    members = f"{GROUP}." if path.startswith("group.") else ""
+    path = path.removeprefix("group.")
+    head, dot, rest = path.partition("source.")
+    return members + (f"{head}drive.{rest}" if dot and head.count(".") <= 1 else path)
+
+
+def waveform_path(system: AbstractSystem, drive: str) -> str:
+    """The path, with its dot, by which a scenario reaches the waveform of a drive."""
+    if drive in system.mechanism.signals():
+        return f"{SIGNALS}.{drive}."
+    return "drive.waveform." if drive == "drive" else f"{GROUP}.{drive}.drive.waveform."
+
+
+def _environment(
+    builder: Builder, tables: Table, sets_temperature: bool, prefix: str
+) -> Environment:
+    """The surroundings; where the drive sets the temperature no heat balance is solved."""
+    table = section_of(tables, "environment", {})
+    if sets_temperature and "cooling" not in table:
+        table = {**table, "cooling": {"kind": "constant", "h": "0 W/m^2/K"}}
+    return builder.build(Environment, table, f"{prefix}environment")
+
+
+def _over(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
+    """A table with the entries of another over its own; a table of another kind replaces it."""
+    over = as_table(different, path)
+    if "kind" in over and over["kind"] != common.get("kind"):
+        return over
+    found = dict(common)
+    for key, value in over.items():
+        below = found.get(key)
+        if isinstance(below, dict) and isinstance(value, dict):
+            value = _over(cast("dict[str, Any]", below), value, f"{path}.{key}")
+        found[key] = value
+    return found

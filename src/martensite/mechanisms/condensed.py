@@ -1,0 +1,261 @@
+r"""One step of a multibody mechanism with its elements.
+
+Seen from one element, the mechanism with all other elements is a spring. Linearised at a trial
+position, with the others as the tangents F_j + K_j (e - e_j) that they answered with before,
+
+    H δ + Σ_j η_j K_j J_j J_jᵀ δ = η_i J_i ΔF_i - r            A = H + Σ_j η_j K_j J_j J_jᵀ
+
+it is a straight line between elongation and tension of element i,
+
+    (1 - s K_i) (e - e*) + s (F - F*) = g,      s = η_i J_i·A⁻¹J_i,      g = J_i·A⁻¹r
+
+on which the element solves its own coupled step of law and heat in a bracket. What all of
+them found gives new tangents and, by Newton's method, the next trial position. That is Newton's
+method for the mechanism and a bracket for every law; the last correction of the position is
+part of the residual of the step. K_i only sets the speed of convergence, not the solution.
+
+H holds stiffness, damping and inertia of the mechanism, with the turning of its levers under
+tension; all slopes are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from martensite.laws.coupling import Report
+from martensite.mechanisms.alike import Line, answers
+from martensite.mechanisms.base import Column, Load
+from martensite.mechanisms.elimination import inner, solutions
+from martensite.mechanisms.motion import Course, Numbers, Scheme, predicted
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.dual import jacobian
+from martensite.runtimes.namespace import Flag, Namespace, Scalar
+from martensite.runtimes.nested import Shape, flatten, largest
+
+if TYPE_CHECKING:
+    from martensite.mechanisms.multibody import AbstractMultibody, Assembled
+
+PASSES = 3
+THOROUGH = 20
+"""Passes where the laws are solved with more iterations than usual, too."""
+FLOOR = 1e-9
+"""Stiffness of a slack element as a share of that of a taut one, lest nothing holds."""
+STILL = 1e-13
+"""Change of elongation [m] from which no tangent can be read, and gap that is none."""
+
+
+class Tangent(NamedTuple):
+    """How an element answers: force at an elongation, and force per elongation."""
+
+    force: Scalar
+    elongation: Scalar
+    stiffness: Scalar
+
+
+class Linear(NamedTuple):
+    """The mechanism with its elements, linearised at a trial position."""
+
+    elongations: Column
+    lever: list[list[Scalar]]
+    """J."""
+    shares: Column
+    """η."""
+    matrix: list[list[Scalar]]
+    """H."""
+    missing: Column
+    """Demand less what the tangents supply."""
+    forces: Column
+    """Of the tangents [N]."""
+
+
+class _Turn(NamedTuple):
+    """What one pass hands to the next."""
+
+    position: Numbers
+    tangents: tuple[Tangent, ...]
+    turned: Scalar
+    """0 before the first pass, then 1."""
+    states: tuple[Any, ...]
+    report: Report
+    moved: Scalar
+    """Largest correction of a coordinate, in its size."""
+    change: Numbers
+    """By how much the position was corrected."""
+    reach: Numbers
+    """By how much it may have been."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step; `solved` is the only thing to ask for."""
+
+    mechanism: AbstractMultibody
+    memory: Assembled
+    loads: Sequence[Load]
+    signals: Column
+    dt: Scalar
+    iterations: int
+
+    @property
+    def thorough(self) -> bool:
+        """True if there is time for kinks."""
+        return self.iterations > ITERATIONS
+
+    def solved(self, xp: Namespace) -> tuple[Course, list[Scalar], list[Any], Report]:
+        """Course, stiffness and state of every element at the end, and the residual."""
+        scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
+        size = len(self.memory.course.position)
+        shape = Shape(_Turn(
+            predicted(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
+            tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
+            (0.0,) * size, (float("inf"),) * size,
+        ))  # fmt: skip
+
+        def turn(*flat: Scalar) -> list[Scalar]:
+            return flatten(self._turn(xp, scheme, shape.rebuild(flat)))
+
+        passes = THOROUGH if self.thorough else PASSES
+        end: _Turn = shape.rebuild(xp.repeat(passes, turn, *flatten(shape.example)))
+        residual = xp.maximum(end.report.residual, end.moved)
+        stiffness = [tangent.stiffness for tangent in end.tangents]
+        report = end.report._replace(residual=residual)
+        return scheme(end.position), stiffness, list(end.states), report
+
+    def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
+        """Linearise, let every element answer, and correct the position."""
+        linear = self._linear(xp, scheme, before.position, before.tangents)
+        found, states, report = self._answers(xp, _lines(linear, before.tangents))
+        tangents = _renewed(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
+        change = _correction(xp, linear, tangents)
+        sizes = (c.size for c in self.mechanism.coordinates())
+        moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
+        reach = before.reach
+        if self.thorough:
+            change, reach = _steadied(xp, change, before)
+        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
+        return _Turn(
+            position, tuple(tangents), 1.0, tuple(states), report, largest(xp, moved),
+            tuple(change), reach,
+        )  # fmt: skip
+
+    def _first(self, xp: Namespace) -> list[Tangent]:
+        """Every element as it stands, as stiff as it was over the last step."""
+        found: list[Tangent] = []
+        paths = self.mechanism.contraction(xp, self.memory.course.position)
+        rows = zip(self.loads, self.memory.stiffness, self.memory.home, paths, strict=True)
+        for (element, state, _), known, home, path in rows:
+            force = element.force(state)
+            spring = element.tangent(xp, state, force)
+            most = 1.0 / spring.compliance
+            elongation = spring.free + spring.compliance * force
+            slack = xp.where(home - path > elongation - STILL, most, FLOOR * most)
+            taut = xp.where(known > 0.0, xp.minimum(known, most), most)
+            stiffness = xp.where(force > 0.0, taut, slack)
+            found.append(Tangent(force, elongation, stiffness))
+        return found
+
+    def _linear(
+        self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]
+    ) -> Linear:
+        """Balance and slopes at a trial position, for elements that are their tangents."""
+        mechanism, home = self.mechanism, self.memory.home
+        paths, lever = jacobian(xp, mechanism.contraction, position)
+        elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
+        forces = [
+            xp.store(xp.maximum(t.force + t.stiffness * (e - t.elongation), 0.0))
+            for t, e in zip(tangents, elongations, strict=True)
+        ]
+
+        def balance(xp: Namespace, trial: Column) -> list[Scalar]:
+            motion = scheme(tuple(trial)).motion()
+            needs = mechanism.demand(xp, motion, self.signals)
+            gives = mechanism.supply(xp, trial, forces, motion.velocity)
+            return [n - g for n, g in zip(needs, gives, strict=True)]
+
+        missing, matrix = jacobian(xp, balance, position)
+        shares = mechanism.transmission(xp, scheme(position).motion())
+        return Linear(elongations, lever, shares, matrix, missing, forces)
+
+    def _answers(
+        self, xp: Namespace, lines: Sequence[Line]
+    ) -> tuple[list[Tangent], list[Any], Report]:
+        """What every element finds on its line: its tangent at frozen fractions, and its state."""
+        if not lines:
+            return [], [], Report(0.0, 0.0)
+        found: list[Tangent] = []
+        answered = answers(xp, self.loads, lines, self.dt, self.iterations)
+        for _, force, spring, _ in answered:
+            elongation = spring.free + spring.compliance * force
+            found.append(Tangent(force, elongation, 1.0 / spring.compliance))
+        residuals, crossings = zip(*(answer.report for answer in answered), strict=True)
+        report = Report(largest(xp, residuals), largest(xp, crossings))
+        return found, [answer.state for answer in answered], report
+
+
+def _matrix(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
+    """A: stiffness of the mechanism and of all elements."""
+    rows = [list(row) for row in linear.matrix]
+    for lever, share, tangent in zip(linear.lever, linear.shares, tangents, strict=True):
+        weight = share * tangent.stiffness
+        for k, row in enumerate(rows):
+            rows[k] = [x + weight * lever[k] * j for x, j in zip(row, lever, strict=True)]
+    return rows
+
+
+def _lines(linear: Linear, tangents: Sequence[Tangent]) -> list[Line]:
+    """What every element sees of the mechanism and the others."""
+    if not tangents:
+        return []
+    *softs, shift = solutions(_matrix(linear, tangents), [*linear.lever, linear.missing])
+    found: list[Line] = []
+    for i, tangent in enumerate(tangents):
+        lever, beta = linear.lever[i], linear.shares[i] * inner(linear.lever[i], softs[i])
+        alpha, offset = 1.0 - beta * tangent.stiffness, inner(lever, shift)
+        found.append(Line(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
+    return found
+
+
+def _renewed(
+    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag,
+    elongations: Column,
+) -> list[Tangent]:  # fmt: skip
+    """The points found, with the slope from the last one to this; first as stiff as before.
+
+    An element without force is slack only if its path is shorter than it is.
+    """
+    new: list[Tangent] = []
+    for last, now, path in zip(before, found, elongations, strict=True):
+        most, taut = now.stiffness, last.force > 0.0
+        kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
+        apart = now.elongation - last.elongation
+        known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
+        secant = (now.force - last.force) / xp.where(known, apart, 1.0)
+        slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
+        slack = xp.where(path > now.elongation - STILL, most, FLOOR * most)
+        new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
+    return new
+
+
+def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:
+    """Newton's step of the position, with every element as it answered."""
+    side = [-missing for missing in linear.missing]
+    for i, tangent in enumerate(tangents):
+        apart = linear.elongations[i] - tangent.elongation
+        answer = xp.maximum(tangent.force + tangent.stiffness * apart, 0.0)
+        weight = linear.shares[i] * (answer - linear.forces[i])
+        side = [s + weight * j for s, j in zip(side, linear.lever[i], strict=True)]
+    return solutions(_matrix(linear, tangents), [side])[0]
+
+
+def _steadied(xp: Namespace, change: Column, before: _Turn) -> tuple[list[Scalar], Numbers]:
+    """A correction that cannot go to and fro over a kink for ever, and how far it may go.
+
+    Whenever it turns round it may go half as far as the last one went, else twice as far as before.
+    """
+    reach: list[Scalar] = []
+    for now, last, most in zip(change, before.change, before.reach, strict=True):
+        reach.append(xp.where(now * last < 0.0, 0.5 * xp.abs(last), 2.0 * most))
+    pairs = zip(change, reach, strict=True)
+    return [xp.clip(d, -most, most) for d, most in pairs], tuple(reach)

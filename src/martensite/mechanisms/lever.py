@@ -1,0 +1,121 @@
+r"""Lever: a wire turns it about a pivot and lifts a weight on the other arm.
+
+The wire runs straight from a fixed point W to the point P at the end of its arm a. As assembled
+P is at (a, 0) from the pivot, and the wire, ℓ long between the points, leaves the arm at the
+angle γ, towards the pivot if that is acute. Turned by φ,
+
+    P = a (cos φ, sin φ),    W = (a - ℓ cos γ, ℓ sin γ),    l = |P - W|,    ΔL = ℓ - l(φ)
+    dΔL/dφ = (P × W)/l                           a sin γ as assembled, 0 at the dead centre
+    (J + m b²) φ'' + c φ' + m g b cos(φ₀ + φ) + τ₀ + k φ + τ_stop = F dΔL/dφ
+
+The weight m hangs on the arm b, which rises at the angle φ₀ as assembled: its lift is
+b [sin(φ₀ + φ) - sin φ₀]. A return spring about the pivot has the torque τ₀ + k φ. Beyond the end
+stops a stiff spring acts; put the upper one before the dead centre, where pivot, P and W are in
+line and the wire turns nothing.
+
+Sign convention: φ grows as the wire pulls; zero as assembled, where wire, weight and spring are
+in balance. Textbook statics.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
+from martensite.mechanisms.joints import stop_torque
+from martensite.mechanisms.motion import Motion
+from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@MECHANISMS.register("lever")
+class Lever(AbstractMultibody):
+    """A lever about a pivot between a wire and a weight."""
+
+    arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0)
+    distance: Scalar = param(
+        "m", "distance ℓ of the fixed end of the wire from its arm", above=0.0, high=100.0
+    )
+    wire_angle: Scalar = param(
+        "rad", "angle γ between wire and arm as assembled",
+        above=0.0, high=3.1, default=0.5 * math.pi,
+    )  # fmt: skip
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0)
+    weight_arm: Scalar = param("m", "arm b of the weight", above=0.0, high=10.0)
+    weight_angle: Scalar = param(
+        "rad", "angle φ₀ at which the arm of the weight rises as assembled",
+        low=-1.57, high=1.57, default=0.0,
+    )  # fmt: skip
+    gravity: Scalar = param(
+        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
+    )
+    stiffness: Scalar = param(
+        "N*m/rad", "rate of the return spring", low=0.0, high=1e6, default=0.0
+    )
+    torque: Scalar = param(
+        "N*m", "torque of the return spring as assembled", low=0.0, high=1e6, default=0.0
+    )
+    lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
+    highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
+    stop: Scalar = param(
+        "N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0
+    )
+    damping: Scalar = param("N*m*s/rad", "damping of the pivot", low=0.0, high=1e6, default=0.0)
+    inertia: Scalar = param(
+        "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6
+    )
+
+    def dead_centre(self) -> float:
+        """Angle [rad] at which pivot, arm and wire are in line."""
+        across = self.distance * math.sin(self.wire_angle)
+        return math.atan2(across, self.arm - self.distance * math.cos(self.wire_angle))
+
+    def cautions(self) -> list[str]:
+        """A dead centre that is reached before the upper end stop."""
+        if self.dead_centre() > self.highest:
+            return []
+        return [
+            f"The lever has its dead centre at {self.dead_centre():.4g} rad, before its upper end "
+            f"stop at {self.highest:.4g} rad; there the wire turns it no further."
+        ]
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The angle."""
+        return (Coordinate("angle", "rad", "angle of the lever", "φ", 1.0),)
+
+    def outputs(self) -> dict[str, Output]:
+        """The angle, its rate if inertia counts, and the lift of the weight."""
+        return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
+
+    def observe(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The tension, and the `outputs` in order."""
+        forces, own = super().observe(xp, memory, loads, signals)
+        rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
+        return forces, [*own, self.weight_arm * rise]
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """ΔL [m]."""
+        x = self.arm * (xp.cos(position[0]) - 1.0) + self.distance * xp.cos(self.wire_angle)
+        y = self.arm * xp.sin(position[0]) - self.distance * xp.sin(self.wire_angle)
+        return [self.distance - xp.sqrt(x * x + y * y)]
+
+    def held(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Torque [N m] of weight and return spring."""
+        weight = self.mass * self.gravity * self.weight_arm
+        return weight * xp.cos(self.weight_angle + angle) + self.torque + self.stiffness * angle
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Torque [N m] of weight, spring, stops, damping and inertia."""
+        (angle,), (rate,), (acceleration,) = motion
+        stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
+        inertia = self.inertia + self.mass * self.weight_arm * self.weight_arm
+        moved = self.damping * rate + inertia * acceleration
+        return [self.held(xp, angle) + stop + moved]
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """Force at angle zero [N]."""
+        return [self.held(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]

@@ -1,0 +1,92 @@
+"""Load lines: mechanisms of one element and one coordinate that answer in closed form.
+
+An element at frozen fractions and temperature has elongation = free + compliance · force.
+The mechanism closes the loop: it returns the force at which both fit. It is assembled with
+the element in its initial state, which defines position zero. Position grows as the element
+shortens. Inertia is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+class Assembly(NamedTuple):
+    """What a load line remembers of being assembled."""
+
+    elongation: Scalar
+    """Elongation of the element at position zero [m]."""
+
+
+class AbstractLoadLine(AbstractMechanism):
+    """Interface of a quasi-static mechanism with one element and one coordinate."""
+
+    def start_force(self, xp: Namespace) -> Scalar:
+        """Force [N] on the element when it is assembled."""
+        raise NotImplementedError
+
+    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
+        """Force [N] at which element and mechanism fit; never below zero."""
+        raise NotImplementedError
+
+    def position(
+        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
+    ) -> Scalar:
+        """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
+        raise NotImplementedError
+
+    def outputs(self) -> dict[str, Output]:
+        """The position."""
+        return {"position": Output("m", "position of the mechanism", "x")}
+
+    def judged(self) -> dict[str, float]:
+        """The position."""
+        return {"position": 1e-6}
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The start force [N]."""
+        return [self.start_force(xp)]
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Assembly:  # fmt: skip
+        """The elongation of the element as assembled."""
+        return Assembly(elongations[0])
+
+    def advance(
+        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column, dt: Scalar,
+        iterations: int,
+    ) -> tuple[Assembly, list[object], Report]:  # fmt: skip
+        """The element solves the step by itself, against the load line."""
+        ((element, state, heating),) = loads
+        pull = self._pull(memory)
+        after, report = element.advance(xp, state, heating, pull, dt, iterations)
+        return memory, [after], report
+
+    def observe(
+        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The force at which both fit, and the position there."""
+        ((element, state, _),) = loads
+
+        def tangent(xp: Namespace, force: Scalar) -> Spring:
+            return element.tangent(xp, state, force)
+
+        force = fitted(xp, tangent, self._pull(memory), element.force(state), element.passes)
+        elongation = element.elongation(xp, state, force)
+        return [force], [self.position(xp, memory, force, elongation)]
+
+    def _pull(self, assembly: Assembly) -> Pull:
+        """The mechanism as the element sees it."""
+
+        def pull(xp: Namespace, spring: Spring) -> Scalar:
+            return self.force(xp, assembly, spring)
+
+        return pull

@@ -1,0 +1,177 @@
+"""A run in which controllers set signals, each called at the start of every period.
+
+Any number of drives: a waveform goes its course from step to step, a controller measures at the
+start of a period and its signal is held until the next. What is measured is every output of
+the system, in SI by name, in the state then and under the signals of the period before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.errors import InputError, ParameterError, SolveError
+from martensite.signals.base import AbstractDrive, AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.signals.held import Held
+from martensite.simulate.api import first_step
+from martensite.simulate.driven import by_name
+from martensite.simulate.grid import MOST_STEPS, require_unit
+from martensite.simulate.loop_plan import whole_periods
+from martensite.simulate.march import COARSE, SOLVED, Track, Watch, track
+from martensite.simulate.patient import patient
+from martensite.simulate.result import Result
+from martensite.simulate.warnings import add_warnings
+from martensite.system import AbstractSystem
+
+Drives = Mapping[str, AbstractDrive]
+
+
+def simulate_controlled(
+    system: AbstractSystem,
+    drives: AbstractDrive | Drives,
+    duration: float,
+    period: float,
+    *,
+    step: float | None = None,
+    every: int = 1,
+) -> Result:
+    """Run a system from rest under controllers and waveforms.
+
+    Runs on plain floats; no accuracy is estimated, so compare with a run in half the step.
+
+    Args:
+        system: a `System` of one element, or a `Machine` of several.
+        drives: controllers and waveforms by the name of what they drive; one alone for a system
+            with one drive. What is not named gets 0.
+        duration: length of the run [s], a whole number of periods.
+        period: time between two calls of a controller [s].
+        step: longest step [s]; by default that of a first run of `simulate`.
+        every: periods per sample of the result.
+
+    Raises:
+        InputError: a name, a unit or an argument does not fit.
+        SolveError: the run failed, or a controller answered with no number.
+    """
+    periods = whole_periods(duration, period)
+    longest = min(step or first_step(system, duration, 2), period)
+    if every < 1 or periods % every:
+        raise ParameterError(
+            f"Argument `every` must divide the {periods} periods of the run, but is {every}."
+        )
+    if duration / longest > MOST_STEPS:
+        raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
+    arranged = _arranged(system, drives)
+    pieces = max(1, math.ceil(period / longest - 1e-9))
+    plan = _Plan(system, arranged, periods, period, pieces, every)
+    walk = _Walk(plan)
+    return walk.result(walk.run().require())
+
+
+def _arranged(system: AbstractSystem, drives: AbstractDrive | Drives) -> list[AbstractDrive]:
+    """A drive for every signal of the system, in their order."""
+    known = by_name(system, drives)
+    found: list[AbstractDrive] = []
+    for name, unit, _ in system.drives():
+        one = known.get(name, Constant(level=0.0))
+        if isinstance(one, AbstractWaveform):
+            require_unit(one, unit)
+        found.append(one)
+    return found
+
+
+@dataclass(frozen=True)
+class _Plan:
+    system: AbstractSystem
+    drives: list[AbstractDrive]
+    periods: int
+    period: float
+    pieces: int
+    """Steps in a period."""
+    every: int
+
+
+class _Walk:
+    """One march through all periods."""
+
+    def __init__(self, plan: _Plan) -> None:
+        functions, self.size = patient(plan.system)
+        self.plan, self.watch = plan, Watch()
+        self.step, self.observe = functions["step"], functions["observe"]
+        self.names = tuple(plan.system.outputs())
+        self.late = [drive.at_end for drive in plan.system.drives()]
+        self.memories: list[Any] = [drive.init() for drive in plan.drives]
+        self.rows: list[tuple[float, ...]] = []
+        self.signals: list[tuple[float, ...]] = []
+        self.now = self._signals(0.0, {})
+        self.state = functions["init"](*self.now)
+
+    def run(self) -> Track:
+        """All periods; failures are a status."""
+        plan = self.plan
+        k = 0
+        try:
+            for k in range(plan.periods):
+                self._period(k)
+            self.rows.append(self.observe(*self.state, *self.now))
+        except ArithmeticError:  # a division by zero or an overflow
+            self.watch.note(math.inf, 0.0, k * plan.pieces)
+        when = self.watch.step * plan.period / plan.pieces
+        return track(self.rows, self.watch.worst, when)
+
+    def _period(self, k: int) -> None:
+        plan, time = self.plan, k * self.plan.period
+        seen = self.observe(*self.state, *self.now)
+        self.now = self._signals(time, dict(zip(self.names, seen, strict=False)))
+        self.signals.append(self.now)
+        if k % plan.every == 0:
+            self.rows.append(self.observe(*self.state, *self.now))
+        dt = plan.period / plan.pieces
+        for piece in range(plan.pieces):
+            after = self.step(*self.state, *self._played(time + piece * dt, dt), dt)
+            self.state = after[: self.size]
+            residual, crossing = after[self.size], after[self.size + 1]
+            if not residual <= SOLVED or crossing > COARSE:
+                self.watch.note(residual, crossing, k * plan.pieces + piece)
+        self.now = self._played(time + plan.period, 0.0)
+
+    def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
+        """What every drive says at the start of a period; controllers rest before the first."""
+        found: list[float] = []
+        for i, drive in enumerate(self.plan.drives):
+            if isinstance(drive, AbstractWaveform):
+                found.append(drive.value(time))
+                continue
+            signal, self.memories[i] = drive(time, seen, self.memories[i]) if seen else (
+                0.0, self.memories[i]
+            )  # fmt: skip
+            if not math.isfinite(signal):
+                raise SolveError(f"A controller answered with {signal} at t = {time:.6g} s.")
+            found.append(signal)
+        return tuple(found)
+
+    def _played(self, time: float, dt: float) -> tuple[float, ...]:
+        """Signals of a step: waveforms go on, controllers hold."""
+        shares = (1.0 - 1e-9 if late else 0.5 for late in self.late)
+        return tuple(
+            drive.value(time + share * dt) if isinstance(drive, AbstractWaveform) else held
+            for drive, held, share in zip(self.plan.drives, self.now, shares, strict=True)
+        )
+
+    def result(self, found: Track) -> Result:
+        """What was found, with its alarms."""
+        plan = self.plan
+        times = [k * plan.every * plan.period for k in range(plan.periods // plan.every + 1)]
+        columns = {name: [row[i] for row in found.rows] for i, name in enumerate(self.names)}
+        played: dict[str, AbstractWaveform] = {}
+        drives = zip(plan.system.drives(), plan.drives, strict=True)
+        for i, (declared, drive) in enumerate(drives):
+            held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
+            played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
+        result = Result(
+            plan.system, played, times, columns, found.status, found.status_time,
+            plan.periods * plan.pieces, plan.period / plan.pieces,
+        )  # fmt: skip
+        return add_warnings(result)

@@ -1,0 +1,62 @@
+"""Which waveform drives what: one for a system of one drive, or a table of them by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar, cast
+
+from martensite.errors import InputError, suggestion
+from martensite.signals.base import AbstractDrive, AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.simulate.grid import Grid, build_grid, require_unit
+from martensite.system import AbstractSystem
+
+Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
+"""A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""
+
+Kind = TypeVar("Kind", bound=AbstractDrive)
+
+
+def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[str, Kind]:
+    """What drives a system, by the name of its drive.
+
+    Raises:
+        InputError: there is no drive of a given name, or one for a system with many.
+    """
+    names = [drive.name for drive in system.drives()]
+    if isinstance(given, AbstractDrive):
+        if len(names) != 1:
+            raise InputError(
+                f"This system has {len(names)} drives ({', '.join(names)}); give a waveform "
+                f"to each by name, such as {{'{names[0]}': ...}}."
+            )
+        return {names[0]: cast("Kind", given)}
+    for name in given:
+        if name not in names:
+            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+    return dict(given)
+
+
+def arranged(system: AbstractSystem, given: Waveforms) -> list[AbstractWaveform]:
+    """A waveform for every drive of a system, in their order.
+
+    Raises:
+        InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.
+    """
+    known = by_name(system, given)
+    found: list[AbstractWaveform] = []
+    for name, unit, _ in system.drives():
+        if name not in known and unit == "K":
+            raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
+        waveform = known.get(name, Constant(level=0.0))
+        require_unit(waveform, unit)
+        found.append(waveform)
+    return found
+
+
+def grid_of(
+    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float
+) -> Grid:
+    """The time grid of a run."""
+    at_end = [drive.at_end for drive in system.drives()]
+    return build_grid(arranged(system, waveform), duration, samples, step, at_end)

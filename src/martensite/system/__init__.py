@@ -1,0 +1,21 @@
+"""Systems: one element, or several, on a mechanism."""
+
+from __future__ import annotations
+
+from martensite.system.actuator import Actuator, Group
+from martensite.system.base import AbstractSystem, State
+from martensite.system.machine import Machine
+from martensite.system.outputs import OUTPUTS, PROFILES, Outputs
+from martensite.system.single import System
+
+__all__ = [
+    "OUTPUTS",
+    "PROFILES",
+    "AbstractSystem",
+    "Actuator",
+    "Group",
+    "Machine",
+    "Outputs",
+    "State",
+    "System",
+]

@@ -1,0 +1,77 @@
+"""An actuator: an element, its surroundings, and what drives it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from martensite.electrical.base import SOURCES, AbstractSource
+from martensite.elements.base import ELEMENTS, AbstractElement, Heating, Profile
+from martensite.errors import ParameterError
+from martensite.mechanisms.base import Load
+from martensite.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.system.outputs import Outputs
+from martensite.thermal.base import Environment
+
+
+class Actuator(Parametrised):
+    """An element, its environment and a source."""
+
+    element: AbstractElement = part("the shape-memory element", ELEMENTS)
+    environment: Environment = part("surroundings")
+    source: AbstractSource = part("what drives the element", SOURCES)
+
+    def start(self, xp: Namespace, force: Scalar, drive: Scalar) -> Any:
+        """State of the element at rest under a force [N], as warm as its surroundings."""
+        imposed = self.source.sets_temperature
+        temperature = drive if imposed else self.environment.temperature
+        return self.element.init(xp, force, temperature)
+
+    def load(self, state: Any, drive: Scalar) -> Load:
+        """The element in a state, under a drive signal, as a mechanism sees it."""
+        return Load(self.element, state, Heating(self.environment, self.source, drive))
+
+    def seen(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> Outputs:
+        """Everything that can be measured under a force [N] and a drive signal."""
+        found = self.element.condition(xp, state, force, self.environment)
+        current = self.source.current(xp, drive, found.resistance)
+        return Outputs(
+            drive=drive,
+            temperature=found.temperature,
+            hottest=found.hottest,
+            martensite_fraction=found.martensite_fraction,
+            oriented_fraction=found.oriented_fraction,
+            stress=found.stress,
+            strain=found.strain,
+            force=force,
+            resistance=found.resistance,
+            current=current,
+            voltage=current * found.resistance,
+            power=current * current * found.resistance,
+            heat_loss=found.heat_loss,
+        )
+
+    def profile(self, state: Any) -> Profile:
+        """What differs along the element; described in `PROFILES`."""
+        return self.element.profile(state)
+
+
+class Group(Parametrised):
+    """Actuators by the names of the ports that they stand at."""
+
+    def __init__(self, **members: Actuator) -> None:
+        for name, member in members.items():
+            if not isinstance(member, Actuator):  # pyright: ignore[reportUnnecessaryIsInstance]
+                raise ParameterError(
+                    f"Actuator `{name}` must be an `Actuator`, but is {type(member).__name__}."
+                )
+            self.__dict__[name] = member
+
+    @property
+    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+        """One part per actuator."""
+        return {name: Declared("part", "an actuator", REQUIRED) for name in self.__dict__}
+
+    def members(self) -> dict[str, Actuator]:
+        """Name -> actuator."""
+        return dict(self.__dict__)

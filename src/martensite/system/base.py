@@ -1,0 +1,132 @@
+"""What every system does: it takes elements and mechanism through a step together.
+
+One step solves laws, heat and mechanism together, second order in the step. The mechanism
+does so: it knows how its elements depend on each other.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.parameters import Parametrised, part
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.system.actuator import Actuator
+from martensite.system.outputs import Outputs
+
+
+class State(NamedTuple):
+    """All that changes in time."""
+
+    elements: tuple[Any, ...]
+    mechanism: Any
+
+
+class Drive(NamedTuple):
+    """A signal that drives a system."""
+
+    name: str
+    unit: str
+    at_end: bool
+    """True if its value at the end of a step counts, not the one at mid-step."""
+
+
+class AbstractSystem(Parametrised):
+    """Interface of a system: a mechanism and the actuators at its ports."""
+
+    mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
+
+    def actuators(self) -> dict[str, Actuator]:
+        """The actuator at every port."""
+        raise NotImplementedError
+
+    def drives(self) -> list[Drive]:
+        """What drives it: one signal per actuator, then those of the mechanism."""
+        own = [
+            Drive(self.drive_at(port), one.source.unit, one.source.sets_temperature)
+            for port, one in self.actuators().items()
+        ]
+        return own + [Drive(name, unit, True) for name, unit in self.mechanism.signals().items()]
+
+    def label(self, port: str, name: str) -> str:
+        """What an output of the actuator at a port is called."""
+        raise NotImplementedError
+
+    def drive_at(self, port: str) -> str:
+        """What the drive of the actuator at a port is called."""
+        raise NotImplementedError
+
+    def outputs(self) -> dict[str, Output]:
+        """What can be observed, by name; rows of `observe` come in this order."""
+        raise NotImplementedError
+
+    def described(self) -> str:
+        """What it is made of, in words."""
+        raise NotImplementedError
+
+    def of_mechanism(self) -> dict[str, Output]:
+        """What can be observed on the mechanism, with the signals that drive it."""
+        signals = self.mechanism.signals()
+        driven = {name: Output(unit, f"signal {name}", "u") for name, unit in signals.items()}
+        return self.mechanism.outputs() | driven
+
+    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
+        """Numbers in the order of `outputs`."""
+        raise NotImplementedError
+
+    def profile(self, state: State) -> list[Column]:
+        """What differs along the element of a system that has but one."""
+        return []
+
+    def judged(self) -> dict[str, float]:
+        """Outputs whose convergence is judged, with the least range that counts."""
+        found: dict[str, float] = {}
+        for port in self.actuators():
+            found[self.label(port, "temperature")] = 1.0
+            found[self.label(port, "martensite_fraction")] = 0.01
+        return found | self.mechanism.judged()
+
+    def init(self, xp: Namespace, *drives: Scalar) -> State:
+        """The assembled system at rest, at ambient temperature."""
+        actuators, forces = self._actuators(), self.mechanism.start_forces(xp)
+        rows = list(zip(actuators, forces, drives, strict=False))
+        states = [one.start(xp, force, drive) for one, force, drive in rows]
+        elongations = [
+            one.element.elongation(xp, state, force)
+            for (one, force, _), state in zip(rows, states, strict=True)
+        ]
+        elements = [one.element for one in actuators]
+        own = self.mechanism.init(xp, elements, elongations, self._signals(drives))
+        return State(tuple(states), own)
+
+    def step(
+        self, xp: Namespace, state: State, *drives: Scalar, dt: Scalar,
+        iterations: int = ITERATIONS,
+    ) -> tuple[State, Report]:  # fmt: skip
+        """Advance by `dt` [s] under constant drive signals."""
+        loads, signals = self._loads(state, drives), self._signals(drives)
+        own, states, report = self.mechanism.advance(
+            xp, state.mechanism, loads, signals, dt, iterations
+        )
+        return State(tuple(states), own), report
+
+    def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured in a state under drive signals."""
+        loads, signals = self._loads(state, drives), self._signals(drives)
+        forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
+        rows = zip(self._actuators(), state.elements, forces, drives, strict=False)
+        seen = [one.seen(xp, element, force, drive) for one, element, force, drive in rows]
+        return self.arranged(seen, [*own, *signals])
+
+    def _actuators(self) -> list[Actuator]:
+        return list(self.actuators().values())
+
+    def _loads(self, state: State, drives: Column) -> list[Load]:
+        rows = zip(self._actuators(), state.elements, drives, strict=False)
+        return [one.load(element, drive) for one, element, drive in rows]
+
+    def _signals(self, drives: Column) -> Column:
+        """The drive signals of the mechanism itself."""
+        return drives[len(self._actuators()) :]

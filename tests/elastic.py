@@ -1,0 +1,89 @@
+"""An elastic element that a temperature shortens, and machines of it: for closed forms.
+
+Elongation = free + compliance · force, with the free elongation -contraction · (T - 300 K). With a
+source that sets the temperature, a drive of 300 K + x shortens it by `contraction · x`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+from martensite.electrical.temperature import PrescribedTemperature
+from martensite.elements.base import AbstractElement, Condition, Heating, Pull, Spring
+from martensite.elements.limits import Limits
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import AbstractMechanism
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.table import Table
+from martensite.system import AbstractSystem, Actuator, Group, Machine
+from martensite.thermal.base import Environment
+from martensite.thermal.constant import ConstantCooling
+
+REST = 300.0
+"""Temperature [K] at which nothing is shortened."""
+SURROUNDINGS = Environment(temperature=REST, cooling=ConstantCooling(h=10.0))
+
+
+class Warm(NamedTuple):
+    """State of an elastic element."""
+
+    temperature: Scalar
+    pull: Scalar
+
+
+class Elastic(AbstractElement):
+    """A spring whose free length falls with temperature; not registered."""
+
+    limits: ClassVar[Limits] = Limits()
+    compliance: Scalar = param("m/N", "elongation per force", above=0.0, default=1e-4)
+    contraction: Scalar = param("m/K", "shortening per temperature", low=0.0, default=1e-3)
+
+    def tangent(self, xp: Namespace, state: Warm, force: Scalar) -> Spring:
+        return Spring(-self.contraction * (state.temperature - REST), self.compliance)
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Warm:
+        return Warm(temperature, force)
+
+    def force(self, state: Warm) -> Scalar:
+        return state.pull
+
+    def advance(
+        self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar, iterations: int
+    ) -> tuple[Warm, Report]:
+        warm = state._replace(temperature=heating.drive)
+        return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), Report(0.0, 0.0)
+
+    def condition(
+        self, xp: Namespace, state: Warm, force: Scalar, environment: Environment
+    ) -> Condition:
+        elongation = self.elongation(xp, state, force)
+        rest = (0.0, 0.0, force, elongation, 1.0, 0.0)
+        return Condition(state.temperature, state.temperature, *rest)
+
+    def heat_capacity_total(self) -> Scalar:
+        return 1.0
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        return 0.1 * (temperature - environment.temperature)
+
+
+def actuator(**changes: Any) -> Actuator:
+    """An elastic element whose temperature is given."""
+    element = Elastic(**changes)
+    return Actuator(element=element, environment=SURROUNDINGS, source=PrescribedTemperature())
+
+
+def machine(mechanism: AbstractMechanism, **changes: Any) -> Machine:
+    """A mechanism with equal elastic elements at all of its ports."""
+    members = {port: actuator(**changes) for port in mechanism.ports()}
+    return Machine(mechanism=mechanism, group=Group(**members))
+
+
+def kelvins(system: AbstractSystem, **shortened: float) -> dict[str, Table]:
+    """Drives of elastic elements: within 1 s, those named get warmer by so many kelvin."""
+    names = [drive.name for drive in system.drives() if drive.unit == "K"]
+    return {
+        name: Table(times=(0.0, 1.0, 1e3), values=(REST, *2 * (REST + shortened.get(name, 0.0),)))
+        for name in names
+    }

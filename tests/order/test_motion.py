@@ -1,0 +1,69 @@
+"""Order and damping of the motion of a mechanism over a step, on an oscillator."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from martensite.mechanisms.motion import Course, dynamic, predicted, quasi_static
+from martensite.runtimes import floats
+
+OMEGA, ZETA = 2.0 * math.pi, 0.05
+
+
+def march(dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float = ZETA) -> Course:
+    """An oscillator released at 1: each step is linear in the position at its end."""
+    course = Course((1.0,), (0.0,), (-omega * omega,), (-omega * omega,))
+    for _ in range(round(end / dt)):
+        after = dynamic(floats, course, dt, rho)
+
+        def residual(q: float, after=after) -> float:
+            (x,), (v,), (a,) = after((q,)).motion()
+            return a + 2.0 * zeta * omega * v + omega * omega * x
+
+        (guess,) = predicted(course, dt)
+        first = residual(guess)
+        slope = (residual(guess + 1.0) - first) / 1.0
+        course = after((guess - first / slope,))
+    return course
+
+
+def exact(time: float) -> float:
+    damped = OMEGA * math.sqrt(1.0 - ZETA * ZETA)
+    decay = math.exp(-ZETA * OMEGA * time)
+    return decay * (math.cos(damped * time) + ZETA * OMEGA / damped * math.sin(damped * time))
+
+
+@pytest.mark.parametrize("rho", [1.0, 0.8, 0.5, 0.0])
+def test_second_order_for_every_damping(rho):
+    errors = [abs(march(dt, 2.3, rho).position[0] - exact(2.3)) for dt in (0.02, 0.01, 0.005)]
+    orders = [math.log2(a / b) for a, b in pairwise(errors)]
+    assert orders == pytest.approx([2.0, 2.0], abs=0.15)
+
+
+@pytest.mark.parametrize("rho", [1.0, 0.8, 0.5])
+def test_the_fastest_oscillation_loses_its_share(rho):
+    """At an endless frequency every step keeps the share ρ of the amplitude."""
+    dt, omega = 1.0, 1e6
+    sizes = [abs(march(dt, n * dt, rho, omega, 0.0).velocity[0]) for n in (40, 60)]
+    assert (sizes[1] / sizes[0]) ** (1.0 / 20.0) == pytest.approx(rho, abs=0.06)
+
+
+def test_without_damping_energy_stays():
+    course = march(0.01, 5.0, 1.0, OMEGA, 0.0)
+    (x,), (v,), _ = course.motion()
+    assert 0.5 * v * v + 0.5 * OMEGA**2 * x * x == pytest.approx(0.5 * OMEGA**2, rel=1e-9)
+
+
+def test_lost_energy_would_be_noticed():
+    course = march(0.01, 5.0, 0.5, OMEGA, 0.0)
+    (x,), (v,), _ = course.motion()
+    assert 0.5 * v * v + 0.5 * OMEGA**2 * x * x < (1.0 - 1e-4) * 0.5 * OMEGA**2
+
+
+def test_a_quasi_static_motion_has_the_velocity_of_its_step():
+    course = quasi_static(floats, Course((1.0, 2.0), (0.0, 0.0)), 0.5)((2.0, 1.0))
+    assert course.motion() == ((2.0, 1.0), (2.0, -2.0), (0.0, 0.0))
+    assert predicted(course, 0.1) == (2.0, 1.0)
