@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from martensite.errors import SolveError
 
@@ -51,8 +52,7 @@ def least_squares(residuals: Residuals, start: Sequence[float]) -> Solution:
     values = tuple(map(float, start))
     left = np.asarray(residuals(values), np.float64)
     for _ in range(_MOST):
-        columns = [_slope(residuals, values, k) for k in range(len(values))]
-        step, *_ = np.linalg.lstsq(np.stack(columns, axis=1), -left, rcond=None)
+        step, *_ = np.linalg.lstsq(jacobian(residuals, values), -left, rcond=None)
         moved, after = values, left
         for halving in range(40):
             moved = tuple(v + 0.5**halving * float(d) for v, d in zip(values, step, strict=True))
@@ -66,6 +66,13 @@ def least_squares(residuals: Residuals, start: Sequence[float]) -> Solution:
         if change <= _SETTLED:
             return Solution(values, tuple(map(float, left)))
     raise SolveError(f"A least-squares fit has not settled after {_MOST} steps; start it nearer.")
+
+
+def jacobian(residuals: Residuals, values: tuple[float, ...]) -> Any:
+    """Derivatives of all residuals (rows) with respect to the parameters (columns)."""
+    import numpy as np
+
+    return np.stack([_slope(residuals, values, k) for k in range(len(values))], axis=1)
 
 
 def _slope(residuals: Residuals, values: tuple[float, ...], k: int) -> list[float]:
