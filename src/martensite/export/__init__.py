@@ -1,0 +1,1 @@
+"""Ways out: martensite elements in the programs of others."""

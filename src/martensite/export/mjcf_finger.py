@@ -1,0 +1,122 @@
+r"""The finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
+
+Exact, so that MuJoCo moves it by the equation of `martensite.mechanisms.finger`:
+
+    wire              2 |g cos θ/2 - r sin θ/2| between the sites, n times by a pulley of divisor
+                      1/n: the path that the bowstring shortens by n ΔL
+    follower spring   stiffness k a² of the hinge with its zero at -δ₀/a: k a (δ₀ + a θ)
+    fixed spring      a tendon of stiffness k and rest length H - δ₀
+    inertia, damping  those of the hinge; the centre of mass is on it
+
+End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only
+the nearer. At rest they have the stiffness K of the mechanism; but they are critically damped,
+with a time constant t of two steps, where the mechanism bounces. With MuJoCo's impedance d a
+limit that is overrun by x holds the torque
+
+    I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
+
+Where the brackets meet the path has no length, and past that it grows again: while they touch,
+the two agree to about a degree only.
+
+MuJoCo takes the damping b at the end of a step, as if the inertia were b Δt/2 larger.
+
+The phalanges lie along ∓x, the wire below them; θ grows as it pulls and turns about +y. What is
+drawn of them is no part of the mechanism.
+"""
+
+from __future__ import annotations
+
+import math
+from xml.etree.ElementTree import Element
+
+from martensite.errors import InputError
+from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add, add_element
+from martensite.mechanisms.finger import Finger
+from martensite.runtimes import floats
+
+SETTLES = 2.0
+"""Time constant of a limit, in steps."""
+
+
+def write_finger(model: Model, finger: Finger, timestep: float) -> None:
+    """Write the finger.
+
+    Raises:
+        InputError: it has something that MuJoCo does not: friction of the wire, or a spring
+            that is longer at rest than nothing.
+    """
+    _check(finger)
+    r, g = finger.offset, finger.bracket
+    (port,), (start,) = finger.ports(), finger.start_forces(floats)
+    add(model.world, "camera", name="view", pos=(0.2 * g, -20.0 * g, -1.3 * g),
+        xyaxes="1 0 0 0 0 1", fovy="20")  # fmt: skip
+    _phalanx(model.world, finger, -1.0, GREY)
+    add(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
+    body = add(model.world, "body", name="phalanx")
+    add(body, "joint", **_joint(finger, timestep))
+    add(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
+    add(body, "geom", type="cylinder", size=(0.5 * r, 0.6 * r), euler=(0.5 * math.pi, 0, 0),
+        rgba=DARK)  # fmt: skip
+    _phalanx(body, finger, 1.0, BLUE)
+    add(body, "site", name="far", pos=(g, 0.0, -r), size=0.1 * r)
+    add_element(model, port, ("near", "far"), start, finger.passes)
+    if finger.spring == "fixed":
+        _fixed_spring(model, body, finger)
+
+
+def _check(finger: Finger) -> None:
+    if finger.friction > 0.0:
+        raise InputError(
+            "Tendons of MuJoCo slide without friction, but parameter `friction` of `finger` is "
+            f"{finger.friction:.4g}; set it to 0."
+        )
+    if finger.spring == "fixed" and finger.extension > finger.height:
+        raise InputError(
+            "Parameter `extension` of `finger` must be at most `height`, "
+            f"{1e3 * finger.height:.6g} mm, but is {1e3 * finger.extension:.6g} mm: no spring of "
+            "MuJoCo is shorter at rest than nothing."
+        )
+
+
+def _joint(finger: Finger, timestep: float) -> dict[str, Value]:
+    """Attributes of the hinge."""
+    found: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
+    if finger.spring == "follower":
+        found["stiffness"] = finger.stiffness * finger.arm**2
+        found["springref"] = -finger.extension / finger.arm
+    if finger.stop > 0.0:
+        found |= _limits(finger, SETTLES * timestep)
+    return found
+
+
+def _limits(finger: Finger, settles: float) -> dict[str, Value]:
+    """Range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
+    met = 2.0 * math.atan2(finger.bracket, finger.offset)
+    impedance = 1.0 / (1.0 + finger.inertia / (finger.stop * settles**2))
+    stiffness = finger.stop * (1.0 - impedance) / finger.inertia
+    return {
+        "limited": "true",
+        "range": (finger.lowest, min(finger.highest, met)),
+        "solreflimit": (-stiffness, -2.0 * impedance / settles),
+        "solimplimit": (impedance, impedance, 1e-3),
+    }
+
+
+def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
+    """From the phalanx at a to a fixed point at (a, H)."""
+    add(model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005")
+    add(body, "site", name="arm", pos=(finger.arm, 0.0, 0.0), size="0.0005")
+    rest = finger.height - finger.extension
+    spring = add(model.tendons, "spatial", name="spring", stiffness=finger.stiffness,
+                 springlength=rest, width="0.0004", rgba=DARK)  # fmt: skip
+    add(spring, "site", site="anchor")
+    add(spring, "site", site="arm")
+
+
+def _phalanx(parent: Element, finger: Finger, side: float, colour: str) -> None:
+    """What is seen of a phalanx: a bar of four bracket distances, and its bracket."""
+    r, g = finger.offset, finger.bracket
+    add(parent, "geom", type="box", size=(1.9 * g, 0.6 * r, 0.3 * r), pos=(2.1 * side * g, 0, 0),
+        rgba=colour)  # fmt: skip
+    add(parent, "geom", type="box", size=(0.1 * r, 0.6 * r, 0.55 * r),
+        pos=(side * g, 0.0, -0.55 * r), rgba=colour)  # fmt: skip

@@ -1,0 +1,86 @@
+"""An MJCF document in the making: what the writers of mechanisms fill.
+
+Numbers are written so that they read back as they were; angles in rad, everything in SI.
+Geoms are for the eye: they collide with nothing, and bodies have their inertia said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from martensite.runtimes.namespace import Scalar
+
+Value = str | Scalar | Sequence[Scalar]
+GREY, BLUE, DARK, ORANGE = "0.6 0.64 0.67 1", "0.12 0.37 0.55 1", "0.3 0.35 0.4 1", "0.84 0.37 0 1"
+HEADER = (
+    " Written by martensite. SI units, angles in rad. The actuators turn control into force, for "
+    "martensite.MujocoBridge; custom/numeric holds the force of each element at assembly [N]. "
+)
+
+
+class Model(NamedTuple):
+    """The sections of a document that a writer fills."""
+
+    root: Element
+    option: Element
+    asset: Element
+    world: Element
+    tendons: Element
+    actuators: Element
+    starts: Element
+
+    def text(self) -> str:
+        """The document."""
+        indent(self.root)
+        return f"<!--{HEADER}-->\n{tostring(self.root, encoding='unicode')}\n"
+
+
+def new_model(name: str, timestep: float) -> Model:
+    """A document without bodies, gravity and tendons."""
+    root = Element("mujoco", model=name)
+    add(root, "compiler", angle="radian")
+    option = add(root, "option", timestep=timestep, gravity=(0.0, 0.0, 0.0))
+    visual = add(root, "visual")
+    add(visual, "headlight", ambient="0.5 0.5 0.5")
+    add(visual, "map", znear="0.01")
+    asset = add(root, "asset")
+    add(
+        asset, "texture", type="skybox", builtin="flat", rgb1="1 1 1", rgb2="1 1 1", width="8",
+        height="8",
+    )  # fmt: skip
+    add(add(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
+    sections = ("worldbody", "tendon", "actuator", "custom")
+    return Model(root, option, asset, *(add(root, name) for name in sections))
+
+
+def add(parent: Element, tag: str, **attributes: Value) -> Element:
+    """A new element in another, with its attributes."""
+    return SubElement(parent, tag, {name: written(value) for name, value in attributes.items()})
+
+
+def add_element(
+    model: Model, port: str, sites: Sequence[str], start_force: Scalar, passes: Scalar = 1.0
+) -> None:
+    """A tendon through sites for the shape-memory element at a port, and its actuator.
+
+    With `passes` n a pulley in front of the sites makes every length, and so every moment arm,
+    n times as large: an element that goes there and back has n of them in a row.
+    """
+    tendon = add(model.tendons, "spatial", name=port, width=6e-4, rgba=ORANGE)
+    if passes != 1.0:
+        add(tendon, "pulley", divisor=1.0 / passes)
+    for site in sites:
+        add(tendon, "site", site=site)
+    add(model.actuators, "general", name=port, tendon=port, gainprm="1", biastype="none")
+    add(model.starts, "numeric", name=f"start_force_{port}", data=start_force)
+
+
+def written(value: Value) -> str:
+    """An attribute: text as it is, numbers to their last digit."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Sequence):
+        return " ".join(written(one) for one in value)
+    return repr(float(value))

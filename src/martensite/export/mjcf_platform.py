@@ -1,0 +1,57 @@
+"""The parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
+
+The frame of `martensite.mechanisms.platform_kinematics` has Z down; here z is up, so its points
+(X, Y, Z) are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which
+makes R_Y(β) R_X(α). Plate and joint are exact: mass, moments of inertia I, I and 2 I at the
+centroid, its height over the joint, gravity, damping. What is drawn of plates and post is no part
+of the mechanism.
+"""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element
+
+from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, add, add_element
+from martensite.mechanisms.parallel_platform import ParallelPlatform
+from martensite.mechanisms.platform_kinematics import corners
+from martensite.runtimes import floats
+
+
+def write_platform(model: Model, platform: ParallelPlatform, timestep: float) -> None:
+    """Write the platform."""
+    joint, above = platform.height - platform.eccentricity, platform.eccentricity
+    side, plate = platform.side, platform.top_plate(floats)
+    model.option.set("gravity", f"0 0 {-float(platform.gravity)!r}")
+    far = max(side, platform.height)
+    add(model.world, "camera", name="view",
+        pos=(1.9 * far, -2.6 * far, 0.5 * platform.height + 1.2 * far),
+        xyaxes="0.807 0.590 0 -0.206 0.282 0.937", fovy="25")  # fmt: skip
+    _mesh(model, side)
+    add(model.world, "geom", type="mesh", mesh="plate", rgba=GREY)
+    add(model.world, "geom", type="capsule", fromto=(0, 0, 0, 0, 0, joint), size=0.02 * side,
+        rgba=GREY)  # fmt: skip
+    body = add(model.world, "body", name="plate", pos=(0.0, 0.0, joint))
+    for name, axis in (("beta", "0 -1 0"), ("alpha", "1 0 0")):
+        add(body, "joint", name=name, axis=axis, damping=platform.damping)
+    moments = (plate.inertia, plate.inertia, 2.0 * plate.inertia)
+    add(body, "inertial", pos=(0.0, 0.0, above), mass=plate.mass, diaginertia=moments)
+    add(body, "geom", type="sphere", size=0.035 * side, rgba=DARK)
+    add(body, "geom", type="mesh", mesh="plate", pos=(0.0, 0.0, above), rgba=BLUE)
+    _vertices(model.world, "base", side, 0.0)
+    _vertices(body, "top", side, above)
+    starts = zip(platform.ports(), platform.start_forces(floats), strict=True)
+    for i, (port, force) in enumerate(starts):
+        add_element(model, port, (f"base{i}", f"top{i}"), force)
+
+
+def _vertices(parent: Element, name: str, side: float, height: float) -> None:
+    """Sites at the vertices of a plate."""
+    for i, (x, y) in enumerate(corners(side)):
+        add(parent, "site", name=f"{name}{i}", pos=(x, -y, height), size=0.012 * side)
+
+
+def _mesh(model: Model, side: float) -> None:
+    """A thin triangle."""
+    half = 0.008 * side
+    points = [v for z in (-half, half) for x, y in corners(side) for v in (x, -y, z)]
+    add(model.asset, "mesh", name="plate", vertex=points)

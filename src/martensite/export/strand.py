@@ -1,0 +1,124 @@
+"""An element between two points of a machine: its state, its last forces, its step on a line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from martensite.errors import SolveError
+from martensite.export.balance import Answer
+from martensite.export.tendon_line import Held, TendonLine
+from martensite.runtimes import floats
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.nested import flatten
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.march import SOLVED, classify
+from martensite.simulate.patient import THOROUGH
+from martensite.status import Status
+from martensite.system import Actuator, System
+
+NOTICED = 1e5
+"""Stress [Pa] that counts as one."""
+
+
+class Weights(NamedTuple):
+    """Which forces of an element act on the machine during a step, as shares that sum to 1."""
+
+    end: float
+    """Of the force at the end of the step."""
+    start: float
+    """Of the force at its start."""
+    before: float
+    """Of the force at the start of the step before."""
+
+
+END = Weights(1.0, 0.0, 0.0)
+CENTRED = Weights(0.25, 0.5, 0.25)
+
+
+class Strand:
+    """The step of one element, traced, and what it remembers."""
+
+    def __init__(
+        self, name: str, actuator: Actuator, start_force: float, slack: float, length: float
+    ) -> None:
+        self.name = name
+        self.system = System(
+            element=actuator.element, environment=actuator.environment, source=actuator.source,
+            mechanism=TendonLine(start=start_force),
+        )  # fmt: skip
+        self.drive = actuator.environment.temperature if actuator.source.sets_temperature else 0.0
+        self.functions = self._functions(ITERATIONS)
+        state = self.system.init(floats, self.drive, 0.0, 0.0)
+        spring = actuator.element.tangent(floats, state.elements[0], start_force)
+        self.state = tuple(flatten(state))
+        self.force = self.before = start_force
+        self.line = spring.free + spring.compliance * start_force - slack, 0.0
+        self.reference = length - self.line[0]
+        """Length of the path at which the element has no elongation [m]."""
+        one = actuator.seen(floats, state.elements[0], 1.0, self.drive)
+        self.least = NOTICED / one.stress
+        """Force that counts as one [N]."""
+        self.status = Status.OK
+        """Of the last step."""
+
+    def _functions(self, iterations: int) -> dict[str, Callable[..., tuple[float, ...]]]:
+        compiled = compile_system(self.system, iterations)
+        self.outputs = compiled.outputs
+        return dict(compiled.program.bind_floats(*compiled.values(self.system)))
+
+    def trial(self, drive: float, dt: float) -> Callable[[float, float], Answer]:
+        """The next step as a function of the line; commits nothing."""
+
+        def answer(reach: float, give: float) -> Answer:
+            found = self._answer(self.functions, drive, dt, reach, give)
+            if found.residual > SOLVED:
+                found = self._answer(self._thorough(), drive, dt, reach, give)
+            return found
+
+        return answer
+
+    def _thorough(self) -> dict[str, Callable[..., tuple[float, ...]]]:
+        return self._functions(THOROUGH)
+
+    def _answer(
+        self, functions: dict[str, Callable[..., tuple[float, ...]]], drive: float, dt: float,
+        reach: float, give: float,
+    ) -> Answer:  # fmt: skip
+        try:
+            *state, residual, crossing = functions["step"](*self.state, drive, reach, give, dt)
+        except ArithmeticError:  # a division by zero or an overflow
+            return Answer(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
+        force, free, compliance = state[-len(Held._fields) :]  # what the line holds comes last
+        return Answer(tuple(state), force, free, compliance, residual, crossing)
+
+    def held(self, weights: Weights) -> float:
+        """The share of the tension of the next step that is known [N]."""
+        return weights.start * self.force + weights.before * self.before
+
+    def require(self, answer: Answer, time: float) -> Status:
+        """Status of an answer, or `SolveError` if it cannot be trusted."""
+        status = classify(answer.residual, answer.crossing)
+        if not math.isfinite(sum(answer.state)):
+            status = Status.NOT_FINITE
+        if status.failed:
+            raise SolveError(
+                f"The element at tendon `{self.name}` failed in the step at t = {time:.6g} s. "
+                f"{status.sentence}"
+            )
+        return status
+
+    def commit(self, answer: Answer, drive: float, length: float, time: float) -> None:
+        """Take an answer; `length` [m] is that of the path in the end."""
+        self.status = self.require(answer, time)
+        self.state, self.before, self.force = answer.state, self.force, answer.force
+        self.drive = drive
+        self.line = length - self.reference, 0.0
+
+    def observe(self, drive: float) -> dict[str, float]:
+        """Everything that can be measured on the element, in SI, by name."""
+        row = self.functions["observe"](*self.state, drive, *self.line)
+        found = dict(zip(self.outputs, row, strict=True))
+        known = self.system.mechanism.signals()
+        return {name: value for name, value in found.items() if name not in known}
