@@ -80,7 +80,7 @@ def ours(law, r, a, watts=2.0, step=0.02, transit=None):
     system = finger(finger_law(law, **changes), 1e-3 * r, 1e-3 * a)
     run = simulate(system, trapezoid(watts), DURATION, step=step, samples=len(TIMES))
     assert not run.status.failed
-    names = ("position", "stress", "strain", "temperature", "martensite_fraction")
+    names = ("angle", "stress", "strain", "temperature", "martensite_fraction")
     angle, *others = (np.array(run[name]) for name in names)
     return columns(np.degrees(angle), *others)
 

@@ -1,0 +1,127 @@
+"""The figure of the study: what a reader of the paper looks for, on one page.
+
+Left: angle over time at both powers for the three distances r, as in its Figure 6, single crystal
+and polycrystal, with the power below. Right: the calibration loop of its Figure 5, as it is, ten
+times slower, and without stored heat; below, the angle over the power for both crystals, and over
+the place of the spring, on which the trend in r hangs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from martensite.plot.labels import mathematical
+from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.studies.finger import bench, bending_claims, loop_claims
+from martensite.studies.finger.printed import Printed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = (SIMULATED, HEATING, MEASURED[2])
+"""Of the three distances r."""
+DASHED = (0, (4, 1.6))
+
+
+def draw(printed: Printed) -> Figure:
+    """Draw the figure."""
+    with styled():
+        figure = new_figure(12.0, 7.2)
+        left, right = figure.add_gridspec(
+            1, 2, left=0.055, right=0.985, top=0.9, bottom=0.075, width_ratios=(1.0, 1.15),
+            wspace=0.15,
+        )  # fmt: skip
+        rows = left.subgridspec(3, 1, height_ratios=(1.0, 1.0, 0.42), hspace=0.28)
+        first = figure.add_subplot(rows[0])
+        panels = [first, figure.add_subplot(rows[1], sharex=first)]
+        for axes, watts in zip(panels, printed.powers, strict=True):
+            _bending(axes, watts, printed)
+        _power(figure.add_subplot(rows[2], sharex=first), printed)
+        panels[0].legend(loc="upper right")
+        cells = right.subgridspec(2, 2, height_ratios=(1.15, 1.0), hspace=0.32, wspace=0.28)
+        _loop(figure.add_subplot(cells[0, :]), printed)
+        _crystals(figure.add_subplot(cells[1, 0]), printed)
+        _places(figure.add_subplot(cells[1, 1]), printed)
+        words = {"fontsize": 12.5, "fontweight": "bold", "va": "center"}
+        figure.text(0.02, 0.965, "Robotic finger: what follows from the published numbers", **words)
+        line = "quasi-static, power in the whole wire; place of spring and brackets are assumed"
+        figure.text(0.02, 0.937, line, color=QUIET, va="center")
+        return figure
+
+
+def degrees(result: Any) -> list[float]:
+    """Angle of a run [°]."""
+    return [math.degrees(angle) for angle in result["angle"]]
+
+
+def _bending(axes: Any, watts: float, printed: Printed) -> None:
+    for r, colour in zip(printed.offsets, COLOURS, strict=True):
+        run = bench.bent(watts, r, printed)
+        axes.plot(run.times, degrees(run), color=colour, label=f"r = {1e3 * r:.1f} mm")
+        many = bench.bent(watts, r, printed, None, bench.POLYCRYSTAL)
+        axes.plot(many.times, degrees(many), color=colour, linestyle=DASHED, linewidth=0.9)
+    axes.plot([], [], color=INK, linestyle=DASHED, linewidth=0.9, label="polycrystal")
+    axes.set_title(f"angle at {watts:.1f} W")
+    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    axes.set_ylim(-4.0, 100.0)
+    axes.tick_params(labelbottom=False)
+
+
+def _power(axes: Any, printed: Printed) -> None:
+    for watts, style in zip(printed.powers, (DASHED, "solid"), strict=True):
+        wave = bench.trapezoid(watts, printed)
+        label = f"{watts:.1f} W"
+        axes.plot(wave.times, wave.values, color=INK, linestyle=style, label=label, linewidth=1.1)
+    axes.set_title("power")
+    axes.set_ylabel(f"{mathematical('P')} [W]")
+    axes.set_xlabel(f"{mathematical('t')} [s]")
+    axes.set_xlim(0.0, 25.0)
+    axes.legend(loc="upper right")
+
+
+def _loop(axes: Any, printed: Printed) -> None:
+    frequency = printed.frequency
+    looks = (
+        (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz, as in the paper"),
+        (loop_claims.SLOW * frequency, (), HEATING, "solid",
+         f"{loop_claims.SLOW * frequency:g} Hz"),
+        (frequency, bench.STATIC, INK, DASHED, "no stored and no latent heat"),
+    )  # fmt: skip
+    for f, values, colour, style, label in looks:
+        run = bench.loop(f, None, printed, values)
+        half = len(run.times) // 2
+        axes.plot(
+            run["power"][half:], degrees(run)[half:], color=colour, linestyle=style,
+            label=f"{label}: {bench.width(run):.2f} W wide",
+        )  # fmt: skip
+    axes.set_title("calibration loop, r = 1.5 mm: not quasi-stationary")
+    axes.set_xlabel(f"{mathematical('P')} [W]")
+    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    axes.legend(loc="center right")
+
+
+def _crystals(axes: Any, printed: Printed) -> None:
+    powers, r = bending_claims.MIDDLE, printed.offsets[1]
+    for law, colour, label in (
+        (bench.SINGLE, SIMULATED, "single crystal"), (bench.POLYCRYSTAL, HEATING, "polycrystal"),
+    ):  # fmt: skip
+        runs = [bench.bent(watts, r, printed, None, law) for watts in powers]
+        tops = [bench.top(run, printed) for run in runs]
+        axes.plot(powers, tops, color=colour, marker="o", markersize=3.5, label=label)
+    axes.set_title("angle at 13 s, r = 3.5 mm")
+    axes.set_xlabel(f"{mathematical('P')} [W]")
+    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    axes.legend(loc="lower right")
+
+
+def _places(axes: Any, printed: Printed) -> None:
+    arms, low = bending_claims.ARMS, min(printed.powers)
+    for i, (r, colour) in enumerate(zip(printed.offsets, COLOURS, strict=True)):
+        tops = [bending_claims.tops(low, printed, arm)[i] for arm in arms]
+        axes.plot([1e3 * arm for arm in arms], tops, color=colour, label=f"{1e3 * r:.1f} mm")
+    here = 1e3 * bench.finger().value_of("mechanism.arm")
+    axes.axvline(here, color=QUIET, linewidth=0.8, linestyle=DASHED)
+    axes.set_title(f"at {low:.1f} W, over the spring's place")
+    axes.set_xlabel(f"{mathematical('a')} [mm]")
+    axes.legend(loc="upper right", title="r")

@@ -1,0 +1,144 @@
+"""Study `finger`: claims against numbers found apart from the study.
+
+Source of truth: numbers noted for this project from separate code (a stiff ODE solver on the rates
+of the law, with the finger solved by bisection), and closed forms written out anew here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from martensite.io.citations import bibliography
+from martensite.runtimes.c99 import compiler
+from martensite.studies.base import Claim, load_study
+from martensite.studies.finger import bench, bending_claims, loop_claims, wire_claims
+from martensite.studies.finger.printed import Printed
+from martensite.studies.finger.study import FingerStudy
+
+PRINTED = Printed()
+PER_KELVIN = 200.0 * math.pi * 0.1e-3 * 0.44
+
+needs_compiler = pytest.mark.skipif(compiler() is None, reason="slow without a C compiler")
+
+
+@pytest.fixture(scope="module")
+def listed() -> dict[str, Claim]:
+    return {claim.id: claim for claim in load_study("finger").claims()}
+
+
+def computed(listed: dict[str, Claim], id: str) -> float:
+    number = listed[id].computed
+    assert number is not None
+    return number
+
+
+class TestWire:
+    def test_heat(self):
+        assert bench.steady(1.4, PRINTED) == pytest.approx(295.0 + 1.4 / PER_KELVIN, abs=1e-3)
+        assert wire_claims.threshold(PRINTED) == pytest.approx(PER_KELVIN * 37.75, rel=1e-9)
+        assert wire_claims.free_width(PRINTED) == pytest.approx(PER_KELVIN * 13.0, rel=1e-9)
+
+    @pytest.mark.parametrize(("T", "up", "down"), [(340.0, 79.6, 30.3), (370.0, 199.6, 150.4)])
+    def test_plateaus(self, T, up, down):
+        found = wire_claims.plateaus(wire_claims.loaded(T))
+        assert [s / 1e6 for s in found] == pytest.approx([up, down], abs=0.5)
+
+
+class TestBending:
+    @pytest.mark.parametrize(
+        ("r", "watts", "angle", "t63", "stress"),
+        [
+            (1.5e-3, 1.4, 92.75, 4.29, 40.8), (1.5e-3, 2.0, 92.75, 2.12, 40.8),
+            (3.5e-3, 1.4, 75.44, 3.53, 31.7), (5.5e-3, 2.0, 62.19, 2.04, 24.2),
+        ],
+    )  # fmt: skip
+    def test_angle_time_and_stress(self, r, watts, angle, t63, stress):
+        run = bench.bent(watts, r, PRINTED)
+        assert bench.top(run, PRINTED) == pytest.approx(angle, abs=0.01)
+        assert bench.rise(run, 0.63, PRINTED) == pytest.approx(t63, abs=0.03)
+        assert bench.at(run, "stress", 13.0) / 1e6 == pytest.approx(stress, abs=0.1)
+
+    def test_full_stroke_is_the_root_of_its_equation(self):
+        angles = [bench.full_stroke(r, 8e-3, PRINTED) for r in PRINTED.offsets]
+        assert angles == pytest.approx([92.75, 75.44, 62.19], abs=0.01)
+
+    def test_the_trend_turns_round_far_from_the_hinge(self):
+        assert all(bending_claims.falls(watts, PRINTED) for watts in PRINTED.powers)
+        far = bending_claims.tops(2.0, PRINTED, bench.FAR_ARM)
+        assert far == pytest.approx([6.0, 18.6, 30.3], abs=0.3)
+
+    def test_force_limited_stress_is_at_its_threshold(self):
+        run = bench.bent(2.0, 5.5e-3, PRINTED, bench.FAR_ARM)
+        threshold = 1.0 + 4.0 * (bench.steady(2.0, PRINTED) - 320.0) - 52.0
+        assert bench.at(run, "stress", 13.0) / 1e6 == pytest.approx(threshold + 1.8, abs=1.0)
+
+    def test_halving_the_step_changes_nothing(self):
+        coarse, fine = (bench.bent(1.4, 1.5e-3, PRINTED, step=s) for s in (0.02, 0.01))
+        apart = [abs(a - b) for a, b in zip(coarse["angle"], fine["angle"], strict=True)]
+        assert math.degrees(max(apart)) < 0.02
+
+    def test_energy_is_accounted_for(self):
+        wire = bench.wire()
+        values = {
+            "mass": wire.mass(), "heat_capacity": wire.heat_capacity,
+            "latent_heat": wire.latent_heat,
+        }  # fmt: skip
+        run = bench.bent(2.0, 1.5e-3, PRINTED)
+        assert bench.imbalance(run, values) < 1e-4
+        half = replace(run, times=run.times[:200], columns={
+            name: column[:200] for name, column in run.columns.items()
+        })  # fmt: skip
+        assert bench.imbalance(half, values) < 1e-3
+        assert bench.imbalance(half, {**values, "latent_heat": 0.0}) > 0.03
+
+
+class TestLoop:
+    def test_widths(self):
+        assert loop_claims.widths(PRINTED, None)[:2] == pytest.approx((0.741, 0.433), abs=0.003)
+        full, _, static = loop_claims.widths(PRINTED, None)
+        assert full / static == pytest.approx(2.1, rel=0.05)
+        full, _, static = loop_claims.widths(PRINTED, 16e-3)
+        assert full / static == pytest.approx(1.46, rel=0.05)
+
+    def test_lag(self):
+        assert loop_claims.lag(PRINTED, None) == pytest.approx(9.3, abs=0.1)
+        assert loop_claims.lag(PRINTED, 16e-3) == pytest.approx(4.0, abs=0.1)
+
+
+@needs_compiler
+@pytest.mark.slow
+class TestWhole:
+    def test_verdicts(self, listed):
+        found = {id: c.verdict for id, c in listed.items() if c.verdict != "not checkable"}
+        assert found == {
+            "trend": "reproduced", "trend-safe": "reproduced", "trend-far": "not reproduced",
+            "return": "reproduced", "quasi-stationary-8mm": "not reproduced",
+            "quasi-stationary-16mm": "not reproduced", "proportional": "not reproduced",
+        }  # fmt: skip
+
+    def test_polycrystal(self, listed):
+        assert computed(listed, "polycrystal-1.4W") == pytest.approx(68.0, abs=2.0)
+        assert computed(listed, "polycrystal-2.0W") == pytest.approx(75.0, abs=2.0)
+        angles = [
+            bench.top(bench.bent(1.4, r, PRINTED, None, bench.POLYCRYSTAL), PRINTED)
+            for r in PRINTED.offsets
+        ]
+        assert angles == pytest.approx([76.0, 68.0, 59.0], abs=2.0)
+
+    def test_every_claim_says_why(self, listed):
+        assert all(claim.why and claim.source.startswith("finger-paper") for claim in
+                   listed.values())  # fmt: skip
+        assert set(FingerStudy.cites) <= set(bibliography())
+
+
+def test_a_wrong_number_is_noticed():
+    """Another distance gives another angle; distances listed backwards break the trend."""
+    wrong = replace(PRINTED, offsets=(2.5e-3, 3.5e-3, 5.5e-3))
+    assert bending_claims.falls(2.0, wrong)
+    assert abs(bending_claims.tops(2.0, wrong)[0] - 92.75) > 5.0
+    backwards = replace(PRINTED, offsets=PRINTED.offsets[::-1])
+    claim = bending_claims._trend(backwards)[0]
+    assert claim.verdict == "not reproduced"
