@@ -1,0 +1,328 @@
+"""Finger and platform as MJCF: the same equations, and the same motion within 0.1°.
+
+Source of truth: the equations of the mechanisms. MuJoCo's inverse dynamics and tendons must be
+`demand` and `contraction` to rounding; a bridge must move as `simulate` does in the same step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoco)")
+
+import mujoco as installed
+from builders import hanging_wire
+from coil_cases import platform_spring
+from finger import finger as finger_prototype
+from finger import finger_law
+
+from martensite.electrical.power import PowerSource
+from martensite.errors import InputError, ParameterError
+from martensite.export import mjcf
+from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_mjcf
+from martensite.export.mujoco_bridge import read_model
+from martensite.export.mujoco_result import MujocoResult
+from martensite.mechanisms.finger import Finger
+from martensite.mechanisms.motion import Motion
+from martensite.mechanisms.multibody import AbstractMultibody
+from martensite.mechanisms.parallel_platform import ParallelPlatform
+from martensite.runtimes import floats
+from martensite.runtimes.c99 import compiler
+from martensite.runtimes.dual import jacobian
+from martensite.signals.step import Step
+from martensite.signals.table import Table
+from martensite.simulate.api import simulate
+from martensite.simulate.driven import Waveforms
+from martensite.simulate.result import Result
+from martensite.system import AbstractSystem, Actuator, Group, Machine, System
+from martensite.thermal.base import Environment
+from martensite.thermal.constant import ConstantCooling
+
+mujoco: Any = installed
+RUNTIME = "c" if compiler() else "floats"
+TRAPEZOID = Table(times=(0.0, 0.2, 2.2, 4.0, 6.0, 8.2), values=(0.0, 0.0, 2.0, 2.0, 0.0, 0.0))
+"""2 W: up and back."""
+PULSE: dict[str, Any] = {"first": Step(low=0.0, high=34.0, until=1.9)}
+"""Power [W]: to 26° in 1.9 s."""
+
+
+def finger(offset: float = 3.5e-3, kind: type[Finger] = Finger, **changes: Any) -> System:
+    """The prototype with inertia, some damping and the law without rates."""
+    usual = {
+        "offset": offset, "bracket": 10.6e-3, "stiffness": 50.0, "arm": 8e-3, "extension": 1e-3,
+        "inertia": 1.8e-5, "damping": 1e-4, "motion": "dynamic",
+    }  # fmt: skip
+    mechanism = kind(**(usual | changes))
+    return finger_prototype(finger_law("mas-hybrid")).with_parts(mechanism=mechanism)
+
+
+def platform(**changes: Any) -> Machine:
+    """Three springs under power, with inertia and some damping."""
+    usual = {"side": 0.1, "height": 0.06, "mass": 0.075, "damping": 1e-3, "motion": "dynamic"}
+    one = Actuator(
+        element=platform_spring(), source=PowerSource(),
+        environment=Environment(temperature=298.15, cooling=ConstantCooling(h=150.0)),
+    )  # fmt: skip
+    mechanism = ParallelPlatform(**(usual | changes))
+    return Machine(mechanism=mechanism, group=Group(first=one, second=one, third=one))
+
+
+MODELS: dict[str, AbstractSystem] = {
+    "finger": finger(),
+    "finger of three passes": finger(passes=3.0, damping=2e-3),
+    "finger of one pass and a half": finger(5.5e-3, passes=1.5),
+    "finger on a fixed spring": finger(spring="fixed", height=0.05),
+    "platform": platform(),
+    "platform on a low joint": platform(eccentricity=0.02, preload=2.0),
+    "platform of a given inertia, hanging": platform(
+        eccentricity=-0.01, inertia=8e-5, gravity=-9.81, side=0.12
+    ),
+}
+
+
+def multibody(system: AbstractSystem) -> AbstractMultibody:
+    if not isinstance(system.mechanism, AbstractMultibody):
+        raise TypeError("no coordinates")
+    return system.mechanism
+
+
+class Longer(Finger):
+    """A finger that is written by nothing. Deliberately not registered."""
+
+
+class Posed:
+    """A model at given coordinates of its mechanism, in the order of the mechanism."""
+
+    def __init__(self, system: AbstractSystem) -> None:
+        self.model = read_model(to_mjcf(system))
+        self.data = mujoco.MjData(self.model)
+        names = [c.name for c in multibody(system).coordinates()]
+        joints = [self.model.joint(name) for name in names]
+        self.order = [int(joint.qposadr[0]) for joint in joints]
+        self.tendons = [self.model.tendon(port).id for port in system.mechanism.ports()]
+
+    def tendon(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lengths [m] and moment arms [m/rad] of the elements."""
+        self.data.qpos[self.order] = position
+        mujoco.mj_forward(self.model, self.data)
+        arms = np.array(self.data.ten_J).reshape(-1)
+        if arms.size != self.model.ntendon * self.model.nv:  # sparse in some versions
+            pytest.skip("this MuJoCo keeps moment arms in another form")
+        arms = arms.reshape(self.model.ntendon, self.model.nv)
+        return self.data.ten_length[self.tendons].copy(), arms[self.tendons][:, self.order]
+
+    def demand(self, motion: Motion) -> np.ndarray:
+        """Generalised forces [N m] that a motion takes, by MuJoCo's inverse dynamics."""
+        data, order = self.data, self.order
+        data.qpos[order], data.qvel[order], data.qacc[order] = motion
+        mujoco.mj_inverse(self.model, data)
+        return data.qfrc_inverse[order].copy()
+
+
+def samples(count: int, size: int, seed: int = 3) -> list[Motion]:
+    """Motions within ±60°, fast ones."""
+    drawn = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, 3, size))
+    return [Motion(*(tuple(row) for row in one * [[1.0], [20.0], [500.0]])) for one in drawn]
+
+
+# ---------------------------------------------------------------- the same equations
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_tendons_are_the_paths_of_the_elements(name: str) -> None:
+    """Length and moment arm of every element, at 25 postures."""
+    system, posed = MODELS[name], Posed(MODELS[name])
+    mechanism = multibody(system)
+    home, _ = posed.tendon(np.zeros(len(posed.order)))
+    for motion in samples(25, len(posed.order)):
+        found, arms = posed.tendon(np.array(motion.position))
+        shorter, slopes = jacobian(floats, mechanism.contraction, motion.position)
+        np.testing.assert_allclose(home - found, shorter, atol=1e-15)
+        np.testing.assert_allclose(-arms, slopes, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_inverse_dynamics_are_the_demand(name: str) -> None:
+    """Inertia, Coriolis terms, damping, springs and weight, at 25 fast motions."""
+    system, posed = MODELS[name], Posed(MODELS[name])
+    for motion in samples(25, len(posed.order)):
+        expected = multibody(system).demand(floats, motion, ())
+        np.testing.assert_allclose(posed.demand(motion), expected, rtol=1e-11, atol=1e-15)
+
+
+def test_other_inertia_and_arms_are_noticed() -> None:
+    """The two comparisons above can fail: 0.1 % of a moment of inertia, 1 µm of a bracket."""
+    (motion,), posed = samples(1, 1), Posed(finger())
+    other = multibody(finger(inertia=1.8018e-5)).demand(floats, motion, ())
+    assert abs(posed.demand(motion) - other).max() > 1e-6
+    home, _ = posed.tendon(np.zeros(1))
+    found, _ = posed.tendon(np.array(motion.position))
+    shorter = multibody(finger(bracket=10.601e-3)).contraction(floats, motion.position)
+    assert abs(home - found - shorter).max() > 1e-8
+
+
+@pytest.mark.parametrize("stop", [0.5, 10.0])
+@pytest.mark.parametrize(("changes", "limit", "side"), [
+    ({"highest": 0.7}, 0.7, 1.0),
+    ({"lowest": -0.2}, -0.2, -1.0),
+    ({"bracket": 2e-3}, 2.0 * math.atan2(2.0, 3.5), 1.0),
+])  # fmt: skip
+def test_limits_give_way_as_the_stops_do(
+    changes: dict[str, Any], limit: float, side: float, stop: float
+) -> None:
+    """At rest 20 mN m push the hinge past a stop, or past brackets that met, by M/K."""
+    system = finger(stop=stop, stiffness=0.0, **changes)
+    model = read_model(to_mjcf(system))
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = side * 0.02
+    mujoco.mj_step(model, data, 2000)
+    past = data.qpos[0] - limit
+    assert past == pytest.approx(side * 0.02 / stop, rel=1e-9)
+    rest = Motion((float(data.qpos[0]),), (0.0,), (0.0,))
+    assert multibody(system).demand(floats, rest, ())[0] == pytest.approx(side * 0.02, rel=1e-3)
+
+
+# ---------------------------------------------------------------- the same motion
+
+
+def run_both(
+    system: AbstractSystem, waveform: Waveforms, duration: float, step: float
+) -> tuple[Result, MujocoResult]:
+    """Our run and that of the bridge in equal steps, each fifth of them."""
+    count = round(duration / step / 5) + 1
+    ours = simulate(system, waveform, duration, step=step, samples=count, runtime=RUNTIME)
+    _, bridge = bridge_of(system, timestep=step)
+    found = bridge.run(duration, tendon_signals(system, waveform), samples=count)
+    assert len(ours.times) == len(found.times)
+    np.testing.assert_allclose(found.times, ours.times, atol=1e-9)
+    return ours, found
+
+
+def apart(ours: Result, found: MujocoResult, names: Mapping[str, str]) -> dict[str, float]:
+    """Largest difference of columns; angles in degrees. `names`: ours -> that of the bridge."""
+    found_apart: dict[str, float] = {}
+    for name, other in names.items():
+        scale = math.degrees(1.0) if ours.system.outputs()[name].unit == "rad" else 1.0
+        found_apart[name] = scale * float(np.abs(np.subtract(ours[name], found[other])).max())
+    return found_apart
+
+
+STATES = ("temperature", "martensite_fraction", "force")
+FINGER = {"angle": "angle"} | {name: f"element.{name}" for name in STATES}
+
+
+@pytest.mark.parametrize(("offset", "reached"), [(3.5e-3, 75.9), (5.5e-3, 62.6)])
+def test_the_finger_moves_alike(offset: float, reached: float) -> None:
+    """In steps of 2 ms, through a wire that hangs slack as the finger falls back."""
+    ours, found = run_both(finger(offset), TRAPEZOID, 8.2, 2e-3)
+    assert math.degrees(max(ours["angle"])) == pytest.approx(reached, abs=0.2)
+    assert math.degrees(ours["angle"][-1]) < 0.5
+    off = apart(ours, found, FINGER)
+    assert off["angle"] < 0.1
+    assert off["temperature"] < 0.1
+    assert off["martensite_fraction"] < 2e-3
+    assert off["force"] < 0.04 * max(ours["force"])
+    assert found.error < 1e-6
+
+
+@pytest.mark.slow
+def test_a_thin_bow_needs_a_finer_step() -> None:
+    """r = 1.5 mm, the fastest of the three, in steps of 1 ms."""
+    ours, found = run_both(finger(1.5e-3, arm=6e-3), TRAPEZOID, 8.2, 1e-3)
+    assert math.degrees(max(ours["angle"])) > 90.0
+    assert apart(ours, found, FINGER)["angle"] < 0.1
+
+
+def test_a_wrong_moment_arm_is_noticed() -> None:
+    """r longer by 0.2 mm: more than ten times as far off as is allowed."""
+    wave = Table(times=(0.0, 0.1, 0.6, 2.0), values=(0.0, 0.0, 2.0, 2.0))
+    ours, same = run_both(finger(), wave, 2.0, 2e-3)
+    _, bridge = bridge_of(finger(3.7e-3))
+    wrong = bridge.run(2.0, {"element": wave}, samples=201)
+    assert apart(ours, same, FINGER)["angle"] < 0.1
+    assert apart(ours, wrong, FINGER)["angle"] > 1.0
+
+
+def platform_names() -> dict[str, str]:
+    """All angles and states."""
+    columns = [f"{port}.{name}" for port in ("first", "second", "third") for name in STATES]
+    return {name: name for name in ("alpha", "beta", *columns)}
+
+
+def test_the_platform_moves_alike() -> None:
+    """One spring up to 26°, then another while it cools: both axes, in steps of 5 ms."""
+    wave = PULSE | {"second": Step(low=0.0, high=30.0, at=2.2, until=4.0)}
+    ours, found = run_both(platform(), wave, 6.0, 5e-3)
+    assert math.degrees(max(ours["alpha"])) == pytest.approx(26.3, abs=0.1)
+    assert math.degrees(ours["alpha"][-1]) < 20.0
+    assert math.degrees(max(ours["beta"])) > 5.0
+    off = apart(ours, found, platform_names())
+    assert max(off["alpha"], off["beta"]) < 0.02
+    assert max(off[f"{port}.temperature"] for port in ("first", "second")) < 0.02
+    assert max(value for name, value in off.items() if name.endswith("_fraction")) < 5e-4
+    assert max(value for name, value in off.items() if name.endswith("force")) < 0.01
+    assert found.error < 1e-6
+
+
+# ---------------------------------------------------------------- what is written
+
+
+def test_the_start_is_that_of_the_system() -> None:
+    system = finger()
+    text, bridge = bridge_of(system, timestep=1e-3)
+    assert text == to_mjcf(system, timestep=1e-3)
+    assert bridge.plant.dt == 1e-3
+    force = 50.0 * 8e-3 * 1e-3 / (2.0 * 3.5e-3)
+    assert start_forces(system) == {"element": pytest.approx(force)}
+    assert bridge.model.numeric("start_force_element").data[0] == pytest.approx(force)
+    seen = bridge.observe()["element"]
+    first = simulate(system, TRAPEZOID, 1e-3, step=1e-3, samples=2)
+    for name in ("force", "strain", "temperature", "martensite_fraction"):
+        assert seen[name] == pytest.approx(first[name][0], rel=1e-12)
+    bridge.run(0.2, {"element": 0.0})
+    assert abs(bridge.data.qpos[0]) < 1e-9
+
+
+def test_signals_go_by_the_names_of_tendons() -> None:
+    assert tendon_signals(finger(), TRAPEZOID) == {"element": TRAPEZOID}
+    found = tendon_signals(platform(), PULSE)
+    assert found["first"] == PULSE["first"]
+    assert [found[port].value(0.5) for port in ("first", "second", "third")] == [34.0, 0.0, 0.0]
+    with pytest.raises(InputError, match="There is no drive `frist`"):
+        tendon_signals(platform(), {"frist": PULSE["first"]})
+
+
+def test_a_finger_without_stops_has_no_limits() -> None:
+    assert read_model(to_mjcf(finger(stop=0.0))).jnt_limited[0] == 0
+
+
+@pytest.mark.parametrize(("system", "words"), [
+    (hanging_wire(), "`dead-weight` cannot be written as MJCF; .*`finger`, `parallel-platform`"),
+    (finger(friction=0.1), "slide without friction, but parameter `friction` of `finger` is 0.1"),
+    (finger(spring="fixed", extension=0.06), "`extension` of `finger` .* at most `height`, 50 mm"),
+    (finger(kind=Longer), "cannot be written"),
+])  # fmt: skip
+def test_what_cannot_be_written(system: AbstractSystem, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        to_mjcf(system)
+
+
+def test_a_writer_of_ones_own() -> None:
+    """A mechanism that has none gets one by an entry of the table."""
+    system = finger(kind=Longer)
+    mjcf.WRITERS[Longer] = mjcf.WRITERS[Finger]
+    try:
+        assert read_model(to_mjcf(system)).ntendon == 1
+    finally:
+        del mjcf.WRITERS[Longer]
+
+
+@pytest.mark.parametrize("timestep", [0.0, -1e-3, 1.0, math.nan])
+def test_timesteps_that_are_refused(timestep: float) -> None:
+    with pytest.raises(ParameterError, match="`timestep` must be above 0 s and below 1 s"):
+        to_mjcf(finger(), timestep=timestep)
