@@ -32,7 +32,7 @@ def finger_law(name: str = "mas", **changes: Any) -> Any:
 
 def joint(offset: float = 3.5e-3, arm: float = 8e-3, **changes: Any) -> Finger:
     """Its mechanism with r and a [m]; keyword arguments replace other numbers and options."""
-    sizes = {"bracket": 10.6e-3, "stiffness": 50.0, "extension": 1e-3}
+    sizes: dict[str, Any] = {"bracket": 10.6e-3, "stiffness": 50.0, "extension": 1e-3}
     return Finger(offset=offset, arm=arm, **(sizes | changes))
 
 

@@ -78,7 +78,10 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
 }
 
 # declared SI unit -> unit a person would rather read
-READABLE = {"K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg", "rad/s": "deg/s"}
+READABLE = {
+    "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
+    "rad/s": "deg/s",
+}  # fmt: skip
 
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 _SPELLINGS = str.maketrans(

@@ -7,7 +7,7 @@ of the law, with the finger solved by bisection), and closed forms written out a
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -45,6 +45,16 @@ class TestWire:
     def test_plateaus(self, T, up, down):
         found = wire_claims.plateaus(wire_claims.loaded(T))
         assert [s / 1e6 for s in found] == pytest.approx([up, down], abs=0.5)
+
+    @pytest.mark.parametrize("T", [295.0, 310.0])
+    def test_twins_turn_at_one_stress_and_stay(self, T):
+        path = wire_claims.stretched_cold(T)
+        level = next(s for s, e in zip(path.stress, path.strain, strict=True) if e >= 0.02)
+        assert level / 1e6 == pytest.approx(50.7, abs=0.5)
+        assert path.strain[-1] == pytest.approx(0.04, abs=2e-4)
+
+    def test_weight_of_a_phalanx(self):
+        assert wire_claims.weight_stress(PRINTED) / 1e6 == pytest.approx(195.0, abs=1.0)
 
 
 class TestBending:
@@ -115,6 +125,8 @@ class TestWhole:
         found = {id: c.verdict for id, c in listed.items() if c.verdict != "not checkable"}
         assert found == {
             "trend": "reproduced", "trend-safe": "reproduced", "trend-far": "not reproduced",
+            "limited-1.4W": "reproduced", "limited-2.0W": "reproduced",
+            "residual-strain": "reproduced",
             "return": "reproduced", "quasi-stationary-8mm": "not reproduced",
             "quasi-stationary-16mm": "not reproduced", "proportional": "not reproduced",
         }  # fmt: skip
@@ -128,10 +140,45 @@ class TestWhole:
         ]
         assert angles == pytest.approx([76.0, 68.0, 59.0], abs=2.0)
 
+    def test_crystals_differ_at_intermediate_powers(self, listed):
+        assert computed(listed, "crystals") == pytest.approx(18.5, abs=1.0)
+        apart = [bending_claims.difference(watts, PRINTED, 12e-3) for watts in (1.4, 1.6)]
+        assert apart == pytest.approx([-1.0, 11.5], abs=1.5)
+
+    def test_each_published_number_decides_its_verdict(self, listed):
+        checked = [c for c in listed.values() if c.tolerance is not None]
+        assert len(checked) == 10
+        for claim in checked:
+            fields = {key: value for key, value in asdict(claim).items() if key != "verdict"}
+            far = fields["computed"] + 1.01 * fields["tolerance"] + 1e-9
+            assert Claim.checked(**fields | {"published": far}).verdict == "not reproduced"
+            near = fields["computed"] - 0.99 * fields["tolerance"]
+            assert Claim.checked(**fields | {"published": near}).verdict == "reproduced"
+
+    def test_readme_has_the_computed_numbers(self, listed):
+        text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
+        shown = [f"{bending_claims.difference(w, PRINTED):+.1f}° at {w:.1f} W" for w in (1.0, 1.3)]
+        ends = [f"{computed(listed, f'limited-{w:.1f}W'):.1f}" for w in PRINTED.powers]
+        angles = [f"{computed(listed, f'angle-{r}mm-2.0W'):.1f}°" for r in (1.5, 3.5, 5.5)]
+        lag = f"{computed(listed, 'proportional'):.1f} K off"
+        assert [word for word in (*shown, *ends, *angles, lag) if word not in text] == []
+
     def test_every_claim_says_why(self, listed):
         assert all(claim.why and claim.source.startswith("finger-paper") for claim in
                    listed.values())  # fmt: skip
+        assert len({claim.id for claim in FingerStudy().claims()}) == len(listed)
         assert set(FingerStudy.cites) <= set(bibliography())
+
+
+def test_redundant_parameters_change_nothing():
+    assert bending_claims.redundancy(PRINTED) < 1e-3
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_figure(tmp_path):
+    load_study("finger").figure(tmp_path / "finger.png")
+    assert (tmp_path / "finger.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_wrong_number_is_noticed():

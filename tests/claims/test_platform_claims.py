@@ -228,7 +228,7 @@ def test_path_and_unit_of_the_stress_factor(listed: dict[str, Claim]) -> None:
 def test_set_c(listed: dict[str, Claim]) -> None:
     assert computed(listed, "set-C-5V") == pytest.approx(18.0, abs=0.01)
     assert computed(listed, "set-C-3V") == pytest.approx(31.2, abs=0.06)
-    result = bench.heated(CASES["C"], PRINTED, 5.0, response_claims.RISE, bench.FINE)
+    result = bench.heated(CASES["C"], PRINTED, 5.0, bench.RISE, bench.FINE)
     assert max(result["first.temperature"]) - bench.ZERO > 300.0
 
 

@@ -251,7 +251,9 @@ def test_friction_widens_the_loop() -> None:
     """Half of the angle is reached hotter and left colder, by σ sinh(μ θ/2)/s and a little more."""
     rough, free = (
         {
-            way: float(np.interp(0.65, *(np.array(run[n])[part] for n in ("angle", "temperature"))))
+            way: float(
+                np.interp(0.65, np.array(run["angle"])[part], np.array(run["temperature"])[part])
+            )
             for way, part in (("up", slice(0, 500)), ("down", slice(None, 650, -1)))
         }
         for run in (cycle(friction=0.2), cycle())

@@ -39,7 +39,7 @@ from martensite.thermal.base import Environment
 from martensite.thermal.constant import ConstantCooling
 
 GEOMETRY: dict[str, Any] = {
-    "offset": 5e-3, "bracket": 4e-3, "knuckle": 7e-3, "preload": 0.5, "highest": 1.35,
+    "offset": 5e-3, "bracket": 4e-3, "knuckle": 7e-3, "preload": 0.5, "highest": 1.2,
 }  # fmt: skip
 ANGLES = [f"{finger}_{joint}" for finger in FINGERS for joint in JOINTS]
 COLD = Environment(temperature=275.0, cooling=ConstantCooling(h=150.0))
@@ -140,13 +140,14 @@ def test_fingers_do_not_know_of_each_other(tendons: str) -> None:
         for k, finger in enumerate(FINGERS)
         for joint in JOINTS
     }
-    all_three = run(together, tendons=tendons)
+    all_three = run(together, 3.5, tendons=tendons)
     for finger in FINGERS:
-        alone = run({p: w for p, w in together.items() if p.startswith(finger)}, tendons=tendons)
+        own = {p: w for p, w in together.items() if p.startswith(finger)}
+        alone = run(own, 3.5, tendons=tendons)
         for joint in JOINTS:
             name = f"{finger}_{joint}"
             assert column(alone, name).max() > 0.3
-            assert column(all_three, name) == pytest.approx(column(alone, name), abs=1e-9)
+            assert column(all_three, name) == pytest.approx(column(alone, name), abs=1e-6)
 
 
 def test_the_antagonist_opens_what_the_protagonist_closed() -> None:
@@ -154,7 +155,7 @@ def test_the_antagonist_opens_what_the_protagonist_closed() -> None:
     result = run(drives, 12.0)
     bent = column(result, "index_proximal")
     closed, kept, opened = (bent[round(t / STEP)] for t in (3.0, 6.0, 8.5))
-    assert closed > 1.2
+    assert closed > 1.1
     assert 0.9 * closed < kept < closed  # nothing but the extensor draws it back
     assert opened < 0.1 * closed
     oriented = column(result, "index_proximal_extensor.oriented_fraction")
@@ -265,9 +266,11 @@ def test_it_rests_where_nothing_is_left_over(
 
 def test_preload_and_springs_are_in_balance_at_assembly() -> None:
     for tendons in ("separate", "passing"):
-        mechanism = hand(tendons=tendons, torque=2e-3, thumb=0.7)
+        mechanism = hand(tendons=tendons, torque=1.5e-3, thumb=0.7)
         home, forces = [0.0] * 6, mechanism.start_forces(floats)
-        assert mechanism.supply(floats, home, forces, home) == pytest.approx([2e-3] * 6, rel=1e-12)
+        assert mechanism.supply(floats, home, forces, home) == pytest.approx(
+            [1.5e-3] * 6, rel=1e-12
+        )
         assert forces[::2] == [0.5] * 6
 
 
@@ -290,7 +293,7 @@ class Lifted(Hand):
     """A hand that is let go from a bent position, all elements slack. Not registered."""
 
     def home(self, xp: Namespace) -> Column:
-        return [0.9, 0.5, -0.6, 1.2, 0.3, -0.8]
+        return [0.9, 0.5, -0.6, 1.2, 0.7, -0.8]
 
     def mounted(self, xp: Namespace, elongations: Column) -> Column:
         return [-1.0] * 12

@@ -115,7 +115,7 @@ def frequency(result: Result, name: str) -> float:
 
 def test_lengths_that_the_paper_needs() -> None:
     """To the micrometre by an independent computation, to 1e-9 m by matrices."""
-    mechanism = platform().mechanism
+    mechanism: Any = platform().mechanism
     for degrees, millimetres in ((25, (36.009, 72.251, 72.251)), (30, (32.079, 74.534, 74.534))):
         turned = mechanism.contraction(floats, [math.radians(degrees), 0.0])
         found = [HEIGHT - shorter for shorter in turned]
@@ -132,10 +132,12 @@ def test_stiffness_of_a_small_tilt_is_the_same_about_all_axes() -> None:
 
 def test_inertia_and_joint_of_the_plate() -> None:
     """I = M s²/24 unless given."""
-    usual, given = (platform(inertia=i).mechanism.top_plate(floats) for i in (0.0, 4e-5))
+    made: list[Any] = [platform(inertia=i).mechanism for i in (0.0, 4e-5)]
+    usual, given = (mechanism.top_plate(floats) for mechanism in made)
     assert usual.inertia == pytest.approx(3.125e-5, rel=1e-12)
     assert given.inertia == 4e-5
-    assert platform(eccentricity=0.02).mechanism.plates() == Plates(SIDE, HEIGHT, HEIGHT - 0.02)
+    off: Any = platform(eccentricity=0.02).mechanism
+    assert off.plates() == Plates(SIDE, HEIGHT, HEIGHT - 0.02)
     with pytest.raises(ParameterError, match=r"`eccentricity`.*at most `height`, 60 mm"):
         platform(eccentricity=0.07)
 

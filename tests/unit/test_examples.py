@@ -6,6 +6,7 @@ the wire's maker for the example with PWM.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +98,25 @@ def test_clamped_wire_loses_the_stroke_that_its_comments_say(
     assert result.warnings == []
     assert result.stroke == pytest.approx(stroke, abs=0.01e-3)
     assert result["martensite_fraction"][-1] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "angle"),
+    [
+        ({}, 75.7),
+        ({"mechanism.friction": 0.15}, 75.7),
+        ({"mechanism.highest": "50 deg"}, 50.1),
+        ({"element.law": "mas"}, 75.7),
+    ],
+    ids=["free", "friction", "end stop", "rates"],
+)
+def test_finger_bends_and_comes_back_as_its_comments_say(
+    changes: dict[str, Any], angle: float
+) -> None:
+    result = load(EXAMPLES / "finger.toml", changes).run(tolerance=1e-3)
+    assert result.warnings == []
+    assert math.degrees(max(result["angle"])) == pytest.approx(angle, abs=0.1)
+    assert math.degrees(result["angle"][-1]) == pytest.approx(0.0, abs=0.01)
 
 
 def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> None:

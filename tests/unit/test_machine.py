@@ -171,7 +171,8 @@ class TestResult:
         assert [text.get_text() for text in figure.legends[0].texts] == [
             "protagonist", "antagonist",
         ]  # fmt: skip
-        np.testing.assert_allclose(np.asarray(over_time[0].lines[0].get_ydata()), np.degrees(run()["angle"]))
+        drawn = np.asarray(over_time[0].lines[0].get_ydata())
+        np.testing.assert_allclose(drawn, np.degrees(run()["angle"]))
 
 
 class Watcher(AbstractDrive):

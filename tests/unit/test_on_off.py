@@ -143,4 +143,4 @@ def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(ParameterError, match="`delay`"):
         on_off(delay=-0.1)
     with pytest.raises(ParameterError, match="needs `high`"):
-        OnOff(measured="angle", target=1.0)
+        OnOff(**{"measured": "angle", "target": 1.0})

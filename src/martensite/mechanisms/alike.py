@@ -17,7 +17,6 @@ from martensite.parameters import Parametrised, structure
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 
-
 LEAST = 3
 """So many are worth a loop, in which nothing about the parameters is computed beforehand."""
 

@@ -1,4 +1,7 @@
-"""The march in C: a loop around the traced kernels, for one run or a batch of lanes."""
+"""The march in C: a loop around the traced kernels, for one run or a batch of lanes.
+
+A step that stays unsolved can be made once more by another library, with more iterations.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,16 @@ import numpy as np
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
-from martensite.simulate.march import Track, classify, track
+from martensite.simulate.march import SOLVED, Track, classify, track
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
            const double *restrict sampled, const long *restrict counts,
            const double *restrict drives, const double *restrict lengths,
-           double *restrict rows, double *restrict worst) {{
+           double *restrict rows, double *restrict worst,
+           void (*again)(const double *, const double *, double *)) {{
     double c[{constants} * {lanes}], x[{inputs} * {lanes}], y[{results} * {lanes}];
+    double z[{results} * {lanes}];
     const long n = {lanes};
     k_prepare(n, p, c);
     for (long l = 0; l < n; l++) {{
@@ -40,6 +45,14 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
                 x[({size} + {drives}) * n + l] = *lengths;
             }}
             k_step(n, c, x, y);
+            long bad = 0;
+            for (long l = 0; l < n; l++) bad |= !(y[{size} * n + l] <= {solved});
+            if (bad && again) {{
+                again(p, x, z);
+                for (long l = 0; l < n; l++)
+                    if (!(y[{size} * n + l] <= {solved}))
+                        for (long k = 0; k < {results}; k++) y[k * n + l] = z[k * n + l];
+            }}
             memcpy(x, y, sizeof(double) * {size} * n);
             for (long l = 0; l < n; l++) {{
                 const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
@@ -52,6 +65,14 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
         rows += {outputs} * n;
         k_observe(n, c, x, rows);
     }}
+}}
+"""
+
+_PATIENT = """
+void patient(const double *p, const double *x, double *y) {{
+    double c[{constants} * {lanes}];
+    k_prepare({lanes}, p, c);
+    k_step({lanes}, c, x, y);
 }}
 """
 
@@ -69,6 +90,7 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
         size=compiled.size,
         drives=compiled.drives,
         outputs=len(outputs),
+        solved=SOLVED,
     )
     return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
 
@@ -78,11 +100,21 @@ def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...]) -> Any:
     return load_library(march_source(compiled, lanes, outputs))
 
 
+@lru_cache(maxsize=16)
+def _patient(compiled: Compiled, lanes: int) -> Any:
+    """A library that makes single steps."""
+    constants = max(1, len(compiled.program.hoisted))
+    end = _PATIENT.format(constants=constants, lanes=lanes)
+    return load_library(c_source(compiled.program, [compiled.program.functions["step"]]) + end)
+
+
 def march_lanes(
-    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int, outputs: Sequence[int]
-) -> tuple[Any, Any]:
+    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int, outputs: Sequence[int],
+    thorough: Compiled | None = None,
+) -> tuple[Any, Any]:  # fmt: skip
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
+    Steps that stay unsolved are made once more by a `thorough` program of the same system.
     Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
     """
     library = _library(compiled, lanes, tuple(outputs))
@@ -95,12 +127,15 @@ def march_lanes(
         np.asarray(grid.drives, float), np.asarray(grid.lengths), rows, worst,
     )  # fmt: skip
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
-    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
+    again = None if thorough is None else _patient(thorough, lanes).patient
+    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers, again)
     return rows, worst
 
 
-def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
-    """One run on the C runtime."""
-    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)))
+def march_c(
+    compiled: Compiled, values: Sequence[float], grid: Grid, thorough: Compiled | None = None
+) -> Track:
+    """One run on the C runtime; unsolved steps once more by a `thorough` program if given."""
+    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)), thorough)
     status = classify(float(worst[0, 0]), float(worst[1, 0]))
     return track([tuple(row) for row in rows[:, :, 0].tolist()], status)

@@ -1,9 +1,9 @@
 """The figure of the study: what a reader of the paper looks for, on one page.
 
 Left: angle over time at both powers for the three distances r, as in its Figure 6, single crystal
-and polycrystal, with the power below. Right: the calibration loop of its Figure 5, as it is, ten
-times slower, and without stored heat; below, the angle over the power for both crystals, and over
-the place of the spring, on which the trend in r hangs.
+and polycrystal, with power and temperature below. Right: the calibration loop of its Figure 5, as
+it is, ten times slower, and without stored heat; below, the angle over the power for both
+crystals, and over the place of the spring, on which the trend in r hangs.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from martensite.studies.finger.printed import Printed
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+ZERO = 273.15
+"""0 °C [K]."""
 COLOURS = (SIMULATED, HEATING, MEASURED[2])
 """Of the three distances r."""
 DASHED = (0, (4, 1.6))
@@ -30,15 +32,15 @@ def draw(printed: Printed) -> Figure:
         figure = new_figure(12.0, 7.2)
         left, right = figure.add_gridspec(
             1, 2, left=0.055, right=0.985, top=0.9, bottom=0.075, width_ratios=(1.0, 1.15),
-            wspace=0.15,
+            wspace=0.24,
         )  # fmt: skip
-        rows = left.subgridspec(3, 1, height_ratios=(1.0, 1.0, 0.42), hspace=0.28)
+        rows = left.subgridspec(3, 1, height_ratios=(1.0, 1.0, 0.55), hspace=0.28)
         first = figure.add_subplot(rows[0])
         panels = [first, figure.add_subplot(rows[1], sharex=first)]
         for axes, watts in zip(panels, printed.powers, strict=True):
             _bending(axes, watts, printed)
         _power(figure.add_subplot(rows[2], sharex=first), printed)
-        panels[0].legend(loc="upper right")
+        panels[0].legend(loc="upper left")
         cells = right.subgridspec(2, 2, height_ratios=(1.15, 1.0), hspace=0.32, wspace=0.28)
         _loop(figure.add_subplot(cells[0, :]), printed)
         _crystals(figure.add_subplot(cells[1, 0]), printed)
@@ -69,50 +71,64 @@ def _bending(axes: Any, watts: float, printed: Printed) -> None:
 
 
 def _power(axes: Any, printed: Printed) -> None:
+    warm, r = axes.twinx(), printed.offsets[1]
     for watts, style in zip(printed.powers, (DASHED, "solid"), strict=True):
-        wave = bench.trapezoid(watts, printed)
+        wave, run = bench.trapezoid(watts, printed), bench.bent(watts, r, printed)
         label = f"{watts:.1f} W"
         axes.plot(wave.times, wave.values, color=INK, linestyle=style, label=label, linewidth=1.1)
-    axes.set_title("power")
+        celsius = [T - ZERO for T in run["temperature"]]
+        warm.plot(run.times, celsius, color=HEATING, linestyle=style, linewidth=0.9)
+    axes.set_title(f"power, and temperature of the wire at r = {1e3 * r:.1f} mm")
     axes.set_ylabel(f"{mathematical('P')} [W]")
     axes.set_xlabel(f"{mathematical('t')} [s]")
     axes.set_xlim(0.0, 25.0)
+    axes.set_ylim(-0.1, 2.2)
     axes.legend(loc="upper right")
+    warm.set_ylabel(f"{mathematical('T')} [°C]", color=HEATING)
+    warm.set_ylim(16.0, 104.0)
+    warm.grid(False)
+    warm.spines["right"].set_visible(True)
 
 
 def _loop(axes: Any, printed: Printed) -> None:
     frequency = printed.frequency
     looks = (
-        (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz, as in the paper"),
+        (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz"),
         (loop_claims.SLOW * frequency, (), HEATING, "solid",
          f"{loop_claims.SLOW * frequency:g} Hz"),
-        (frequency, bench.STATIC, INK, DASHED, "no stored and no latent heat"),
+        (frequency, bench.STATIC, INK, DASHED, "no stored heat"),
     )  # fmt: skip
     for f, values, colour, style, label in looks:
         run = bench.loop(f, None, printed, values)
         half = len(run.times) // 2
         axes.plot(
             run["power"][half:], degrees(run)[half:], color=colour, linestyle=style,
-            label=f"{label}: {bench.width(run):.2f} W wide",
+            label=f"{label}: {bench.width(run):.2f} W",
         )  # fmt: skip
-    axes.set_title("calibration loop, r = 1.5 mm: not quasi-stationary")
+    axes.set_title(f"calibration loop, {frequency:g} Hz, r = 1.5 mm: not quasi-stationary")
     axes.set_xlabel(f"{mathematical('P')} [W]")
     axes.set_ylabel(f"{mathematical('θ')} [°]")
-    axes.legend(loc="center right")
+    axes.set_xlim(-0.1, 2.05)
+    axes.legend(loc="center left", title="width", alignment="left")
 
 
 def _crystals(axes: Any, printed: Printed) -> None:
     powers, r = bending_claims.MIDDLE, printed.offsets[1]
-    for law, colour, label in (
-        (bench.SINGLE, SIMULATED, "single crystal"), (bench.POLYCRYSTAL, HEATING, "polycrystal"),
-    ):  # fmt: skip
-        runs = [bench.bent(watts, r, printed, None, law) for watts in powers]
-        tops = [bench.top(run, printed) for run in runs]
-        axes.plot(powers, tops, color=colour, marker="o", markersize=3.5, label=label)
-    axes.set_title("angle at 13 s, r = 3.5 mm")
+    here = bench.finger().value_of("mechanism.arm")
+    for arm, style in ((None, "solid"), (bending_claims.OUTER_ARM, DASHED)):
+        for law, colour, name in (
+            (bench.SINGLE, SIMULATED, "single"), (bench.POLYCRYSTAL, HEATING, "poly"),
+        ):  # fmt: skip
+            runs = [bench.bent(watts, r, printed, arm, law) for watts in powers]
+            axes.plot(
+                powers, [bench.top(run, printed) for run in runs], color=colour, linestyle=style,
+                marker="o", markersize=3.0, label=f"{name}, a = {1e3 * (arm or here):.0f} mm",
+            )  # fmt: skip
+    axes.set_title("single and polycrystal, 13 s, r = 3.5 mm")
     axes.set_xlabel(f"{mathematical('P')} [W]")
     axes.set_ylabel(f"{mathematical('θ')} [°]")
-    axes.legend(loc="lower right")
+    axes.set_ylim(-4.0, 82.0)
+    axes.legend(loc="lower right", fontsize=7.0)
 
 
 def _places(axes: Any, printed: Printed) -> None:

@@ -19,6 +19,10 @@ class Printed:
     """Of the whole wire as austenite [m]."""
     ambient: float = 295.0
     """[K]"""
+    phalanx: float = 50e-3
+    """Length of the second phalanx [m]."""
+    side: float = 19e-3
+    """Of its square base [m]."""
     offsets: tuple[float, ...] = (1.5e-3, 3.5e-3, 5.5e-3)
     """r of section 5 [m]."""
     stiffness: float = 50.0

@@ -12,6 +12,10 @@ HEAT = f"{PAPER}, equation (5) and Table 1"
 KINETICS = f"{PAPER}, section 3 and Table 1"
 RATE = 1e-3
 """Strain rate of the plateaus [1/s]."""
+TWINNED = Fractions(1.0, 0.0)
+"""Martensite of both variants alike."""
+PLASTIC = 1040.0
+"""Density of a printed phalanx, ABS [kg/m³]; not in the paper."""
 HOT = (340.0, 355.0, 370.0)
 """Temperatures of the plateaus [K]."""
 LOADS = (50e6, 150e6)
@@ -21,7 +25,10 @@ ALL_STRETCH = 0.05
 
 def claims(printed: Printed) -> list[Claim]:
     """Heat first, then the law, then the mounting."""
-    return [*_heat(printed), *_plateaus(), *_isobaric(), *_mounting(printed)]
+    return [
+        *_heat(printed), *_plateaus(), *_cold(printed), *_isobaric(), *_mounting(printed),
+        *_weight(printed),
+    ]  # fmt: skip
 
 
 def threshold(printed: Printed) -> float:
@@ -128,6 +135,30 @@ def _plateaus() -> list[Claim]:
     return found
 
 
+def stretched_cold(temperature: float) -> PointResult:
+    """Twinned martensite to 5 % of strain, then unloaded."""
+    seconds = ALL_STRETCH / RATE
+    legs = [Leg(strain=ALL_STRETCH, duration=seconds), Leg(stress=0.0, duration=10.0)]
+    return material_point(
+        bench.wire().law, legs, start=(0.0, temperature), fractions=TWINNED, steps=500,
+        tolerance=1e-3, runtime=bench.runtime(),
+    )  # fmt: skip
+
+
+def _cold(printed: Printed) -> list[Claim]:
+    path, half = stretched_cold(printed.ambient), 501
+    plateau = _at(path.strain[:half], path.stress[:half], 0.02) / 1e6
+    printed_threshold = threshold_stress(printed.ambient) / 1e6
+    return [
+        Claim.checked(
+            "residual-strain", f"strain that stays after stretching at {printed.ambient:.0f} K",
+            KINETICS, 100.0 * printed.eps_T, 100.0 * path.strain[-1], "%", 0.02,
+            f"equation (4) at rest; the twins turn at {plateau:.1f} MPa, just below Δσ. Needs a "
+            f"threshold limited at zero: by equation (6) it would be {printed_threshold:.0f} MPa",
+        )
+    ]  # fmt: skip
+
+
 def _isobaric() -> list[Claim]:
     slope = _law_number("dsigma_dT")
     law, low = bench.wire().law, _law_number("T_L") - _law_number("sigma_L") / slope
@@ -162,5 +193,23 @@ def _mounting(printed: Printed) -> list[Claim]:
             f"{PAPER}, equations (8) to (12)", -printed.E_M * printed.eps_T / 1e6, "MPa",
             "with σ = 0 at a strain of zero and the wire in martensite: the strain must count from "
             "a reference ε_T + σ₀/E_M, since the wire is mounted hot; nor may the wire push",
+        )
+    ]  # fmt: skip
+
+
+def weight_stress(printed: Printed) -> float:
+    """Stress at which the wire holds the second phalanx level, at the smallest r [Pa]."""
+    length, side, gravity = printed.phalanx, printed.side, 9.80665
+    torque = PLASTIC * length * side * side * gravity * 0.5 * length
+    return torque / (2.0 * bench.wire().section() * min(printed.offsets))
+
+
+def _weight(printed: Printed) -> list[Claim]:
+    return [
+        Claim.reported(
+            "weight", f"stress that holds the phalanx up, r = {1e3 * min(printed.offsets):.1f} mm",
+            f"{PAPER}, section 2.1", weight_stress(printed) / 1e6, "MPa",
+            "solid ABS of 1040 kg/m³ (assumed), level; more than σ_M at either power, so the joint "
+            "must turn in a horizontal plane, of which nothing is said",
         )
     ]  # fmt: skip
