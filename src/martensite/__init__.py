@@ -104,6 +104,7 @@ if TYPE_CHECKING:
     from martensite.mechanisms.beam_motor import modal_numbers as modal_numbers
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
     from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
+    from martensite.mechanisms.finger import Finger as Finger
     from martensite.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
     from martensite.mechanisms.platform_kinematics import Plates as Plates
     from martensite.mechanisms.platform_kinematics import platform_angles as platform_angles
@@ -196,6 +197,7 @@ _HOME = {
     "FilmFit": "identify.film",
     "FilmPoints": "identify.film_points",
     "FilmReport": "identify.film_report",
+    "Finger": "mechanisms.finger",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "Group": "system.actuator",
     "Held": "signals.held",

@@ -14,7 +14,13 @@ import pytest
 from martensite.io.citations import bibliography
 from martensite.runtimes.c99 import compiler
 from martensite.studies.base import Claim, load_study
-from martensite.studies.finger import bench, bending_claims, loop_claims, wire_claims
+from martensite.studies.finger import (
+    bench,
+    bending_claims,
+    crystal_claims,
+    loop_claims,
+    wire_claims,
+)
 from martensite.studies.finger.printed import Printed
 from martensite.studies.finger.study import FingerStudy
 
@@ -142,7 +148,7 @@ class TestWhole:
 
     def test_crystals_differ_at_intermediate_powers(self, listed):
         assert computed(listed, "crystals") == pytest.approx(18.5, abs=1.0)
-        apart = [bending_claims.difference(watts, PRINTED, 12e-3) for watts in (1.4, 1.6)]
+        apart = [crystal_claims.difference(watts, PRINTED, 12e-3) for watts in (1.4, 1.6)]
         assert apart == pytest.approx([-1.0, 11.5], abs=1.5)
 
     def test_each_published_number_decides_its_verdict(self, listed):
@@ -157,7 +163,7 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        shown = [f"{bending_claims.difference(w, PRINTED):+.1f}° at {w:.1f} W" for w in (1.0, 1.3)]
+        shown = [f"{crystal_claims.difference(w, PRINTED):+.1f}° at {w:.1f} W" for w in (1.0, 1.3)]
         ends = [f"{computed(listed, f'limited-{w:.1f}W'):.1f}" for w in PRINTED.powers]
         angles = [f"{computed(listed, f'angle-{r}mm-2.0W'):.1f}°" for r in (1.5, 3.5, 5.5)]
         lag = f"{computed(listed, 'proportional'):.1f} K off"

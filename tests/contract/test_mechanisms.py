@@ -247,9 +247,8 @@ def test_halving_the_step_quarters_the_error(mechanism: AbstractMultibody) -> No
 
 @every
 def test_a_run_to_a_tolerance_says_how_accurate_it_is(mechanism: AbstractMultibody) -> None:
-    result = simulate(
-        machine(mechanism, compliance=COMPLIANCE), smooth(mechanism), 0.06, tolerance=1e-2, samples=7
-    )
+    system = machine(mechanism, compliance=COMPLIANCE)
+    result = simulate(system, smooth(mechanism), 0.06, tolerance=1e-2, samples=7)
     assert result.accuracy is not None
     assert 0.0 <= result.accuracy <= 1e-2
     assert not result.status.failed
@@ -265,7 +264,7 @@ def pulley() -> AntagonisticPulley:
 
 def test_an_unknown_port_is_named_with_the_nearest() -> None:
     members = {"protagonist": actuator(), "antagonits": actuator()}
-    with pytest.raises(ParameterError, match="no port `antagonits`.*`antagonist`"):
+    with pytest.raises(ParameterError, match=r"no port `antagonits`.*`antagonist`"):
         Machine(mechanism=pulley(), group=Group(**members))
 
 
@@ -282,7 +281,7 @@ def test_a_system_is_of_one_element() -> None:
 def test_a_waveform_needs_a_name_where_there_are_several_drives() -> None:
     with pytest.raises(InputError, match="has 2 drives"):
         simulate(machine(pulley()), wave(1.0), 1.0, step=0.1)
-    with pytest.raises(InputError, match="`protagonists`.*`protagonist`"):
+    with pytest.raises(InputError, match=r"`protagonists`.*`protagonist`"):
         simulate(machine(pulley()), {"protagonists": wave(1.0)}, 1.0, step=0.1)
 
 
@@ -355,5 +354,7 @@ class Late(AntagonisticPulley):
 
 
 def test_a_first_order_scheme_is_noticed() -> None:
-    late = Late(radius=0.01, preload=3.0, stiffness=0.01, damping=1e-3, inertia=1e-4, motion="dynamic")
+    late = Late(
+        radius=0.01, preload=3.0, stiffness=0.01, damping=1e-3, inertia=1e-4, motion="dynamic"
+    )
     assert order(late) == pytest.approx(1.0, abs=0.3)

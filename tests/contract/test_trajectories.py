@@ -1,5 +1,7 @@
 """Whole trajectories of problem A agree on all runtimes: steps that agree one by one may not."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from builders import SINE_A, FunctionWaveform, example_system, examples, label, problem_a
@@ -73,7 +75,9 @@ def test_numpy_arrays_agree_over_five_seconds(history):
     state = [np.broadcast_to(v, 3) for v in functions["init"](*grid.sampled[0])]
     for u, dt in zip(grid.drives, grid.lengths, strict=True):
         state = functions["step"](*state, *u, dt)[: compiled.size]
-    ends = np.array([np.broadcast_to(v, 3) for v in functions["observe"](*state, *grid.sampled[-1])])
+    ends = np.array(
+        [np.broadcast_to(v, 3) for v in functions["observe"](*state, *grid.sampled[-1])]
+    )
     meant = simulate(system, DRIVES["pwm"][0], 5.0, step=0.01, samples=51)
     last = np.array([column[-1] for column in meant.columns.values()])
     span = np.array([max(meant.range(name), abs(meant[name][-1])) for name in meant.columns])
@@ -93,7 +97,7 @@ PARTS = [
 @pytest.mark.parametrize("thing", PARTS, ids=label)
 def test_every_part_runs_the_same_in_c(thing, c_compiler):
     """Three seconds of on and off with any registered part in a system of one element."""
-    system = example_system(thing)
+    system: Any = example_system(thing)
     source = system.source
     rest = system.environment.temperature if source.sets_temperature else 0.0
     wave = Step(low=rest, high=LEVELS[source.unit], at=0.1, until=1.5)

@@ -81,10 +81,6 @@ class _Turn(NamedTuple):
     report: Report
     moved: Scalar
     """Largest correction of a coordinate, in its size."""
-    change: Numbers
-    """By how much the position was corrected."""
-    reach: Numbers
-    """By how much it may have been."""
 
 
 @dataclass(frozen=True)
@@ -98,25 +94,18 @@ class Step:
     dt: Scalar
     iterations: int
 
-    @property
-    def thorough(self) -> bool:
-        """True if there is time for kinks."""
-        return self.iterations > ITERATIONS
-
     def solved(self, xp: Namespace) -> tuple[Course, list[Scalar], list[Any], Report]:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
-        size = len(self.memory.course.position)
         shape = Shape(_Turn(
             predicted(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
             tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
-            (0.0,) * size, (float("inf"),) * size,
         ))  # fmt: skip
 
         def turn(*flat: Scalar) -> list[Scalar]:
             return flatten(self._turn(xp, scheme, shape.rebuild(flat)))
 
-        passes = THOROUGH if self.thorough else PASSES
+        passes = PASSES if self.iterations <= ITERATIONS else THOROUGH
         end: _Turn = shape.rebuild(xp.repeat(passes, turn, *flatten(shape.example)))
         residual = xp.maximum(end.report.residual, end.moved)
         stiffness = [tangent.stiffness for tangent in end.tangents]
@@ -129,16 +118,10 @@ class Step:
         found, states, report = self._answers(xp, _lines(linear, before.tangents))
         tangents = _renewed(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
         change = _correction(xp, linear, tangents)
+        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
-        reach = before.reach
-        if self.thorough:
-            change, reach = _steadied(xp, change, before)
-        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
-        return _Turn(
-            position, tuple(tangents), 1.0, tuple(states), report, largest(xp, moved),
-            tuple(change), reach,
-        )  # fmt: skip
+        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, largest(xp, moved))
 
     def _first(self, xp: Namespace) -> list[Tangent]:
         """Every element as it stands, as stiff as it was over the last step."""
@@ -247,15 +230,3 @@ def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> l
         weight = linear.shares[i] * (answer - linear.forces[i])
         side = [s + weight * j for s, j in zip(side, linear.lever[i], strict=True)]
     return solutions(_matrix(linear, tangents), [side])[0]
-
-
-def _steadied(xp: Namespace, change: Column, before: _Turn) -> tuple[list[Scalar], Numbers]:
-    """A correction that cannot go to and fro over a kink for ever, and how far it may go.
-
-    Whenever it turns round it may go half as far as the last one went, else twice as far as before.
-    """
-    reach: list[Scalar] = []
-    for now, last, most in zip(change, before.change, before.reach, strict=True):
-        reach.append(xp.where(now * last < 0.0, 0.5 * xp.abs(last), 2.0 * most))
-    pairs = zip(change, reach, strict=True)
-    return [xp.clip(d, -most, most) for d, most in pairs], tuple(reach)

@@ -65,9 +65,7 @@ class Hand(AbstractMultibody):
     bracket: Scalar = param(
         "m", "distance g of a bracket from the hinge, along the phalanx", low=0.0, high=1.0
     )
-    knuckle: Scalar = param(
-        "m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0
-    )
+    knuckle: Scalar = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0)
     preload: Scalar = param("N", "force in every flexor at assembly", low=0.0, high=1e6)
     stiffness: Scalar = param("N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0)
     torque: Scalar = param(
@@ -75,9 +73,7 @@ class Hand(AbstractMultibody):
     )
     lowest: Scalar = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0)
     highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
-    stop: Scalar = param(
-        "N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0
-    )
+    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
     damping: Scalar = param("N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0)
     proximal_length: Scalar = param(
         "m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05
@@ -120,14 +116,15 @@ class Hand(AbstractMultibody):
         return self.thumb, self.index, self.middle
 
     def ports(self) -> tuple[str, ...]:
-        """Flexor and extensor of every joint: `thumb_proximal_flexor`, …"""
+        """Flexor and extensor of every joint, such as `thumb_proximal_flexor`."""
         return tuple("_".join(words) for words in product(FINGERS, JOINTS, SIDES))
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The angles: `thumb_proximal`, …"""
+        """The angles, such as `thumb_proximal`."""
+        words = product(FINGERS, JOINTS)
         return tuple(
-            Coordinate(f"{finger}_{joint}", "rad", f"angle of the {joint} joint, {finger}", "θ", 1.0)
-            for finger, joint in product(FINGERS, JOINTS)
+            Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0)
+            for one, joint in words
         )
 
     def contraction(self, xp: Namespace, position: Column) -> Column:

@@ -59,9 +59,7 @@ class Lever(AbstractMultibody):
     )
     lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
     highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
-    stop: Scalar = param(
-        "N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0
-    )
+    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
     damping: Scalar = param("N*m*s/rad", "damping of the pivot", low=0.0, high=1e6, default=0.0)
     inertia: Scalar = param(
         "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6

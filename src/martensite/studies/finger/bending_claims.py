@@ -15,23 +15,19 @@ from martensite.studies.finger.printed import PAPER, Printed
 FIGURE_6 = f"{PAPER}, section 5 and Figure 6"
 ARMS = tuple(1e-3 * i for i in range(6, 20))
 """Places of the spring that are tried [m]."""
-MIDDLE = (1.0, 1.2, 1.3, 1.4, 1.6, 1.8)
-"""Powers at which both crystals are compared [W]."""
 OTHER_FILM = 220.0
 """[W/(m² K)]"""
 ALLOWED = 0.1
 """Difference of angles that counts as none [°]."""
 ACTIVATION = 3.0
 """Stress by which thermal activation may shift a threshold [MPa]."""
-OUTER_ARM = 12e-3
-"""A place of the spring at which intermediate powers lie between those of the paper [m]."""
 
 
 def claims(printed: Printed) -> list[Claim]:
-    """Trend and angles first, then times, energy, and the other crystal."""
+    """Trend and angles first, then thresholds, times, energy and what the numbers hang on."""
     return [
         *_trend(printed), *_angles(printed), *_limited(printed), *_times(printed),
-        *_return(printed), *_sensitive(printed), *_redundant(printed), *_crystals(printed),
+        *_return(printed), *_sensitive(printed), *_redundant(printed),
     ]  # fmt: skip
 
 
@@ -225,49 +221,3 @@ def _redundant(printed: Printed) -> list[Claim]:
             "cannot be told apart",
         )
     ]  # fmt: skip
-
-
-def _crystals(printed: Printed) -> list[Claim]:
-    r = printed.offsets[1]
-    found: list[Claim] = []
-    for watts in printed.powers:
-        angles = [
-            bench.top(bench.bent(watts, one, printed, None, bench.POLYCRYSTAL), printed)
-            for one in printed.offsets
-        ]
-        listed = ", ".join(f"{angle:.1f}°" for angle in angles)
-        found.append(
-            Claim.reported(
-                f"polycrystal-{watts:.1f}W",
-                f"angle at {watts:.1f} W, r = {1e3 * r:.1f} mm, barriers spread by 20 MPa",
-                FIGURE_6, angles[1], "deg",
-                f"{listed} for the three r: falls with r and rises with the power, as a real wire "
-                "does; the single crystal shows the first only where it saturates",
-            )
-        )  # fmt: skip
-    found += [_apart(printed, "crystals", None), _apart(printed, "crystals-12mm", OUTER_ARM)]
-    return found
-
-
-def _apart(printed: Printed, id: str, arm: float | None) -> Claim:
-    """Both crystals at intermediate powers."""
-    apart = {watts: difference(watts, printed, arm) for watts in MIDDLE}
-    worst = max(apart, key=lambda watts: abs(apart[watts]))
-    listed = ", ".join(f"{d:+.1f}° at {watts:.1f} W" for watts, d in apart.items())
-    place = 1e3 * (arm or bench.finger().value_of("mechanism.arm"))
-    return Claim.reported(
-        id, f"single crystal less polycrystal at {worst:.1f} W, r = "
-        f"{1e3 * printed.offsets[1]:.1f} mm, spring at {place:.0f} mm",
-        FIGURE_6, apart[worst], "deg",
-        f"{listed}: large at intermediate powers and small once both have transformed, as the "
-        "paper says of the error of its single crystal; which powers these are hangs on the spring",
-    )  # fmt: skip
-
-
-def difference(watts: float, printed: Printed, arm: float | None = None) -> float:
-    """Angle of the single crystal less that of the polycrystal at r = 3.5 mm [°]."""
-    single, many = (
-        bench.top(bench.bent(watts, printed.offsets[1], printed, arm, law), printed)
-        for law in (bench.SINGLE, bench.POLYCRYSTAL)
-    )
-    return single - many

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.plot.labels import mathematical
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
-from martensite.studies.finger import bench, bending_claims, loop_claims
+from martensite.studies.finger import bench, bending_claims, crystal_claims, loop_claims
 from martensite.studies.finger.printed import Printed
 
 if TYPE_CHECKING:
@@ -113,9 +113,9 @@ def _loop(axes: Any, printed: Printed) -> None:
 
 
 def _crystals(axes: Any, printed: Printed) -> None:
-    powers, r = bending_claims.MIDDLE, printed.offsets[1]
+    powers, r = crystal_claims.MIDDLE, printed.offsets[1]
     here = bench.finger().value_of("mechanism.arm")
-    for arm, style in ((None, "solid"), (bending_claims.OUTER_ARM, DASHED)):
+    for arm, style in ((None, "solid"), (crystal_claims.OUTER_ARM, DASHED)):
         for law, colour, name in (
             (bench.SINGLE, SIMULATED, "single"), (bench.POLYCRYSTAL, HEATING, "poly"),
         ):  # fmt: skip

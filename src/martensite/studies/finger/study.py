@@ -21,9 +21,14 @@ class FingerStudy(AbstractStudy):
 
     def claims(self) -> list[Claim]:
         """Every claim with its verdict."""
-        from martensite.studies.finger import bending_claims, loop_claims, wire_claims
+        from martensite.studies.finger import (
+            bending_claims,
+            crystal_claims,
+            loop_claims,
+            wire_claims,
+        )
 
-        parts = (wire_claims, bending_claims, loop_claims)
+        parts = (wire_claims, bending_claims, crystal_claims, loop_claims)
         return [claim for part in parts for claim in part.claims(self.printed)]
 
     def figure(self, path: Path) -> None:
