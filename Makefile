@@ -49,7 +49,7 @@ lock: ## write uv.lock anew after a change of the dependencies (needs uv)
 	uv lock --default-index https://pypi.org/simple
 
 clean: ## remove what builds and runs left behind; keeps .venv
-	rm -rf build dist docs/_build docs/jupyter_execute .hypothesis .import_linter_cache \
+	rm -rf build dist docs/_build docs/_figures docs/jupyter_execute .hypothesis .import_linter_cache \
 		.pytest_cache .ruff_cache .cache
 	find . -name __pycache__ -type d -not -path './$(VENV)/*' -prune -exec rm -rf {} +
 

@@ -34,7 +34,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "from_declarations",
 ]
-exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**"]
+exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**", "_figures/**"]
 
 # -- pages -------------------------------------------------------------------------------
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

@@ -155,6 +155,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
     ports, signals = range(len(mechanism.ports())), [x for _ in mechanism.signals()]
     forces = [3.0 + xp.sin(x + y + k) for k in ports]
     supply = mechanism.supply(xp, motion.position, forces, motion.velocity)
+    own: Any = mechanism
     course = Course(*motion, motion.acceleration if mechanism.moves else ())
     found = (
         mechanism.contraction(xp, motion.position), mechanism.demand(xp, motion, signals),
@@ -162,7 +163,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
         mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
-        mechanism.energy(xp, motion) if hasattr(mechanism, "energy") else 0.0,
+        own.energy(xp, motion) if hasattr(own, "energy") else 0.0,
     )  # fmt: skip
     return tuple(tuple(part) if isinstance(part, list) else part for part in found)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import bibtex
@@ -19,6 +20,8 @@ from martensite.elements.limits import Limits
 from martensite.io.scenario import Run
 from martensite.thermal.base import Environment
 
+DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger")
+"""Studies whose figure is shown; the others need a record that may be absent."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "materials": parts.all_materials,
@@ -28,6 +31,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "units": parts.everyday_units,
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
+    **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
     "environment": lambda: parts.parameters_of(Environment),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import martensite
@@ -180,6 +181,18 @@ def everyday_units() -> str:
 
 
 # -- studies -----------------------------------------------------------------------------
+FIGURES = Path(__file__).parents[1] / "_figures"
+"""Where figures of studies are drawn; the claims that follow reuse their runs."""
+
+
+def figure(name: str) -> str:
+    """The figure of a study, drawn now."""
+    found = load_study(name)
+    FIGURES.mkdir(exist_ok=True)
+    found.figure(FIGURES / f"{name}.svg")
+    return f"![{found.title}](_figures/{name}.svg)"
+
+
 def all_studies() -> str:
     """The claims of every study, computed now."""
     return "\n".join(_study(load_study(name)) for name in study_names())

@@ -105,12 +105,15 @@ if TYPE_CHECKING:
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
     from martensite.mechanisms.dead_weight import DeadWeight as DeadWeight
     from martensite.mechanisms.finger import Finger as Finger
+    from martensite.mechanisms.hand import Hand as Hand
+    from martensite.mechanisms.lever import Lever as Lever
     from martensite.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
     from martensite.mechanisms.platform_kinematics import Plates as Plates
     from martensite.mechanisms.platform_kinematics import platform_angles as platform_angles
     from martensite.mechanisms.platform_kinematics import platform_lengths as platform_lengths
     from martensite.mechanisms.platform_workspace import Workspace as Workspace
     from martensite.mechanisms.platform_workspace import reachable_angles as reachable_angles
+    from martensite.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
     from martensite.plot.film_fit import plot_film as plot_film
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
@@ -170,6 +173,7 @@ _HOME = {
     "Air": "thermal.fluids.air",
     "AirTable": "thermal.fluids.air_table",
     "Alarm": "simulate.alarms",
+    "AntagonisticPulley": "mechanisms.pulley",
     "Averaging": "control.averaging",
     "AxialWire": "elements.axial_wire",
     "Batch": "simulate.batch",
@@ -200,12 +204,14 @@ _HOME = {
     "Finger": "mechanisms.finger",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "Group": "system.actuator",
+    "Hand": "mechanisms.hand",
     "Held": "signals.held",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
     "LatchedOnOff": "control.latched",
     "LeFevreEde": "thermal.lefevre_ede",
     "Leg": "simulate.point",
+    "Lever": "mechanisms.lever",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
     "LogDecrement": "identify.vibration",

@@ -138,7 +138,7 @@ def motion_keeps_its_energy(mechanism: AbstractMultibody) -> None:
         size = np.abs(v) @ np.abs(inertia(mechanism, place)) @ np.abs(v)
         rounding = np.abs(v) @ np.abs(demanded(mechanism, place))
         allowed = 1e-8 * size + 1e-12 * rounding
-        assert v @ even == pytest.approx(0.5 * v @ change @ v, abs=allowed)
+        assert v @ even == pytest.approx(0.5 * v @ change @ v, abs=float(allowed))
 
 
 def damping_takes_energy(mechanism: AbstractMultibody) -> None:

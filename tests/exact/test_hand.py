@@ -323,8 +323,8 @@ def pendulum(start: tuple[float, float], size: float, times: np.ndarray) -> np.n
 
 def test_fingers_swing_as_double_pendulums() -> None:
     """Large swings, three fingers of other sizes and starts, against another solver."""
-    sizes = {"thumb": 0.8, "index": 1.0, "middle": 1.2}
-    free = {"highest": 3.0, "lowest": -3.0, "preload": 0.0, "gravity": 9.81}
+    sizes: dict[str, Any] = {"thumb": 0.8, "index": 1.0, "middle": 1.2}
+    free: dict[str, Any] = {"highest": 3.0, "lowest": -3.0, "preload": 0.0, "gravity": 9.81}
     mechanism = Lifted(**(GEOMETRY | free | sizes), motion="dynamic", rho_inf=0.95)
     system = machine(mechanism)
     result = simulate(system, kelvins(system), 0.5, step=2.5e-4, samples=101)

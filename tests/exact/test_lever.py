@@ -102,7 +102,7 @@ def test_it_rests_at_the_least_energy(changes: dict[str, Any], millimetres: floa
     mechanism = lever(**changes)
     home = SOFT * mechanism.start_forces(floats)[0]
     result = drawn(mechanism, millimetres)
-    found = optimize.minimize_scalar(
+    found: Any = optimize.minimize_scalar(
         lambda q: energy(mechanism, q, home, 1e-3 * millimetres), bounds=(-0.5, 0.95),
         method="bounded", options={"xatol": 1e-12},
     )  # fmt: skip
@@ -144,7 +144,7 @@ def test_for_small_angles_it_is_a_dead_weight_with_the_ratio_of_the_arms() -> No
 )
 def test_the_dead_centre_is_where_the_path_is_shortest(changes: dict[str, float]) -> None:
     mechanism = lever(**changes)
-    found = optimize.minimize_scalar(
+    found: Any = optimize.minimize_scalar(
         lambda q: path(mechanism, q), bounds=(0.0, 3.1), method="bounded"
     )
     assert mechanism.dead_centre() == pytest.approx(found.x, abs=1e-5)

@@ -40,7 +40,8 @@ RATE = 2.0 * R * R / SOFT
 
 
 def pulley(**changes: Any) -> AntagonisticPulley:
-    return AntagonisticPulley(**({"radius": R, "preload": PRELOAD} | changes))
+    sizes: dict[str, Any] = {"radius": R, "preload": PRELOAD}
+    return AntagonisticPulley(**(sizes | changes))
 
 
 def pulled(protagonist: float, antagonist: float = 0.0, **changes: Any) -> Result:

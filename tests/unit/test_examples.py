@@ -119,6 +119,23 @@ def test_finger_bends_and_comes_back_as_its_comments_say(
     assert math.degrees(result["angle"][-1]) == pytest.approx(0.0, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    "changes", [{}, {"mechanism.tendons": "passing", "run.step": "0.1 s"}], ids=["own", "passing"]
+)
+def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -> None:
+    result = load(EXAMPLES / "hand.toml", changes).run()
+    assert changes or result.warnings == []
+    for finger, begin in (("thumb", 1.0), ("index", 3.0), ("middle", 5.0)):
+        bent = [math.degrees(a) for a in result[f"{finger}_proximal"]]
+        before, closed, cold, opened = (
+            bent[result.times.index(t)] for t in (begin, begin + 3.0, 14.0, begin + 17.0)
+        )
+        assert before == pytest.approx(0.0, abs=1e-6)
+        assert closed == pytest.approx(80.0, abs=0.2)
+        assert 75.0 < cold < 79.0
+        assert changes or opened < 4.0
+
+
 def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> None:
     scenario = load(EXAMPLES / "constant_power.toml", {"run.duration": "5 s"})
     result = scenario.run(tolerance=1e-3)
