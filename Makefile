@@ -5,7 +5,7 @@
 #   make distclean test PYTHON=python3.13  another interpreter, in a new environment
 
 PYTHON ?= python3
-PYTEST_ARGS ?= -n auto --maxprocesses 4 --dist worksteal
+PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -15,19 +15,22 @@ UV_SYNC := UV_PROJECT_ENVIRONMENT=$(VENV) $(UV) sync --frozen --inexact \
 	$(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
 
 .DEFAULT_GOAL := help
-.PHONY: help env demo test lint docs bench format lock clean distclean
+.PHONY: help env demo test test-all lint docs bench format lock clean distclean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /  make \1\t/' | expand -t 20
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
 
 env: $(VENV)/.stamp-dev ## make the environment in .venv (core, tests, docs, tools)
 
 demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 	$(BIN)/martensite demo
 
-test: $(VENV)/.stamp-dev ## run every test
+test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+test-all: $(VENV)/.stamp-dev ## run every test
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 	$(BIN)/ruff check .

@@ -17,6 +17,19 @@ settings.register_profile("reproducible", deadline=None, derandomize=True, datab
 settings.load_profile("reproducible")
 
 
+SLOW = ("axial-wire-5-step", "ribbon-2-step", "hand-")
+"""Cases of many elements whose kernels take long to trace, or to compile for JAX."""
+UNCOMPILED = ("jax-", "numpy-", "traced floats-")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as slow what is so for its parameters; the same kernels run in C all the same."""
+    for item in items:
+        case = item.name.partition("[")[2]
+        if case.startswith(UNCOMPILED) and any(words in case for words in SLOW):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def c_compiler() -> str:
     """The C compiler of this machine; tests that need one skip without."""
