@@ -61,7 +61,7 @@ def parameter_sets(p: Wire, count: int) -> list[Wire]:
 
 def grid(step: float) -> Grid:
     """Samples, and steps of at most `step` [s]."""
-    return build_grid(waveform(), DURATION, SAMPLES, step, at_end=False)
+    return build_grid([waveform()], DURATION, SAMPLES, step, [False])
 
 
 def scaled(columns: Any, failed: bool) -> Any:

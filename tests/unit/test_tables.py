@@ -100,8 +100,8 @@ def test_times_of_day_become_seconds(write):
 
 def test_unknown_columns_keep_their_unit_or_have_none(write):
     record = read_table(write("time [s],fan speed [rpm],lead [mV],cycle\n0,1000,5,1\n"))
-    assert record.units == {"time": "s", "fan_speed": "rpm", "lead": "V", "cycle": "1"}
-    assert record["fan_speed"] == [1000.0]
+    assert record.units == {"time": "s", "fan_speed": "rad/s", "lead": "V", "cycle": "1"}
+    assert record["fan_speed"] == pytest.approx([1000.0 * 2.0 * math.pi / 60.0])
     assert record["lead"] == pytest.approx([5e-3])
 
 
