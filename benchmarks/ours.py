@@ -64,10 +64,10 @@ def grid(drive: Drive, longest: float) -> Grid:
     volts = [[math.sqrt(U) for U, _ in row] for row in rows]
     return Grid(
         times=[k / 10 for k in range(len(rows) + 1)],
-        sampled=[volts[0][0], *(row[-1] for row in volts)],
+        sampled=[(volts[0][0],), *((row[-1],) for row in volts)],
         counts=[len(row) for row in rows],
         lengths=[dt for row in rows for _, dt in row],
-        drives=[v for row in volts for v in row],
+        drives=[(v,) for row in volts for v in row],
     )
 
 
