@@ -38,7 +38,7 @@ class SpectralPeak:
     amplitude: float
     """Amplitude of a vibration that lasts and has such a peak, in the unit of the values."""
     prominence: float
-    """Peak of |X| over its median within the band."""
+    """Peak of magnitude of X over its median within the band."""
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name, for JSON."""
