@@ -58,9 +58,7 @@ def test_every_work_is_there_without_markup(extension: ModuleType) -> None:
 def test_every_citation_leads_to_a_work(extension: ModuleType) -> None:
     """Those of the studies, whose claims take long to compute, are tested with them."""
     slow = ("studies", "figure-")
-    texts = [
-        write() for name, write in extension.SECTIONS.items() if not name.startswith(slow)
-    ]
+    texts = [write() for name, write in extension.SECTIONS.items() if not name.startswith(slow)]
     texts += [page.read_text(encoding="utf-8") for page in pages()]
     named = {key for text in texts for key in re.findall(r"\(\S*#bib-([\w-]+)\)", text)}
     assert named
