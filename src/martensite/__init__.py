@@ -74,8 +74,6 @@ if TYPE_CHECKING:
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
     from martensite.io.netcdf import to_dataset as to_dataset
-    from martensite.io.records import Record as Record
-    from martensite.io.records import table_waveform as table_waveform
     from martensite.io.scenario import Scenario as Scenario
     from martensite.io.scenario import load as load
     from martensite.io.staircase import plateaus as plateaus
@@ -125,6 +123,8 @@ if TYPE_CHECKING:
     from martensite.signals.held import Held as Held
     from martensite.signals.pwm import PulseWidthModulation as PulseWidthModulation
     from martensite.signals.ramp import Ramp as Ramp
+    from martensite.signals.records import Record as Record
+    from martensite.signals.records import table_waveform as table_waveform
     from martensite.signals.sine import Sine as Sine
     from martensite.signals.staircase import Staircase as Staircase
     from martensite.signals.step import Step as Step
@@ -241,7 +241,7 @@ _HOME = {
     "PwmVoltage": "electrical.pwm",
     "Radiation": "thermal.radiation",
     "Ramp": "signals.ramp",
-    "Record": "io.records",
+    "Record": "signals.records",
     "Result": "simulate.result",
     "Ribbon": "elements.ribbon",
     "Rise": "identify.rise",
@@ -302,7 +302,7 @@ _HOME = {
     "simulate_loop": "simulate.closed_loop",
     "size_wire": "sizing.candidates",
     "steady_running": "identify.motor_tests",
-    "table_waveform": "io.records",
+    "table_waveform": "signals.records",
     "tendon_signals": "export.mjcf",
     "to_dataset": "io.netcdf",
     "to_mjcf": "export.mjcf",

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from martensite.errors import DataError, ParameterError
-from martensite.io.records import Record
 from martensite.io.staircase import plateaus, supply_offset, unwrap_counter
+from martensite.signals.records import Record
 
 STEPS = st.lists(st.integers(0, 100), min_size=1, max_size=60)
 UNITS = {"time": "s", "level": "V", "current": "A"}

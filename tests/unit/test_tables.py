@@ -12,9 +12,9 @@ from builders import plain_system
 
 from martensite.errors import DataError, ParameterError
 from martensite.io.compare import compare
-from martensite.io.records import Record, table_waveform
 from martensite.io.tables import read_table
 from martensite.signals.pwm import PulseWidthModulation
+from martensite.signals.records import Record, table_waveform
 from martensite.simulate.api import simulate
 
 HEADLESS = ["time [s]", "temperature [degC]"]

@@ -12,8 +12,8 @@ from martensite.cli.waiting import spinner
 if TYPE_CHECKING:
     from martensite.control.averaging import Averaging
     from martensite.io.compare import Agreement
-    from martensite.io.records import Record
     from martensite.io.scenario import Scenario
+    from martensite.signals.records import Record
     from martensite.simulate.result import Result
 
 AVERAGED = ("pulses - average", "RMS", "largest")

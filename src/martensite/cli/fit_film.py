@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from martensite.identify.film import FilmFit
     from martensite.identify.film_points import FilmPoints
     from martensite.identify.film_report import FilmReport
-    from martensite.io.records import Record
+    from martensite.signals.records import Record
     from martensite.thermal.base import AbstractCooling
 
 ZERO = 273.15

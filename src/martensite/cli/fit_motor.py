@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from martensite.identify.motor import MotorConstants
     from martensite.identify.motor_tests import SteadyRunning, Winding
     from martensite.identify.rise import Rise
-    from martensite.io.records import Record
+    from martensite.signals.records import Record
 
 SYMBOLS = {
     "resistance": "R",

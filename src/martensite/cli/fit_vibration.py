@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from martensite.identify.estimate import Estimate
     from martensite.identify.spectrum import SpectralPeak
     from martensite.identify.vibration import LogDecrement
-    from martensite.io.records import Record
+    from martensite.signals.records import Record
 
 
 @dataclass(frozen=True)

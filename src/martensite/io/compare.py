@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from martensite.errors import DataError
-from martensite.io.records import Record
+from martensite.signals.records import Record
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result

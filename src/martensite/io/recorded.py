@@ -20,7 +20,7 @@ from martensite.io.build import refuse_unknown, section
 from martensite.signals.table import Table
 
 if TYPE_CHECKING:
-    from martensite.io.records import Record
+    from martensite.signals.records import Record
 
 KIND = "table"
 _KEYS = ("file", "columns", "interval")
@@ -67,7 +67,7 @@ def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tu
     column = _text(table, "column", path)
     found = {key: value for key, value in table.items() if key in _KEYS}
     with section(path):
-        from martensite.io.records import table_waveform
+        from martensite.signals.records import table_waveform
 
         record = recorded(found, path, folder).read()
         made = table_waveform(record, column)

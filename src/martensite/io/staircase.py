@@ -22,7 +22,7 @@ from statistics import fmean, stdev
 
 from martensite.errors import DataError, ParameterError
 from martensite.identify.linear import fit_powers
-from martensite.io.records import Record
+from martensite.signals.records import Record
 
 COUNT = "count"
 DEVIATION = "_deviation"

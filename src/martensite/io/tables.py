@@ -17,8 +17,8 @@ from pathlib import Path
 from martensite import units
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.io.layout import CLOCK, IGNORED, Column, Layout, read_headings
-from martensite.io.records import Record, not_finite, out_of_order
 from martensite.io.sheets import SEPARATORS, Sheet, is_number, parses, read_sheet, reads
+from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
 

@@ -14,7 +14,7 @@ from martensite.signals.edges import blend, inside
 
 @WAVEFORMS.register("table")
 class Table(AbstractWaveform):
-    """A signal known at some times; for measured ones see `martensite.io.records`."""
+    """A signal known at some times; for measured ones see `martensite.signals.records`."""
 
     times: tuple[float, ...] = part("times of the samples [s], ascending", default=())
     values: tuple[float, ...] = part("samples, in the unit of the source", default=())

@@ -19,10 +19,10 @@ from typing import cast
 
 from martensite.elements.wire import Wire
 from martensite.identify.nonlinear import root_mean_square
-from martensite.io.records import Record
 from martensite.io.scenario import Scenario, load
 from martensite.io.staircase import plateaus
 from martensite.runtimes import floats
+from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal.printed import Stated
 from martensite.studies.electrothermal.record import Staircase

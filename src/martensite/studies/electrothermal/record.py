@@ -13,9 +13,9 @@ from statistics import fmean
 
 from martensite.identify.linear import fit_powers
 from martensite.io import datasets
-from martensite.io.records import Record
 from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
 from martensite.io.tables import read_table
+from martensite.signals.records import Record
 from martensite.sizing.cycle import crossing
 from martensite.studies.electrothermal.printed import Stated
 
