@@ -10,7 +10,7 @@ data. `option` declares a choice between words, `part` a component chosen from a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self, dataclass_transform
 
@@ -215,8 +215,8 @@ class Parametrised:
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with the numbers at the given paths (or unique endings) changed."""
-        full = {self.resolve(path): value for path, value in values.items()}
-        return self._with_paths(full)
+        paths = [leaf.path for leaf in self.leaves()]
+        return self._with_paths({_resolved(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
         """A checked copy with whole components (or numbers) of its own exchanged."""
@@ -237,13 +237,17 @@ class Parametrised:
 
     def resolve(self, name: str) -> str:
         """The full path of a parameter given by its path or by a unique ending of it."""
-        paths = [leaf.path for leaf in self.leaves()]
-        found = [p for p in paths if p == name] or [p for p in paths if p.endswith("." + name)]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-        raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
+        return _resolved(name, [leaf.path for leaf in self.leaves()])
+
+
+def _resolved(name: str, paths: Sequence[str]) -> str:
+    """The one among some paths that a name is, or ends."""
+    found = [p for p in paths if p == name] or [p for p in paths if p.endswith("." + name)]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
+    raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
 
 
 def structure(part: Parametrised) -> tuple[Any, ...]:

@@ -130,7 +130,10 @@ def _polish(
 
     begin = *start, 0.0, 0.0, 1.0, float("inf")
     m, o, step_m, step_o, length, _ = turns(xp, iterations, turn, *begin)
-    return _admissible(xp, m + length * step_m, o + length * step_o)
+    end = _admissible(xp, m + length * step_m, o + length * step_o)
+    at = Fractions(*(xp.detach(x) for x in end))
+    step, _ = _newton(xp, answer, at)
+    return Fractions(*(xp.solved(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
 
 
 def _admissible(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
@@ -145,6 +148,7 @@ def _newton(
     """The Newton step of z - f(z) = 0, and the size of the mismatch."""
     found, by_m = values_and_slopes(xp, lambda xp, m: answer(xp, Fractions(m, at.oriented)), at[0])
     _, by_o = values_and_slopes(xp, lambda xp, o: answer(xp, Fractions(at.martensite, o)), at[1])
+    by_m, by_o = ([xp.detach(slope) for slope in slopes] for slopes in (by_m, by_o))
     a, b, c, d = 1.0 - by_m[0], -by_o[0], -by_m[1], 1.0 - by_o[1]
     short_m, short_o = found[0] - at.martensite, found[1] - at.oriented
     determinant = a * d - b * c

@@ -36,6 +36,10 @@ class ArrayNamespace:
         self.each = floats.each
         self.repeat = repeat
 
+    def solved(self, root: Any, newton: Any) -> Any:
+        """`root` itself: plain arrays have no derivatives."""
+        return root
+
     def eps(self) -> float:
         """Distance from 1 to the next number of the working precision."""
         return float(self.np.finfo(self.precision).eps)

@@ -51,7 +51,10 @@ def solve_bracketed(
         after = xp.where(accept, newton, 0.5 * (low + high))
         return after, low, high, xp.abs(after - x)
 
-    return turns(xp, iterations, turn, start, *bracket, float("inf"))[0]
+    root = turns(xp, iterations, turn, start, *bracket, float("inf"))[0]
+    at = xp.detach(root)
+    value, slope = value_and_slope(xp, function, at)
+    return xp.solved(root, at - value / xp.detach(slope))
 
 
 def turns(

@@ -21,7 +21,16 @@ from martensite.errors import MartensiteError
 from martensite.files import cache_folder
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
-from martensite.runtimes.printer import PYTHON_OPERATORS, Dialect, LoopText, Printer, RepeatText
+from martensite.runtimes.printer import (
+    FLAG,
+    NUMBER,
+    PYTHON_OPERATORS,
+    SLOPES,
+    Dialect,
+    LoopText,
+    Printer,
+    RepeatText,
+)
 from martensite.runtimes.program import Function, Program
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
@@ -34,40 +43,52 @@ def _constant(value: float | bool) -> str:
     return repr(value).replace("inf", "HUGE_VAL")
 
 
-def _assign(name: str, expression: str, flag: bool) -> str:
-    return f"const {'_Bool' if flag else 'double'} {name} = {expression};"
+_TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
+"""`slopes` is a vector type that the source declares where it has any."""
+
+
+def _assign(name: str, expression: str, kind: str) -> str:
+    return f"const {_TYPES[kind]} {name} = {expression};"
 
 
 def _loop(loop: LoopText) -> list[str]:
     """A loop over arrays on the stack."""
     rows = len(loop.columns[0])
     columns = [f"{loop.name}_{name}" for name in loop.row]
-    tables = zip(columns, loop.columns, strict=True)
-    inputs = zip(loop.row, columns, strict=True)
+    kinds = [_declared(kind) for kind in loop.row_kinds]
+    tables = zip(kinds, columns, loop.columns, strict=True)
+    inputs = zip(kinds, loop.row, columns, strict=True)
     results = list(zip(loop.results(), loop.outputs, strict=True))
+    made = zip(map(_declared, loop.output_kinds), loop.results(), strict=True)
     return [
-        *(f"double {name}[{rows}];" for name, _ in results),
-        *(f"const double {name}[{rows}] = {{{', '.join(items)}}};" for name, items in tables),
+        *(f"{kind} {name}[{rows}];" for kind, name in made),
+        *(f"const {kind} {name}[{rows}] = {{{', '.join(cells)}}};" for kind, name, cells in tables),
         f"for (int r = 0; r < {rows}; r++) {{",
-        *(f"    const double {name} = {column}[r];" for name, column in inputs),
+        *(f"    const {kind} {name} = {column}[r];" for kind, name, column in inputs),
         *(f"    {line}" for line in loop.body),
         *(f"    {name}[r] = {value};" for name, value in results),
         "}",
     ]
 
 
+def _declared(kind: str) -> str:
+    """Type of what a loop holds: it stores flags as numbers."""
+    return _TYPES[NUMBER if kind == FLAG else kind]
+
+
 def _repeat(loop: RepeatText) -> list[str]:
     """A loop over variables of its own block."""
-    state = list(zip(loop.state, loop.begin, loop.outputs, strict=True))
+    kinds = [_declared(kind) for kind in loop.kinds]
+    state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
     results = loop.results()
     return [
-        f"double {', '.join(results)};",
+        *(f"{kind} {name};" for kind, name in zip(kinds, results, strict=True)),
         "{",
-        *(f"    double {name} = {begin};" for name, begin, _ in state),
+        *(f"    {kind} {name} = {begin};" for kind, name, begin, _ in state),
         f"    for (int k = 0; k < {loop.count}; k++) {{",
         *(f"        {line}" for line in loop.body),
-        *(f"        const double n_{name} = {value};" for name, _, value in state),
-        *(f"        {name} = n_{name};" for name, _, _ in state),
+        *(f"        const {kind} n_{name} = {value};" for kind, name, _, value in state),
+        *(f"        {name} = n_{name};" for _, name, _, _ in state),
         "    }",
         *(f"    {result} = {name};" for result, name in zip(results, loop.state, strict=True)),
         "}",
@@ -93,6 +114,7 @@ C_DIALECT = Dialect(
         "quarter_sine": "quarter_sine({})",
         "erfcx": "erfcx({})",
         "detach": "{}",
+        "solved": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
     },
@@ -109,7 +131,7 @@ def c_source(program: Program, functions: Iterable[Function]) -> str:
     printer = Printer(program.graph, C_DIALECT)
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
-    parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
+    parts = [prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
     printer.share(
         program.hoisted, lambda i: f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
@@ -152,7 +174,8 @@ double cos(double);
 """
 
 
-def _prelude() -> str:
+def prelude() -> str:
+    """What every source begins with."""
     return (
         f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
         "static inline double quarter_sine(double x) {\n"

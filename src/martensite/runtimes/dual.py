@@ -122,6 +122,9 @@ def quotient(top: Pair, bottom: Pair, level: int) -> Dual:
 class DualNamespace:
     """The kernel operations on dual numbers, built on any other namespace."""
 
+    zero: Any = 0.0
+    """The tangent of a constant, where one must be written down."""
+
     def __init__(self, base: Namespace) -> None:
         self.base: Any = base
         self.level: int = getattr(base, "level", 0) + 1
@@ -140,7 +143,7 @@ class DualNamespace:
         value = self.base.where(flag, yv, nv)
         if yt is None and nt is None:
             return value
-        yt, nt = 0.0 if yt is None else yt, 0.0 if nt is None else nt
+        yt, nt = self.zero if yt is None else yt, self.zero if nt is None else nt
         return self.pair(value, self.base.where(flag, yt, nt))
 
     def both(self, a: Any, b: Any) -> Any:
@@ -179,7 +182,7 @@ class DualNamespace:
         if t is None:
             return root
         safe = self.base.where(v > 0.0, root, 1.0)
-        return self.pair(root, self.base.where(v > 0.0, t * 0.5 / safe, 0.0))
+        return self.pair(root, self.base.where(v > 0.0, t * (0.5 / safe), self.zero))
 
     def exp(self, x: Any) -> Any:
         """Exponential."""
@@ -191,7 +194,7 @@ class DualNamespace:
         """Natural logarithm."""
         v, t = self.parts(x)
         value = self.base.log(v)
-        return self.pair(value, None if t is None else t / self.base.maximum(v, 1e-300))
+        return self.pair(value, None if t is None else t * (1.0 / self.base.maximum(v, 1e-300)))
 
     def sin(self, x: Any) -> Any:
         """Sine."""
@@ -261,6 +264,11 @@ class DualNamespace:
     def eps(self) -> Any:
         """Distance from 1 to the next number."""
         return self.base.eps()
+
+    def solved(self, root: Any, newton: Any) -> Any:
+        """The value of a root with the tangent of a Newton step from it."""
+        (v, _), (w, t) = self.parts(root), self.parts(newton)
+        return self.pair(self.base.solved(v, w), t)
 
     def detach(self, x: Any) -> Any:
         """The value alone."""

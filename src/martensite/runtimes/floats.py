@@ -107,6 +107,11 @@ def detach(x: float) -> float:
     return x
 
 
+def solved(root: float, newton: float) -> float:
+    """`root` itself."""
+    return root
+
+
 def store(x: float) -> float:
     """`x` itself."""
     return x

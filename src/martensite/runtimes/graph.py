@@ -16,6 +16,8 @@ from martensite.runtimes import floats
 PARAMETER, VARYING, LOOP = 1, 2, 4
 """What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
 LOOP << 1 in a loop inside another, and so on."""
+SLOPE = 1 << 32
+"""What a derivative depends on besides (`martensite.runtimes.tangent`)."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -92,10 +94,12 @@ class Graph:
         return self._node(operation, indices, self._joined(indices))
 
     def loop(
-        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]]
-    ) -> tuple[list[Expr], ...]:
-        """Trace a body over rows; equal loops are one."""
-        bit, results, row = self._body(body, "g", len(columns))
+        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]],
+        slopes: Sequence[Sequence[Any]] = (),
+    ) -> tuple[list[Expr], ...]:  # fmt: skip
+        """Trace a body over rows, those of `slopes` last; equal loops are one."""
+        bit, results, row = self._body(body, "g", len(columns), len(slopes))
+        columns = [*columns, *slopes]
         inside = [r for r in results if self.depends[r.index] & bit]
         table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
         outputs = tuple(r.index for r in inside)
@@ -108,31 +112,40 @@ class Graph:
         found: list[list[Expr]] = []
         for result in results:
             if self.depends[result.index] & bit:
-                place = next(places)
-                found.append([self._node("item", (node,), depends, (place, k)) for k in rows])
+                place, own = next(places), self._like(depends, result.index)
+                found.append([self._node("item", (node,), own, (place, k)) for k in rows])
             else:
                 found.append([result for _ in rows])
         return tuple(found)
 
     def repeat(
-        self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any]
-    ) -> list[Expr]:
-        """Trace one turn of a loop over a state."""
-        begin = tuple(self._expr(value).index for value in state)
-        bit, results, inputs = self._body(body, "r", len(begin))
+        self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any],
+        slopes: Sequence[Any] = (),
+    ) -> list[Expr]:  # fmt: skip
+        """Trace one turn of a loop over a state, its `slopes` last."""
+        begin = tuple(self._expr(value).index for value in (*state, *slopes))
+        bit, results, inputs = self._body(body, "r", len(state), len(slopes))
         outputs = tuple(r.index for r in results)
         needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, bit))))
         depends = self._loop_depends(needed)
         node = self._node("repeat", needed, depends, (count, begin, outputs)).index
         self.repeats[node] = Repeat(count, begin, inputs, outputs, bit)
-        return [self._node("result", (node,), depends, place) for place in range(len(outputs))]
+        return [
+            self._node("result", (node,), self._like(depends, input_), place)
+            for place, input_ in enumerate(inputs)
+        ]
+
+    def _like(self, depends: int, index: int) -> int:
+        """`depends`, for a derivative if and only if that node is one."""
+        return (depends & ~SLOPE) | (self.depends[index] & SLOPE)
 
     def _body(
-        self, body: Callable[..., Sequence[Any]], letter: str, count: int
+        self, body: Callable[..., Sequence[Any]], letter: str, count: int, slopes: int
     ) -> tuple[int, list[Expr], tuple[int, ...]]:
         """Trace the body of a loop: its bit, its results and its inputs."""
         bit, name = LOOP << self._depth, letter * (self._depth + 1)
         inputs = [self.input(f"{name}{k}", bit | VARYING) for k in range(count)]
+        inputs += [self.input(f"d{name}{k}", bit | VARYING | SLOPE) for k in range(slopes)]
         self._depth += 1
         try:
             results = [self._expr(result) for result in body(*inputs)]
@@ -170,6 +183,13 @@ class Graph:
     def _expr(self, value: Any) -> Expr:
         return value if isinstance(value, Expr) else self.constant(value)
 
+    def children(self, index: int) -> tuple[int, ...]:
+        """The nodes that a node is computed from: a root is not computed from its slopes."""
+        operation, arguments = self.operations[index], self.arguments[index]
+        if operation in ("input", "constant"):
+            return ()
+        return arguments[:1] if operation == "solved" else arguments
+
     def value_of(self, node: Expr) -> float | bool | None:
         """The value of a constant node, else None."""
         i = node.index
@@ -195,6 +215,8 @@ class Graph:
             return self.constant(fold(*known))
         if operation in ("add", "sub", "mul", "div"):
             return _identities(operation, nodes, known)
+        if operation == "solved" and known[0] is not None:
+            return nodes[0]
         if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
             flag, other = (known[0], nodes[1]) if known[0] is not None else (known[1], nodes[0])
             absorbing = operation == "either"

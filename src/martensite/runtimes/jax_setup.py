@@ -21,6 +21,7 @@ class JaxNamespace(ArrayNamespace):
     def __init__(self, jax: Any) -> None:
         super().__init__(jax.numpy, detach=jax.lax.stop_gradient, repeat=self.loop)
         self.jax = jax
+        self.solved: Any = _solved(jax)
 
     def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """One loop of the compiler, over states of the shape that the body makes of them."""
@@ -43,6 +44,24 @@ class JaxNamespace(ArrayNamespace):
         """Arrays of given shapes, each of the type of another."""
         rows = zip(values, like, shapes, strict=True)
         return [self.np.broadcast_to(v, shape).astype(m.dtype) for v, m, shape in rows]
+
+
+def _solved(jax: Any) -> Any:
+    """A function (root, newton) whose value is the root and whose slopes are those of `newton`."""
+
+    def solved(root: Any, newton: Any) -> Any:
+        shape = jax.numpy.broadcast_shapes(jax.numpy.shape(root), jax.numpy.shape(newton))
+        return marked(*(jax.numpy.broadcast_to(x, shape) for x in (root, newton)))
+
+    def root(found: Any, newton: Any) -> Any:
+        return found
+
+    def slopes(values: Any, tangents: Any) -> tuple[Any, Any]:
+        return values[0], tangents[1]
+
+    marked = jax.custom_jvp(root)
+    marked.defjvp(slopes)
+    return solved
 
 
 @cache

@@ -101,6 +101,14 @@ class Namespace(Protocol):
         """`x` itself, but a constant to differentiation."""
         ...
 
+    def solved(self, root: Scalar, newton: Scalar, /) -> Scalar:
+        """`root`, with the derivatives of `newton`: a step of Newton's method from that root.
+
+        The step must start at `detach(root)`. Only derivatives evaluate it, and they need not
+        follow the iterations that led to the root.
+        """
+        ...
+
     def store(self, x: Scalar, /) -> Scalar:
         """`x` itself; a hint that it is used often and worth computing once."""
         ...

@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from martensite.runtimes.graph import PARAMETER, Expr, Graph
+from martensite.runtimes.graph import PARAMETER, SLOPE, Expr, Graph
 
 DEEPEST = 24
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
+FLAG, NUMBER, SLOPES = "flag", "number", "slopes"
+"""Kinds of nodes: true or false, a number, its derivatives in several directions."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +23,13 @@ class Dialect:
 
     templates: Mapping[str, str]
     wants_names: frozenset[str]
-    assign: Callable[[str, str, bool], str]
+    assign: Callable[[str, str, str], str]
+    """Name, expression and kind of a node."""
     constant: Callable[[float | bool], str]
     loop: Callable[[LoopText], list[str]]
     repeat: Callable[[RepeatText], list[str]]
+    differentiable: bool = False
+    """Whether derivatives may be taken of what is written."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,8 @@ class LoopText:
     body: Sequence[str]
     outputs: Sequence[str]
     around: Sequence[str]
+    row_kinds: Sequence[str]
+    output_kinds: Sequence[str]
 
     def results(self) -> list[str]:
         """Names of the columns of results."""
@@ -55,6 +62,7 @@ class RepeatText:
     begin: Sequence[str]
     body: Sequence[str]
     outputs: Sequence[str]
+    kinds: Sequence[str]
 
     def results(self) -> list[str]:
         """Names of the results."""
@@ -97,7 +105,7 @@ class Printer:
                 text[index] = expression
                 continue
             name = f"{assigned}{index}"
-            lines.append(self.dialect.assign(name, expression, self.is_flag(index)))
+            lines.append(self.dialect.assign(name, expression, self.kind(index)))
             text[index], depth[index] = name, 0
         return lines
 
@@ -113,6 +121,8 @@ class Printer:
             body=body,
             outputs=[inner[i] for i in loop.outputs],
             around=[text[i] for i in loop.around if not self.is_flag(i)],
+            row_kinds=[self.kind(i) for i in loop.row],
+            output_kinds=[self.kind(i) for i in loop.outputs],
         )
         return self.dialect.loop(named)
 
@@ -127,6 +137,7 @@ class Printer:
             begin=[text[i] for i in loop.begin],
             body=body,
             outputs=[inner[i] for i in loop.outputs],
+            kinds=[self.kind(i) for i in loop.state],
         )
         return self.dialect.repeat(named)
 
@@ -134,6 +145,12 @@ class Printer:
         """Declare that these nodes are available under a name from now on."""
         for position, node in enumerate(nodes):
             self.shared[node.index] = name(position)
+
+    def kind(self, index: int) -> str:
+        """Flag, number, or derivatives."""
+        if self.is_flag(index):
+            return FLAG
+        return SLOPES if self.graph.depends[index] & SLOPE else NUMBER
 
     def is_flag(self, index: int) -> bool:
         """True for nodes that are true or false."""
@@ -145,7 +162,8 @@ class Printer:
     def _children(self, index: int) -> tuple[int, ...]:
         if index in self.shared or self.graph.operations[index] in ("input", "constant"):
             return ()
-        return self.graph.arguments[index]
+        every = self.dialect.differentiable
+        return self.graph.arguments[index] if every else self.graph.children(index)
 
     def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
         """How often each needed node is used; names wanted by an operation count double.
@@ -185,7 +203,7 @@ class Printer:
             return f"{text[args[0]]}_{place}[{row}]"
         if operation == "result":
             return f"{text[args[0]]}_{self.graph.details[index]}"
-        return self.dialect.templates[operation].format(*(text[a] for a in args))
+        return self.dialect.templates[operation].format(*(text[a] for a in self._children(index)))
 
 
 def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
@@ -198,12 +216,13 @@ def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
         if index in seen:
             continue
         seen.add(index)
-        if graph.depends[index] == 0:
+        depends = graph.depends[index] & ~SLOPE
+        if depends == 0:
             continue
-        if graph.depends[index] == PARAMETER:
+        if depends == PARAMETER:
             found[index] = None
-        elif graph.operations[index] != "input":
-            stack.extend(graph.arguments[index])
+        else:
+            stack.extend(graph.children(index))
     return [Expr(graph, index) for index in sorted(found)]
 
 
@@ -290,11 +309,12 @@ FLOAT_DIALECT = Dialect(
         "quarter_sine": "_sin(1.5707963267948966 * {})",
         "erfcx": "_erfcx({})",
         "detach": "{}",
+        "solved": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"minimum", "maximum", "abs", "sqrt", "exp", "log"}),
-    assign=lambda name, expression, flag: f"{name} = {expression}",
+    assign=lambda name, expression, kind: f"{name} = {expression}",
     constant=python_constant,
     loop=_float_loop,
     repeat=_float_repeat,
@@ -309,12 +329,14 @@ ARRAY_DIALECT = Dialect(
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
                 "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
                 "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
+                "solved": 2,
             }.items()
         },
     },
     wants_names=frozenset(),
-    assign=lambda name, expression, flag: f"{name} = {expression}",
+    assign=lambda name, expression, kind: f"{name} = {expression}",
     constant=python_constant,
     loop=_array_loop,
     repeat=_array_repeat,
+    differentiable=True,
 )  # fmt: skip

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 from martensite.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
@@ -29,6 +31,17 @@ class Grid:
     drives: list[Signals]
     """Signals of every step."""
 
+    @cached_property
+    def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
+        """For C: signals at the first sample and at the others, counts, drives, lengths."""
+        import numpy as np
+
+        sampled = np.asarray(self.sampled, float).reshape(len(self.times), -1)
+        return (
+            sampled[:1].copy(), sampled[1:].copy(), np.asarray(self.counts, np.int_),
+            np.asarray(self.drives, float), np.asarray(self.lengths, float),
+        )  # fmt: skip
+
     @property
     def longest(self) -> float:
         """Longest step [s]."""
@@ -45,16 +58,31 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
         )
 
 
+def share(at_end: bool) -> float:
+    """Where in a step its signal is read, as a share of the step: mid-step, or just before end."""
+    return 1.0 - 1e-9 if at_end else 0.5
+
+
 def build_grid(
     waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float,
     at_end: Sequence[bool],
 ) -> Grid:  # fmt: skip
-    """Cut [0, duration] at samples and edges, and the pieces into steps of at most `step` [s].
-
-    The signal of a step is its value at mid-step (second order), or at its end (from the
-    left) for signals that prescribe a state: one flag per waveform says which.
-    """
+    """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
+    return grid_at(waveforms, times, step, at_end)
+
+
+def grid_at(
+    waveforms: Sequence[AbstractWaveform], times: list[float], step: float,
+    at_end: Sequence[bool],
+) -> Grid:  # fmt: skip
+    """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
+
+    The pieces are cut into steps of at most `step` [s]. The signal of a step is its value at
+    mid-step (second order), or at its end (from the left) for signals that prescribe a state:
+    one flag per waveform says which.
+    """
+    duration, samples = times[-1], len(times)
     found = {edge for waveform in waveforms for edge in waveform.edges(duration)}
     edges = [*sorted(found), math.inf]
     if duration / step + len(edges) + samples > MOST_STEPS:
@@ -65,7 +93,7 @@ def build_grid(
     counts: list[int] = []
     lengths: list[float] = []
     drives: list[Signals] = []
-    shares = [1.0 - 1e-9 if late else 0.5 for late in at_end]
+    shares = [share(late) for late in at_end]
     rows = list(zip(waveforms, shares, strict=True))
     next_edge, hair = 0, 1e-12 * duration
     for first, last in pairwise(times):
@@ -80,7 +108,7 @@ def build_grid(
             length = (b - a) / pieces
             lengths += [length] * pieces
             drives += [
-                tuple(wave.value(a + (k + share) * length) for wave, share in rows)
+                tuple(wave.value(a + (k + part) * length) for wave, part in rows)
                 for k in range(pieces)
             ]
         counts.append(len(lengths) - before)

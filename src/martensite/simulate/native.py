@@ -121,11 +121,7 @@ def march_lanes(
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((2, lanes))
-    sampled = np.asarray(grid.sampled, float)
-    arrays = (
-        parameters, sampled[:1].copy(), sampled[1:].copy(), np.asarray(grid.counts, np.int_),
-        np.asarray(grid.drives, float), np.asarray(grid.lengths), rows, worst,
-    )  # fmt: skip
+    arrays = (parameters, *grid.arrays, rows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     again = None if thorough is None else _patient(thorough, lanes).patient
     library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers, again)

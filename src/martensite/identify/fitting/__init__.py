@@ -1,0 +1,1 @@
+"""Fits of parameters to measured records: search, uncertainty, and what the data leave open."""

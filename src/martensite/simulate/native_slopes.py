@@ -1,0 +1,123 @@
+"""One run in C with the derivatives of its outputs: all directions beside the values."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.runtimes.c99 import load_library
+from martensite.runtimes.c99_slopes import WIDTHS, constants, slopes_source
+from martensite.runtimes.tangent import differentiated
+from martensite.simulate.compiled import Compiled
+from martensite.simulate.grid import Grid
+
+_MARCH = """
+void march(long intervals, const double *restrict p, const slopes *restrict dp,
+           const double *restrict first, const double *restrict sampled,
+           const long *restrict counts, const double *restrict drives,
+           const double *restrict lengths, double *restrict rows, slopes *restrict drows,
+           double *restrict worst) {{
+    double c[{constants}], x[{inputs}], y[{results}];
+    slopes dc[{dconstants}], dx[{size}], dy[{results}];
+    k_prepare(p, dp, c, dc);
+    worst[0] = worst[1] = 0.0;
+    memcpy(x, first, sizeof(double) * {drives});
+    k_init(c, dc, x, dx, y, dy);
+    memcpy(x, y, sizeof(double) * {size});
+    memcpy(dx, dy, sizeof(slopes) * {size});
+    memcpy(x + {size}, first, sizeof(double) * {drives});
+    k_observe(c, dc, x, dx, rows, drows);
+    for (long i = 0; i < intervals; i++) {{
+        for (long k = 0; k < counts[i]; k++, drives += {drives}, lengths++) {{
+            memcpy(x + {size}, drives, sizeof(double) * {drives});
+            x[{size} + {drives}] = *lengths;
+            k_step(c, dc, x, dx, y, dy);
+            memcpy(x, y, sizeof(double) * {size});
+            memcpy(dx, dy, sizeof(slopes) * {size});
+            for (long j = 0; j < 2; j++)
+                worst[j] = worst[j] >= y[{size} + j] ? worst[j] : y[{size} + j];
+        }}
+        memcpy(x + {size}, sampled + i * {drives}, sizeof(double) * {drives});
+        rows += {outputs};
+        drows += {outputs};
+        k_observe(c, dc, x, dx, rows, drows);
+    }}
+}}
+"""
+
+
+class Slopes(NamedTuple):
+    """Outputs of one run and their derivatives."""
+
+    rows: Any
+    """(samples, outputs)"""
+    slopes: Any
+    """(samples, outputs, directions)"""
+    residual: float
+    crossing: float
+
+
+def march_slopes(
+    compiled: Compiled, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int]
+) -> Slopes:
+    """March one run with the derivatives of its outputs.
+
+    Args:
+        compiled: the traced system.
+        values: its parameters.
+        seeds: (parameters, directions): by how much each parameter moves in each direction.
+            Rows of zeros cost nothing, whatever the parameter.
+        grid: samples and steps.
+        outputs: which outputs are wanted, by their places.
+    """
+    given = np.asarray(seeds, float)
+    count = given.shape[1]
+    moving = tuple(int(i) for i in np.flatnonzero(np.any(given != 0.0, axis=1)))
+    width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
+    pieces = [
+        _march(compiled, values, moving, _padded(given[:, k : k + width], width), grid, outputs)
+        for k in range(0, max(count, 1), width)
+    ]
+    slopes = np.concatenate([piece.slopes for piece in pieces], axis=2)[:, :, :count]
+    return pieces[0]._replace(slopes=slopes)
+
+
+def _padded(seeds: Any, width: int) -> Any:
+    return np.pad(seeds, ((0, 0), (0, width - seeds.shape[1])))
+
+
+def _march(
+    compiled: Compiled, values: Sequence[float], moving: tuple[int, ...], seeds: Any, grid: Grid,
+    outputs: Sequence[int],
+) -> Slopes:  # fmt: skip
+    width = seeds.shape[1]
+    library = _library(compiled, moving, tuple(outputs), width)
+    shape = len(grid.times), len(outputs)
+    rows, drows, worst = np.empty(shape), np.empty((*shape, width)), np.empty(2)
+    parameters = np.array([*values, 0.0])
+    moves = np.vstack([seeds[list(moving)], np.zeros((1, width))])
+    arrays = (parameters, moves, *grid.arrays, rows, drows, worst)
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
+    library.march(ctypes.c_long(len(grid.counts)), *pointers)
+    return Slopes(rows, drows, float(worst[0]), float(worst[1]))
+
+
+@lru_cache(maxsize=64)
+def _library(
+    compiled: Compiled, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
+) -> Any:
+    size = compiled.size
+    states = {"init": 0, "step": size, "observe": size}
+    program = differentiated(compiled.program, moving, states, outputs)
+    count, slopes = constants(program)
+    loop = _MARCH.format(
+        constants=max(1, count), dconstants=max(1, slopes), size=size,
+        inputs=size + compiled.drives + 1, results=size + len(compiled.report),
+        drives=compiled.drives, outputs=len(outputs),
+    )  # fmt: skip
+    functions = list(program.functions.values())
+    return load_library(slopes_source(program, functions, moving, width) + loop)
