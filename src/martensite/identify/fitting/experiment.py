@@ -1,7 +1,8 @@
 """Experiments: a system, what drove it, and what was measured.
 
 Measured rows may be spaced as they like, and miss samples (NaN) in what is compared. A run
-begins at time 0, at the start of its waveforms, and is compared where the record has rows.
+begins at the start of its waveforms, `lead` before time 0 of the record, and is compared where
+the record has rows.
 """
 
 from __future__ import annotations
@@ -42,6 +43,9 @@ class Experiment:
     """Stretches of time [s] that are kept back from the fit; (-inf, inf) keeps all."""
     weights: Mapping[str, float] = field(default_factory=dict[str, float])
     """Output -> weight of its squared residuals; 1 if not given."""
+    lead: float = 0.0
+    """Time that the run takes before time 0 of the record [s]: what brings the element into the
+    state in which the record begins."""
 
     def __post_init__(self) -> None:
         check(self)
@@ -84,7 +88,7 @@ class Experiment:
 
     def grid(self, step: float | None = None) -> Grid:
         """The time grid, with samples at 0 and at the rows that are compared."""
-        times = self.times.tolist()
+        times = (self.times + self.lead).tolist()
         if times[0] > 0.0:
             times = [0.0, *times]
         at_end = [drive.at_end for drive in self.system.drives()]
@@ -105,9 +109,10 @@ def check(experiment: Experiment) -> None:
             f"Record `{record.name}` and the system have no column in common; the record holds "
             f"{_listed(record.columns)}, the system gives {_listed(known)}."
         )
-    if record.times[0] < 0.0:
+    if record.times[0] + experiment.lead < 0.0:
         raise DataError(
-            f"Record `{record.name}` begins at {record.times[0]:.6g} s, before the run at 0 s."
+            f"Record `{record.name}` begins at {record.times[0]:.6g} s, before the run does at "
+            f"{-experiment.lead:.6g} s."
         )
     for output, column in experiment.columns.items():
         if output not in known:
