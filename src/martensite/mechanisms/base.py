@@ -69,6 +69,10 @@ class AbstractMechanism(Parametrised):
         """Force [N] on each element when it is assembled."""
         raise NotImplementedError
 
+    def first_forces(self, xp: Namespace, signals: Column) -> Column:
+        """The same under the first signals, where these prescribe forces."""
+        return self.start_forces(xp)
+
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
         signals: Column,

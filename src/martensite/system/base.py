@@ -90,7 +90,7 @@ class AbstractSystem(Parametrised):
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
         """The assembled system at rest, at ambient temperature."""
-        actuators, forces = self._actuators(), self.mechanism.start_forces(xp)
+        actuators, forces = self._actuators(), self.mechanism.first_forces(xp, self._signals(drives))
         rows = list(zip(actuators, forces, drives, strict=False))
         states = [one.start(xp, force, drive) for one, force, drive in rows]
         elongations = [

@@ -1,0 +1,245 @@
+"""Transformation strain against stress: constant, or the saturating form of the Lagoudas law.
+
+    H(σ) = H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min
+
+The saturating form needs `FEWEST` stresses and must be worth its two numbers more: with S the sum
+of squared residuals and ν points to spare, the F-test of two additional terms is in closed form
+
+    p = (S_saturating/S_constant)^(ν/2) < 5 %.
+
+σ_crit is zero, and free only if `FEWEST_CRITICAL` stresses or more show it at the same level.
+H_min is held at zero where a fit would make it negative. k is sought where the largest stress is
+between `LEAST_RATE` and `MOST_RATE` times 1/k; at the lower end of that range the strain shows no
+saturation, and no intervals are given.
+
+Source: Lagoudas et al. (2012), Int. J. Plasticity 32–33, equation for H(σ).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.errors import DataError, SolveError
+from martensite.identify.estimate import Estimate, parameters, propagated
+from martensite.identify.linear import LEVEL
+from martensite.identify.nonlinear import least_squares
+from martensite.identify.student import two_sided
+
+FEWEST = 4
+"""Different stresses from which on the saturating form is tried."""
+FEWEST_CRITICAL = 6
+"""Different stresses from which on a critical stress is tried."""
+LEAST_RATE, MOST_RATE = 0.5, 50.0
+RATES = 200
+PLACES = 60
+"""Values of k, and of σ_crit, among which the fit begins."""
+
+
+@dataclass(frozen=True)
+class StrainFit:
+    """Transformation strain as a function of stress."""
+
+    form: str
+    """`constant` or `saturating`."""
+    mean: Estimate
+    """Mean over the stresses [-]."""
+    H_min: Estimate
+    """[-]; the mean for `constant`."""
+    H_sat: Estimate
+    """[-]; the mean for `constant`."""
+    H_k: Estimate | None
+    """[1/Pa]; None for `constant`."""
+    sigma_crit: Estimate | None
+    """[Pa]; None where it was not free, but 0."""
+    deviation: float
+    """Root mean square of the residuals [-]."""
+
+    def value(self, stress: float) -> float:
+        """H [-] at a stress [Pa]."""
+        if self.H_k is None:
+            return self.mean.value
+        crit = 0.0 if self.sigma_crit is None else self.sigma_crit.value
+        return saturating(self.H_min.value, self.H_sat.value, self.H_k.value, crit, stress)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        found: dict[str, Any] = {"form": self.form, "deviation": self.deviation}
+        for name in ("mean", "H_min", "H_sat", "H_k", "sigma_crit"):
+            estimate = getattr(self, name)
+            found[name] = None if estimate is None else estimate.to_dict(level)
+        return found
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Numbers of the saturating form, and the squares that they leave."""
+
+    low: float
+    high: float
+    rate: float
+    crit: float
+    squares: float
+
+
+def saturating(low: float, high: float, rate: float, crit: float, stress: float) -> float:
+    """H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min [-]."""
+    return low - (high - low) * math.expm1(-rate * max(stress - crit, 0.0))
+
+
+def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float]) -> StrainFit:
+    """Fit the transformation strain as a function of stress.
+
+    Args:
+        stresses: [Pa]
+        strains: transformation strain at each [-].
+
+    Raises:
+        DataError: there are none, or not equally many.
+    """
+    if not strains or len(stresses) != len(strains):
+        raise DataError(
+            f"There must be one transformation strain per stress, but there are {len(strains)} "
+            f"and {len(stresses)}."
+        )
+    mean = _mean(strains)
+    squares = math.fsum((h - mean.value) ** 2 for h in strains)
+    levels = len(set(stresses))
+    if levels >= FEWEST and max(stresses) > 0.0:
+        shape = _begin(stresses, strains, [0.0])
+        spare = len(strains) - 3
+        if shape.high > shape.low and _worth(shape.squares, squares, spare):
+            return _refined(stresses, strains, _with_crit(stresses, strains, shape, levels), mean)
+    deviation = math.sqrt(squares / len(strains))
+    return StrainFit("constant", mean, mean, mean, None, None, deviation)
+
+
+def _mean(strains: Sequence[float]) -> Estimate:
+    count = len(strains)
+    mean = math.fsum(strains) / count
+    if count == 1:
+        return Estimate(mean, math.nan, 0)
+    squares = math.fsum((h - mean) ** 2 for h in strains)
+    return Estimate(mean, math.sqrt(squares / (count - 1) / count), count - 1)
+
+
+def _worth(squares: float, constant: float, spare: int) -> bool:
+    """Whether two terms more are worth it at the level of all intervals."""
+    return constant > 0.0 and (squares / constant) ** (0.5 * spare) < 1.0 - LEVEL
+
+
+def _with_crit(
+    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int
+) -> _Shape:
+    """The shape with a critical stress, if there are stresses enough and it is worth it."""
+    if levels < FEWEST_CRITICAL:
+        return shape
+    highest = sorted(set(stresses))[-3]
+    places = [highest * (k + 1) / PLACES for k in range(PLACES)]
+    critical = _begin(stresses, strains, places)
+    spare = len(strains) - 4
+    if critical.squares == 0.0:
+        return critical if shape.squares > 0.0 else shape
+    t = math.sqrt(max(shape.squares / critical.squares - 1.0, 0.0) * spare)
+    return critical if two_sided(t, spare) < 1.0 - LEVEL else shape
+
+
+def _begin(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:
+    """The best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
+    import numpy as np
+
+    ratio = MOST_RATE / LEAST_RATE
+    rates = LEAST_RATE * ratio ** np.linspace(0.0, 1.0, RATES) / max(stresses)
+    beyond = np.maximum(np.asarray(stresses) - np.asarray(places)[:, None], 0.0)
+    shares = -np.expm1(-rates[:, None, None] * beyond)
+    h = np.asarray(strains, np.float64)
+    mean = shares.mean(axis=2, keepdims=True)
+    off = shares - mean
+    gain = (off @ h) / (off * off).sum(axis=2)
+    low = h.mean() - gain * mean[..., 0]
+    # without H_min where it would be negative
+    bare = (shares @ h) / (shares * shares).sum(axis=2)
+    low, gain = np.where(low < 0.0, 0.0, low), np.where(low < 0.0, bare, gain)
+    squares = ((low[..., None] + gain[..., None] * shares - h) ** 2).sum(axis=2)
+    best = np.unravel_index(int(np.argmin(squares)), squares.shape)
+    rate, place = (int(index) for index in best)
+    low, gain, left = (float(column[rate, place]) for column in (low, gain, squares))
+    return _Shape(low, low + gain, float(rates[rate]), float(places[place]), left)
+
+
+# ---------------------------------------------------------------- from the best of many to the best
+
+
+def _refined(
+    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: Estimate
+) -> StrainFit:
+    """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
+    numbers = _numbers(shape)
+    if shape.rate > 1.001 * LEAST_RATE / max(stresses):
+        found = _solved(stresses, strains, shape)
+        numbers = numbers if found is None else found
+    low, high, rate, crit = numbers
+    values = low.value, high.value, rate.value, 0.0 if crit is None else crit.value
+    pairs = zip(stresses, strains, strict=True)
+    squares = math.fsum((saturating(*values, s) - h) ** 2 for s, h in pairs)
+    deviation = math.sqrt(squares / len(strains))
+    return StrainFit("saturating", mean, low, high, rate, crit, deviation)
+
+
+Numbers = tuple[Estimate, Estimate, Estimate, Estimate | None]
+
+
+def _numbers(shape: _Shape) -> Numbers:
+    """A shape as numbers without standard errors."""
+    low, high, rate, crit = (
+        Estimate(value, math.nan, 0) for value in (shape.low, shape.high, shape.rate, shape.crit)
+    )
+    return low, high, rate, crit if shape.crit else None
+
+
+def _solved(stresses: Sequence[float], strains: Sequence[float], shape: _Shape) -> Numbers | None:
+    """All free numbers by least squares; None if they do not settle within their range."""
+    scale, top = shape.high, max(stresses)
+    held = shape.low == 0.0
+    # values near 1, which set the size of the steps
+    start = [1.0, 1.0, *([] if held else [1.0 + shape.low / scale]), *([1.0] if shape.crit else [])]
+
+    def unpack(values: Sequence[float]) -> tuple[float, float, float, float]:
+        low = 0.0 if held else scale * (values[2] - 1.0)
+        crit = shape.crit * values[-1] if shape.crit else 0.0
+        return low, scale * values[0], shape.rate * values[1], crit
+
+    def residuals(values: tuple[float, ...]) -> list[float]:
+        numbers = unpack(values)
+        pairs = zip(stresses, strains, strict=True)
+        return [(saturating(*numbers, s) - h) / scale for s, h in pairs]
+
+    try:
+        solution = least_squares(residuals, start)
+    except SolveError:
+        return None
+    low, high, rate, crit = unpack(solution.values)
+    inside = LEAST_RATE <= rate * top <= MOST_RATE
+    if not (inside and 0.0 <= low < high and 0.0 <= crit < top):
+        return None
+    return _scaled(parameters(residuals, solution), shape, held)
+
+
+def _scaled(free: Sequence[Estimate], shape: _Shape, held: bool) -> Numbers:
+    """Estimates of the numbers from those of the scaled ones."""
+
+    def times(factor: float, estimate: Estimate, less: float = 0.0) -> Estimate:
+        return _mapped(lambda value: factor * (value - less), estimate)
+
+    low = Estimate(0.0) if held else times(shape.high, free[2], 1.0)
+    crit = times(shape.crit, free[-1]) if shape.crit else None
+    return low, times(shape.high, free[0]), times(shape.rate, free[1]), crit
+
+
+def _mapped(function: Callable[[float], float], estimate: Estimate) -> Estimate:
+    """A linear function of an estimate; its standard error may be unknown."""
+    if math.isnan(estimate.error):
+        return Estimate(function(estimate.value), math.nan, estimate.freedom)
+    return propagated(function, estimate)

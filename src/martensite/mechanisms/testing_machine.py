@@ -1,0 +1,162 @@
+"""Testing machine: holds the element and makes its force or its elongation follow a signal.
+
+The signal `command` is what the control prescribes: a force F_c, a stress σ_c, a travel u_c of
+the crosshead, or a strain ε_c. At the end of every step
+
+    force, stress         F = F_c  or  σ_c A
+    elongation, strain    e - e₀ + (F - F₀)/k = u_c  or  ε_c l     while taut, else F = 0
+
+with the elongation e of the element, e₀ as it is mounted under the force F₀ (the preload, or the
+first command where that is a force or a stress), the stiffness k of frame and grips in series, and the section A and gauge length l by which the test
+report divides. Those two belong to the report, not to the element: without them a machine knows
+forces and travels only. Nothing is approximated: the element meets a given force, or a straight
+load line, vertical where frame and grips are rigid. No element can be pushed.
+
+While taut the crosshead travels by e - e₀ + (F - F₀)/k, whatever is prescribed. Without an
+extensometer this is what a test reports as elongation, and why its moduli come out too low.
+
+Source: equilibrium of springs in series. Sign convention: command and travel are positive in
+tension and zero as mounted; position is that of the grip, at which the element ends while taut,
+and grows as the element shortens.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from martensite.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.errors import ParameterError
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+UNITS = {"force": "N", "stress": "Pa", "elongation": "m", "strain": "1"}
+"""Control -> unit of its command."""
+SIZES = {"stress": "section", "strain": "gauge_length"}
+"""Control -> what makes a force or a travel of its command."""
+
+
+class Mounted(NamedTuple):
+    """The element when it was mounted."""
+
+    elongation: Scalar
+    """e₀ [m]"""
+    force: Scalar
+    """F₀ [N]"""
+
+
+@MECHANISMS.register("testing-machine")
+class TensileTestingMachine(AbstractMechanism):
+    """A tensile testing machine whose `command` prescribes force, stress, elongation or strain."""
+
+    control: str = option("what the signal `command` prescribes", *UNITS)
+    preload: Scalar = param(
+        "N", "force F₀ under which the element is mounted if a travel is prescribed",
+        low=0.0, high=1e6, default=0.0,
+    )  # fmt: skip
+    stiffness: Scalar = param(
+        "N/m", "stiffness k of frame and grips together; rigid if left out",
+        above=0.0, default=math.inf,
+    )  # fmt: skip
+    section: Scalar = param(
+        "m^2", "section A that makes a force of a prescribed stress", above=0.0, default=math.inf
+    )
+    gauge_length: Scalar = param(
+        "m", "length l that makes an elongation of a prescribed strain",
+        above=0.0, default=math.inf,
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the section or length of a stress or strain is missing."""
+        name = SIZES.get(self.control)
+        if name is not None and math.isinf(getattr(self, name)):
+            raise ParameterError(
+                f'`testing-machine` with control = "{self.control}" needs `{name}` '
+                f"[{self.declarations[name].unit}]; none given."
+            )
+
+    def signals(self) -> dict[str, str]:
+        """The command, in the unit of what is prescribed."""
+        return {"command": UNITS[self.control]}
+
+    def outputs(self) -> dict[str, Output]:
+        """Where the grip is, and the travel of the crosshead."""
+        return {
+            "position": Output("m", "position of the mechanism", "x"),
+            "crosshead": Output("m", "travel of the crosshead, frame and grips included", "x_c"),
+        }
+
+    def judged(self) -> dict[str, float]:
+        """The position."""
+        return {"position": 1e-6}
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload [N]."""
+        return [self.preload]
+
+    def first_forces(self, xp: Namespace, signals: Column) -> Column:
+        """The first command, or the preload where that is a travel [N]."""
+        return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Mounted:  # fmt: skip
+        """The element as mounted."""
+        return Mounted(elongations[0], self.first_forces(xp, signals)[0])
+
+    def advance(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column, dt: Scalar,
+        iterations: int,
+    ) -> tuple[Mounted, list[Any], Report]:  # fmt: skip
+        """The element solves the step by itself, against what is prescribed at its end."""
+        ((element, state, heating),) = loads
+        pull = self._pull(memory, signals)
+        after, report = element.advance(xp, state, heating, pull, dt, iterations)
+        return memory, [after], report
+
+    def observe(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The force that is prescribed or found, the position, and the travel."""
+        ((element, state, _),) = loads
+
+        def tangent(xp: Namespace, force: Scalar) -> Spring:
+            return element.tangent(xp, state, force)
+
+        pull = self._pull(memory, signals)
+        force = fitted(xp, tangent, pull, element.force(state), element.passes)
+        give = (force - memory.force) * (1.0 / self.stiffness)
+        if self._pulls:
+            travel = element.elongation(xp, state, force) - memory.elongation + give
+        else:
+            travel = self._target(signals)
+        return [force], [give - travel, travel]
+
+    @property
+    def _pulls(self) -> bool:
+        """True if a force is prescribed, not a travel."""
+        return self.control in ("force", "stress")
+
+    def _target(self, signals: Column) -> Scalar:
+        """Prescribed force [N] or travel [m]."""
+        (command,) = signals
+        size = SIZES.get(self.control)
+        return command if size is None else command * getattr(self, size)
+
+    def _pull(self, memory: Mounted, signals: Column) -> Pull:
+        """The machine as the element sees it."""
+        target = self._target(signals)
+
+        def given(xp: Namespace, spring: Spring) -> Scalar:
+            return xp.maximum(target, 0.0)
+
+        def met(xp: Namespace, spring: Spring) -> Scalar:
+            give = 1.0 / self.stiffness
+            reach = memory.elongation + target + memory.force * give
+            return xp.maximum((reach - spring.free) / (spring.compliance + give), 0.0)
+
+        return given if self._pulls else met
