@@ -7,6 +7,9 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
+# What JAX compiles runs once in a test: made quickly, not optimised. test-all compiles as users do.
+XLA_QUICK ?= --xla_backend_optimization_level=0
+
 VENV := .venv
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
@@ -27,7 +30,7 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 	$(BIN)/martensite demo
 
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	XLA_FLAGS="$(XLA_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
 
 test-all: $(VENV)/.stamp-dev ## run every test
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
@@ -72,6 +75,7 @@ else
 		"martensite needs Python 3.11 or newer, but $(PYTHON) is not; try: make PYTHON=python3.13" >&2; \
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.$(if $(extra),[$(extra)])'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
+		-e '.$(if $(extra),[$(extra)])'
 endif
 	@touch $(VENV)/.stamp-core $@

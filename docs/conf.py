@@ -43,7 +43,7 @@ myst_heading_anchors = 3
 # -- code cells --------------------------------------------------------------------------
 nb_execution_mode = "force"  # outputs belong to the package as it is now
 nb_execution_in_temp = True
-nb_execution_timeout = 120
+nb_execution_timeout = 300  # beside the tests, on few cores
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 

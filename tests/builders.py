@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -304,6 +304,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "parallel-platform": {
         "side": 0.1, "height": 0.05, "mass": 0.1, "eccentricity": -0.01, "damping": 1e-3,
     },
+    "testing-machine": {"stiffness": 1e4, "section": 5.0, "gauge_length": 0.1},
 }  # fmt: skip
 # Parts inside other parts: what an example takes, where the first by name would not do.
 USUAL = {"element": "wire"}
@@ -316,7 +317,7 @@ BY_NAME = {
     "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,
     "h1": 0.1, "h2": 1e-4, "preload": 3.0, "series_resistance": 0.5, "current_limit": 0.6,
     "voltage_limit": 6.0, "count": 3.0, "spans": 2.0, "supply": 6.0, "reference_resistance": 4.0,
-    "low": 0.5, "high": 2.5, "level": 1.5,
+    "low": 0.5, "high": 2.5, "level": 1.5, "waist_f": 0.8, "waist_r": 0.9,
 }  # fmt: skip
 BY_UNIT = {
     "m": 1e-2, "kg": 0.5, "N": 3.0, "N/m": 500.0, "W/m^2/K": 80.0, "m/s": 1.0, "s": 0.5,
@@ -324,11 +325,12 @@ BY_UNIT = {
 }  # fmt: skip
 
 
-def materials_by_preference() -> Iterator[dict[str, float]]:
+@cache
+def materials_by_preference() -> list[dict[str, float]]:
     """Numbers of all materials, the classical set and the benchmark set first."""
     first = ["niti-brinson-1993", "benchmark-liang-rogers", "finger-mas"]
-    for name in [*first, *(n for n in material_names() if n not in first)]:
-        yield {key: number.value for key, number in load_material(name).values.items()}
+    names = [*first, *(n for n in material_names() if n not in first)]
+    return [{k: n.value for k, n in load_material(name).values.items()} for name in names]
 
 
 def guess(name: str, declared: Declared) -> float:
@@ -342,8 +344,7 @@ def guess(name: str, declared: Declared) -> float:
 def material_values(wanted: set[str]) -> dict[str, float]:
     """Numbers of one material that has all the wanted ones, else of as few as possible."""
     found: dict[str, float] = {}
-    materials = list(materials_by_preference())
-    for numbers in sorted(materials, key=lambda m: -len(wanted & set(m))):
+    for numbers in sorted(materials_by_preference(), key=lambda m: -len(wanted & set(m))):
         found = {name: numbers[name] for name in wanted & set(numbers)} | found
     return found
 

@@ -19,6 +19,8 @@ settings.load_profile("reproducible")
 
 SLOW = ("axial-wire-5-step", "ribbon-2-step", "hand-")
 """Cases of many elements whose kernels take long to trace, or to compile for JAX."""
+VARIED, PLAIN = "coil-spring-", "coil-spring-mean-small-none-none"
+"""An element of many forms, of which JAX compiles one; its compiler takes long over each."""
 UNCOMPILED = ("jax-", "numpy-", "traced floats-")
 
 
@@ -26,7 +28,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark as slow what is so for its parameters; the same kernels run in C all the same."""
     for item in items:
         case = item.name.partition("[")[2]
-        if case.startswith(UNCOMPILED) and any(words in case for words in SLOW):
+        long = case.startswith(UNCOMPILED) and any(words in case for words in SLOW)
+        if long or (case.startswith("jax-") and VARIED in case and PLAIN not in case):
             item.add_marker(pytest.mark.slow)
 
 

@@ -24,8 +24,8 @@ from martensite.elements.lumped import AbstractLumped
 from martensite.laws.base import Fractions
 from martensite.mechanisms.base import AbstractMechanism, Load
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
-from martensite.mechanisms.motion import Course, Motion
 from martensite.mechanisms.multibody import AbstractMultibody
+from martensite.mechanisms.shared.motion import Course, Motion
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.c99 import c_source, load_library
@@ -136,7 +136,8 @@ def mechanism_answers(
     """All that a mechanism says by itself."""
     if isinstance(mechanism, AbstractMultibody):
         return multibody_answers(mechanism, xp, x, y, z)
-    assert isinstance(mechanism, AbstractLoadLine)
+    if not isinstance(mechanism, AbstractLoadLine):  # told by a signal: see its steps
+        return tuple(mechanism.start_forces(xp))
     assembly = Assembly(start)
     force = mechanism.force(xp, assembly, Spring(free, compliance))
     position = mechanism.position(xp, assembly, force, free + compliance * force)
@@ -355,6 +356,14 @@ def disagreement(a: np.ndarray, b: np.ndarray) -> float:
     """Largest difference as a share of the size of each output."""
     size = np.maximum(np.abs(a).max(axis=1), 1e-300)
     return float((np.abs(a - b).max(axis=1) / size).max())
+
+
+def apart(thing: Any, kernel: Kernel, runtime: str) -> float:
+    """Disagreement of a kernel on a runtime with the kernel itself, which gives numbers."""
+    inputs = kernel.inputs()
+    meant = on_kernel_itself(thing, kernel, inputs)
+    assert np.isfinite(meant).all()
+    return disagreement(meant, RUNTIMES[runtime](thing, kernel, inputs))
 
 
 @cache

@@ -68,9 +68,14 @@ if TYPE_CHECKING:
     from martensite.identify.smoothing import moving_average as moving_average
     from martensite.identify.spectrum import SpectralPeak as SpectralPeak
     from martensite.identify.spectrum import natural_frequency as natural_frequency
+    from martensite.identify.tangent_fit import TangentFit as TangentFit
+    from martensite.identify.tangent_fit import tangent_fit as tangent_fit
+    from martensite.identify.tangents import TangentPoints as TangentPoints
+    from martensite.identify.tangents import tangent_points as tangent_points
     from martensite.identify.vibration import LogDecrement as LogDecrement
     from martensite.identify.vibration import log_decrement as log_decrement
     from martensite.io.compare import compare as compare
+    from martensite.io.material_files import write_material as write_material
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
     from martensite.io.netcdf import to_dataset as to_dataset
@@ -95,9 +100,6 @@ if TYPE_CHECKING:
     from martensite.materials.base import load_material as load_material
     from martensite.materials.base import material_names as material_names
     from martensite.materials.wires import load_wires as load_wires
-    from martensite.mechanisms.beam_modes import BeamModes as BeamModes
-    from martensite.mechanisms.beam_modes import CantileverBeam as CantileverBeam
-    from martensite.mechanisms.beam_modes import beam_modes as beam_modes
     from martensite.mechanisms.beam_motor import BeamMotor as BeamMotor
     from martensite.mechanisms.beam_motor import modal_numbers as modal_numbers
     from martensite.mechanisms.bias_spring import BiasSpring as BiasSpring
@@ -106,18 +108,26 @@ if TYPE_CHECKING:
     from martensite.mechanisms.hand import Hand as Hand
     from martensite.mechanisms.lever import Lever as Lever
     from martensite.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
-    from martensite.mechanisms.platform_kinematics import Plates as Plates
-    from martensite.mechanisms.platform_kinematics import platform_angles as platform_angles
-    from martensite.mechanisms.platform_kinematics import platform_lengths as platform_lengths
-    from martensite.mechanisms.platform_workspace import Workspace as Workspace
-    from martensite.mechanisms.platform_workspace import reachable_angles as reachable_angles
     from martensite.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
+    from martensite.mechanisms.shared.beam_modes import BeamModes as BeamModes
+    from martensite.mechanisms.shared.beam_modes import CantileverBeam as CantileverBeam
+    from martensite.mechanisms.shared.beam_modes import beam_modes as beam_modes
+    from martensite.mechanisms.shared.platform_kinematics import Plates as Plates
+    from martensite.mechanisms.shared.platform_kinematics import platform_angles as platform_angles
+    from martensite.mechanisms.shared.platform_kinematics import (
+        platform_lengths as platform_lengths,
+    )
+    from martensite.mechanisms.shared.platform_workspace import Workspace as Workspace
+    from martensite.mechanisms.shared.platform_workspace import reachable_angles as reachable_angles
+    from martensite.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
     from martensite.plot.film_fit import plot_film as plot_film
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
     from martensite.plot.profile import plot_profile as plot_profile
+    from martensite.plot.tangents import plot_tangents as plot_tangents
     from martensite.plot.workspace import plot_workspace as plot_workspace
+    from martensite.report.fit_report import write_report as write_report
     from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
     from martensite.signals.held import Held as Held
@@ -177,12 +187,12 @@ _HOME = {
     "Averaging": "control.averaging",
     "AxialWire": "elements.axial_wire",
     "Batch": "simulate.batch",
-    "BeamModes": "mechanisms.beam_modes",
+    "BeamModes": "mechanisms.shared.beam_modes",
     "BeamMotor": "mechanisms.beam_motor",
     "BiasSpring": "mechanisms.bias_spring",
     "Brinson": "laws.brinson",
     "Bundle": "elements.bundle",
-    "CantileverBeam": "mechanisms.beam_modes",
+    "CantileverBeam": "mechanisms.shared.beam_modes",
     "Carrier": "signals.carrier",
     "Chain": "elements.chain",
     "ChurchillBernstein": "thermal.churchill_bernstein",
@@ -231,7 +241,7 @@ _HOME = {
     "OnOff": "control.on_off",
     "ParallelPlatform": "mechanisms.parallel_platform",
     "PerLengthResistance": "electrical.per_length",
-    "Plates": "mechanisms.platform_kinematics",
+    "Plates": "mechanisms.shared.platform_kinematics",
     "PointResult": "simulate.point",
     "PolynomialCooling": "thermal.polynomial",
     "PowerPwm": "electrical.power_pwm",
@@ -255,14 +265,17 @@ _HOME = {
     "System": "system.single",
     "Table": "signals.table",
     "Tanaka": "laws.tanaka",
+    "TangentFit": "identify.tangent_fit",
+    "TangentPoints": "identify.tangents",
     "TendonActuator": "export.mujoco_bridge",
+    "TensileTestingMachine": "mechanisms.testing_machine",
     "Triangle": "signals.triangle",
     "VoltageSource": "electrical.voltage",
     "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
     "WireRequest": "sizing.request",
-    "Workspace": "mechanisms.platform_workspace",
-    "beam_modes": "mechanisms.beam_modes",
+    "Workspace": "mechanisms.shared.platform_workspace",
+    "beam_modes": "mechanisms.shared.beam_modes",
     "bridge_of": "export.mjcf",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
@@ -282,16 +295,17 @@ _HOME = {
     "natural_frequency": "identify.spectrum",
     "open_result": "io.netcdf",
     "plateaus": "io.staircase",
-    "platform_angles": "mechanisms.platform_kinematics",
-    "platform_lengths": "mechanisms.platform_kinematics",
+    "platform_angles": "mechanisms.shared.platform_kinematics",
+    "platform_lengths": "mechanisms.shared.platform_kinematics",
     "plot_film": "plot.film_fit",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
+    "plot_tangents": "plot.tangents",
     "plot_workspace": "plot.workspace",
     "points_from_power": "identify.film_points",
     "read_table": "io.tables",
-    "reachable_angles": "mechanisms.platform_workspace",
+    "reachable_angles": "mechanisms.shared.platform_workspace",
     "render_mujoco": "export.mujoco_render",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
@@ -303,11 +317,15 @@ _HOME = {
     "size_wire": "sizing.candidates",
     "steady_running": "identify.motor_tests",
     "table_waveform": "signals.records",
+    "tangent_fit": "identify.tangent_fit",
+    "tangent_points": "identify.tangents",
     "tendon_signals": "export.mjcf",
     "to_dataset": "io.netcdf",
     "to_mjcf": "export.mjcf",
     "unwrap_counter": "io.staircase",
     "winding_resistance": "identify.motor_tests",
+    "write_material": "io.material_files",
+    "write_report": "report.fit_report",
 }
 """Public name -> module of this package that defines it."""
 

@@ -6,12 +6,12 @@ code not shared with the study; they are given to the digits noted.
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from claim_checks import check_complete, check_decides, with_verdict
 
 from martensite.errors import DataError
 from martensite.io import datasets
@@ -52,21 +52,12 @@ def without(monkeypatch, tmp_path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
 
-def by_verdict(claims: list[Claim], verdict: str) -> set[str]:
-    return {claim.id for claim in claims if claim.verdict == verdict}
-
-
 # ---------------------------------------------------------------- claims
 
 
 def test_every_claim_is_complete() -> None:
     listed = load_study(NAME).claims()
-    assert len({claim.id for claim in listed}) == len(listed)
-    for claim in listed:
-        assert claim.statement and claim.why and claim.unit
-        assert claim.source.split(",")[0] in bibliography()
-        assert claim.computed is None or math.isfinite(claim.computed)
-    json.dumps([claim.to_dict() for claim in listed], allow_nan=False)
+    check_complete(listed, all_computed=False)
     assert NAME in study_names()
     assert set(load_study(NAME).cites) <= set(bibliography())
 
@@ -74,30 +65,24 @@ def test_every_claim_is_complete() -> None:
 @needs_record
 def test_verdicts(claims: dict[str, Claim]) -> None:
     listed = list(claims.values())
-    assert by_verdict(listed, "reproduced") == REPRODUCED
-    assert by_verdict(listed, "not reproduced") == NOT_REPRODUCED
-    assert by_verdict(listed, "calibrated") == CALIBRATED
+    assert with_verdict(listed, "reproduced") == REPRODUCED
+    assert with_verdict(listed, "not reproduced") == NOT_REPRODUCED
+    assert with_verdict(listed, "calibrated") == CALIBRATED
     assert all(claim.computed is not None for claim in listed)
 
 
 @needs_record
 def test_each_stated_number_decides_its_verdict(claims: dict[str, Claim]) -> None:
-    for id in REPRODUCED | (NOT_REPRODUCED - {"counter"}):
-        fields = asdict(claims[id])
-        del fields["verdict"]
-        wrong = fields["computed"] + 1.01 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": wrong}).verdict == "not reproduced"
-        right = fields["computed"] - 0.99 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": right}).verdict == "reproduced"
+    check_decides(claims[id] for id in REPRODUCED | (NOT_REPRODUCED - {"counter"}))
 
 
 @needs_record
 def test_a_wrong_stated_number_is_not_reproduced() -> None:
     found = ElectrothermalStaircase(replace(STATED, austenite=1.5, drops=0.0)).claims()
-    assert "austenite" in by_verdict(found, "not reproduced")
-    assert "counter" in by_verdict(found, "reproduced")
+    assert "austenite" in with_verdict(found, "not reproduced")
+    assert "counter" in with_verdict(found, "reproduced")
     shifted = record_claims.claims(replace(STATED, offset=0.5))
-    assert {"offset", "martensite-low"} <= by_verdict(shifted, "not reproduced")
+    assert {"offset", "martensite-low"} <= with_verdict(shifted, "not reproduced")
 
 
 def test_claims_without_the_record_say_how_to_get_it(without) -> None:
@@ -106,7 +91,7 @@ def test_claims_without_the_record_say_how_to_get_it(without) -> None:
     assert {claim.verdict for claim in absent} == {"not checkable"}
     assert all("martensite data fetch flexinol-electrothermal" in claim.why for claim in absent)
     assert REPRODUCED | CALIBRATED <= {claim.id for claim in absent}
-    assert by_verdict(listed, "not reproduced") == UNFITTED
+    assert with_verdict(listed, "not reproduced") == UNFITTED
     with pytest.raises(DataError, match="not on this machine; run `martensite data fetch"):
         read_table(f"data:{record.UNTRAINED}")
 

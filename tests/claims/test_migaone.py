@@ -6,11 +6,11 @@ differential equations and root finding), given here to the digits it was noted 
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
+from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
 from martensite.errors import DataError, ParameterError, UnknownNameError
 from martensite.identify.film import film_r_squared, fit_film
@@ -38,58 +38,40 @@ def claims() -> dict[str, Claim]:
     return {claim.id: claim for claim in load_study("migaone").claims()}
 
 
-def verdict(claims: list[Claim], id: str) -> str:
-    return next(claim.verdict for claim in claims if claim.id == id)
-
-
 # ---------------------------------------------------------------- verdicts
 
 
 def test_verdicts(claims: dict[str, Claim]) -> None:
-    found = {v: {c.id for c in claims.values() if c.verdict == v} for v in
-             ("reproduced", "not reproduced", "calibrated")}  # fmt: skip
-    assert found["reproduced"] == REPRODUCED
-    assert found["not reproduced"] == NOT_REPRODUCED
-    assert found["calibrated"] == {"geometry-length", "resistance-series"}
+    assert with_verdict(claims.values(), "reproduced") == REPRODUCED
+    assert with_verdict(claims.values(), "not reproduced") == NOT_REPRODUCED
+    assert with_verdict(claims.values(), "calibrated") == {"geometry-length", "resistance-series"}
 
 
 def test_every_claim_is_complete() -> None:
-    listed = load_study("migaone").claims()
-    assert len({claim.id for claim in listed}) == len(listed)
-    for claim in listed:
-        assert claim.statement and claim.why and claim.unit
-        assert claim.source.split(",")[0] in bibliography()
-        assert claim.computed is not None and math.isfinite(claim.computed)
-    json.dumps([claim.to_dict() for claim in listed], allow_nan=False)
+    check_complete(load_study("migaone").claims())
 
 
 def test_each_published_number_decides_its_verdict(claims: dict[str, Claim]) -> None:
-    for id in REPRODUCED | NOT_REPRODUCED:
-        fields = asdict(claims[id])
-        del fields["verdict"]
-        wrong = fields["computed"] + 1.01 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": wrong}).verdict == "not reproduced"
-        right = fields["computed"] - 0.99 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": right}).verdict == "reproduced"
+    check_decides(claims[id] for id in REPRODUCED | NOT_REPRODUCED)
 
 
 def test_a_wrong_published_number_is_not_reproduced() -> None:
     wrong = replace(PRINTED, actuation_time=3.0)
-    assert verdict(MigaOne(wrong).claims(), "actuation-time") == "not reproduced"
+    assert verdict_of(MigaOne(wrong).claims(), "actuation-time") == "not reproduced"
     row = Step(2.0, 80.0, 57.28)
     steps = (*PRINTED.steps[:2], row, PRINTED.steps[3])
     steady = film_claims.claims(replace(PRINTED, steps=steps))
-    assert verdict(steady, "steady-2.0V") == "not reproduced"
-    assert verdict(steady, "steady-2.5V") == "reproduced"
+    assert verdict_of(steady, "steady-2.0V") == "not reproduced"
+    assert verdict_of(steady, "steady-2.5V") == "reproduced"
 
 
 def test_a_corrected_misprint_is_reproduced() -> None:
     length = wire_claims.printed_length(PRINTED)
     right = replace(PRINTED, diameter=0.381e-3, surface=math.pi * 0.381e-3 * length)
-    assert verdict(wire_claims.claims(right), "geometry-surface") == "reproduced"
+    assert verdict_of(wire_claims.claims(right), "geometry-surface") == "reproduced"
     fit = film_claims.no_linear(PRINTED)
     right = replace(PRINTED, h0=fit.coefficients[0], h2=fit.coefficients[2])
-    assert verdict(film_claims.claims(right), "fit-no-linear-h0") == "reproduced"
+    assert verdict_of(film_claims.claims(right), "fit-no-linear-h0") == "reproduced"
 
 
 def test_a_verdict_against_its_numbers_cannot_be_made(claims: dict[str, Claim]) -> None:

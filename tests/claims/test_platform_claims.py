@@ -7,12 +7,12 @@ from separate programs.
 
 from __future__ import annotations
 
-import json
 import math
 import re
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
+from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 from platform_cases import PLATES, about_x, about_y, by_matrices
 from platform_reference import Platform as Reference
 from platform_reference import bisected
@@ -20,6 +20,7 @@ from platform_reference import bisected
 from martensite.errors import DataError, ParameterError
 from martensite.io.citations import bibliography
 from martensite.simulate.result import Result
+from martensite.studies import readings
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.platform import (
     bench,
@@ -54,10 +55,6 @@ def computed(listed: dict[str, Claim], id: str) -> float:
     return number
 
 
-def verdict(claims: list[Claim], id: str) -> str:
-    return next(claim.verdict for claim in claims if claim.id == id)
-
-
 def reference(case: Case, volts: float) -> Reference:
     """The same case for the integral."""
     limit = case.limits[0 if volts >= PRINTED.high else 1]
@@ -74,47 +71,33 @@ def reference(case: Case, volts: float) -> Reference:
 
 
 def test_verdicts(listed: dict[str, Claim]) -> None:
-    found = {v: {c.id for c in listed.values() if c.verdict == v} for v in
-             ("reproduced", "not reproduced", "calibrated")}  # fmt: skip
-    assert found["reproduced"] == REPRODUCED
-    assert found["not reproduced"] == NOT_REPRODUCED
-    assert found["calibrated"] == CALIBRATED
+    assert with_verdict(listed.values(), "reproduced") == REPRODUCED
+    assert with_verdict(listed.values(), "not reproduced") == NOT_REPRODUCED
+    assert with_verdict(listed.values(), "calibrated") == CALIBRATED
 
 
 def test_every_claim_is_complete() -> None:
-    claims = load_study("platform").claims()
-    assert len({claim.id for claim in claims}) == len(claims)
-    for claim in claims:
-        assert claim.statement and claim.why and claim.unit
-        assert claim.source.split(",")[0] in bibliography()
-        assert claim.computed is not None and math.isfinite(claim.computed)
-    json.dumps([claim.to_dict() for claim in claims], allow_nan=False)
+    check_complete(load_study("platform").claims())
 
 
 def test_each_published_number_decides_its_verdict(listed: dict[str, Claim]) -> None:
-    for id in REPRODUCED | NOT_REPRODUCED:
-        fields = asdict(listed[id])
-        del fields["verdict"]
-        wrong = fields["computed"] + 1.01 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": wrong}).verdict == "not reproduced"
-        right = fields["computed"] - 0.99 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": right}).verdict == "reproduced"
+    check_decides(listed[id] for id in REPRODUCED | NOT_REPRODUCED)
 
 
 def test_a_wrong_published_number_is_not_reproduced() -> None:
     wrong = geometry_claims.claims(replace(PRINTED, contraction=0.04))
-    assert verdict(wrong, "contraction") == "not reproduced"
+    assert verdict_of(wrong, "contraction") == "not reproduced"
     wrong = response_claims.claims(replace(PRINTED, slow=40.0))
-    assert verdict(wrong, "set-C-3V") == "not reproduced"
+    assert verdict_of(wrong, "set-C-3V") == "not reproduced"
 
 
 def test_a_corrected_misprint_is_reproduced() -> None:
     right = geometry_claims.claims(replace(PRINTED, centroid=PRINTED.side / math.sqrt(3.0)))
-    assert verdict(right, "lever") == "reproduced"
-    assert verdict(right, "centroid") == "not reproduced"
+    assert verdict_of(right, "lever") == "reproduced"
+    assert verdict_of(right, "centroid") == "not reproduced"
     right = response_claims.claims(replace(PRINTED, fast=2.1, slow=7.5, current=2.8))
     for id in ("printed-5V", "printed-3V", "slowest-5V", "slowest-3V", "needed-current"):
-        assert verdict(right, id) == "reproduced"
+        assert verdict_of(right, id) == "reproduced"
 
 
 def test_a_verdict_against_its_numbers_cannot_be_made(listed: dict[str, Claim]) -> None:
@@ -272,7 +255,7 @@ def test_what_overshoots_and_what_does_not(listed: dict[str, Claim]) -> None:
 def test_scenario_is_set_a() -> None:
     result = bench.scenario().run()
     assert isinstance(result, Result)
-    when = bench.passing(result.times, bench.degrees(result), PRINTED.angle)
+    when = readings.passing(result.times, bench.degrees(result), PRINTED.angle)
     assert when == pytest.approx(PRINTED.fast, abs=0.02)
     assert max(bench.degrees(result)) == pytest.approx(30.06, abs=0.02)
     assert result["alpha"][-1] < math.radians(2.0)
@@ -293,9 +276,9 @@ def test_springs_are_free_of_force_and_weigh_what_is_printed() -> None:
 def test_plain_floats_serve_where_there_is_no_compiler(
     monkeypatch: pytest.MonkeyPatch, c_compiler: str
 ) -> None:
-    assert bench.runtime() == "c"
-    monkeypatch.setattr(bench, "compiler", lambda: None)
-    assert bench.runtime() == "floats"
+    assert readings.runtime() == "c"
+    monkeypatch.setattr(readings, "compiler", lambda: None)
+    assert readings.runtime() == "floats"
 
 
 def test_study_is_found_by_name() -> None:

@@ -20,9 +20,9 @@ from elastic import REST, actuator, kelvins, machine
 from martensite.errors import InputError, ParameterError
 from martensite.mechanisms.base import Column
 from martensite.mechanisms.hand import Hand
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody
 from martensite.mechanisms.pulley import AntagonisticPulley
+from martensite.mechanisms.shared.motion import Motion
 from martensite.runtimes import floats
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar

@@ -17,7 +17,7 @@ import pytest
 from scipy import integrate, linalg, optimize
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.beam_modes import (
+from martensite.mechanisms.shared.beam_modes import (
     PER_MODE,
     CantileverBeam,
     beam_modes,
@@ -161,6 +161,6 @@ def test_what_is_refused() -> None:
 
 
 def test_import_is_light() -> None:
-    code = "import sys, martensite.mechanisms.beam_modes; print('numpy' in sys.modules)"
+    code = "import sys, martensite.mechanisms.shared.beam_modes; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

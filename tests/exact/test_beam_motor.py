@@ -23,9 +23,9 @@ from martensite.electrical.temperature import PrescribedTemperature
 from martensite.elements.wire import Wire
 from martensite.errors import ParameterError
 from martensite.laws.elahinia import Elahinia
-from martensite.mechanisms.beam_modes import CantileverBeam, beam_modes, exact_omega
 from martensite.mechanisms.beam_motor import BeamMotor, modal_numbers
-from martensite.mechanisms.motion import Motion
+from martensite.mechanisms.shared.beam_modes import CantileverBeam, beam_modes, exact_omega
+from martensite.mechanisms.shared.motion import Motion
 from martensite.runtimes import floats
 from martensite.runtimes.program import Program
 from martensite.signals.constant import Constant

@@ -23,7 +23,7 @@ from martensite.elements.wire import Wire
 from martensite.errors import ParameterError
 from martensite.mechanisms.finger import Finger
 from martensite.mechanisms.joints import bowstring_arm
-from martensite.mechanisms.motion import Course, Motion
+from martensite.mechanisms.shared.motion import Course, Motion
 from martensite.runtimes import floats
 from martensite.runtimes.nested import flatten
 from martensite.signals.constant import Constant

@@ -24,8 +24,8 @@ from martensite.errors import ParameterError
 from martensite.laws.brinson import Brinson
 from martensite.mechanisms.base import Column
 from martensite.mechanisms.hand import FINGERS, JOINTS, Hand
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar

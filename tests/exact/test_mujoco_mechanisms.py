@@ -28,9 +28,9 @@ from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_m
 from martensite.export.mujoco_bridge import read_model
 from martensite.export.mujoco_result import MujocoResult
 from martensite.mechanisms.finger import Finger
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody
 from martensite.mechanisms.parallel_platform import ParallelPlatform
+from martensite.mechanisms.shared.motion import Motion
 from martensite.runtimes import floats
 from martensite.runtimes.c99 import compiler
 from martensite.runtimes.dual import jacobian

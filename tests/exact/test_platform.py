@@ -23,8 +23,8 @@ from martensite.electrical.voltage import VoltageSource
 from martensite.elements.coil_spring import CoilSpring
 from martensite.errors import ParameterError, SolveError
 from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.mechanisms.platform_kinematics import Plates, slopes
-from martensite.mechanisms.platform_rays import crosswise
+from martensite.mechanisms.shared.platform_kinematics import Plates, slopes
+from martensite.mechanisms.shared.platform_rays import crosswise
 from martensite.parameters import param
 from martensite.runtimes import floats
 from martensite.signals.constant import Constant

@@ -17,9 +17,9 @@ from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.platform_kinematics import Plates, lengths, slopes
-from martensite.mechanisms.platform_rays import balanced, crosswise, ray
-from martensite.mechanisms.platform_workspace import Legs, Workspace, reachable_angles
+from martensite.mechanisms.shared.platform_kinematics import Plates, lengths, slopes
+from martensite.mechanisms.shared.platform_rays import balanced, crosswise, ray
+from martensite.mechanisms.shared.platform_workspace import Legs, Workspace, reachable_angles
 from martensite.runtimes import floats
 
 SHORTEST, LONGEST = 0.030, 0.090

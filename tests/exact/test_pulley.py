@@ -20,8 +20,8 @@ from martensite.electrical.power import PowerSource
 from martensite.electrical.temperature import PrescribedTemperature
 from martensite.laws.brinson import Brinson
 from martensite.mechanisms.base import Column
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.pulley import AntagonisticPulley
+from martensite.mechanisms.shared.motion import Motion
 from martensite.runtimes.namespace import Namespace
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant

@@ -8,8 +8,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from martensite.mechanisms import beam_modes as module
-from martensite.mechanisms.beam_modes import CantileverBeam, beam_modes, exact_omega, exact_roots
+from martensite.mechanisms.shared import beam_modes as module
+from martensite.mechanisms.shared.beam_modes import (
+    CantileverBeam,
+    beam_modes,
+    exact_omega,
+    exact_roots,
+)
 
 COUNTS = (8, 16, 32, 64)
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from martensite.mechanisms.motion import Course, dynamic, predicted, quasi_static
+from martensite.mechanisms.shared.motion import Course, dynamic, predicted, quasi_static
 from martensite.runtimes import floats
 
 OMEGA, ZETA = 2.0 * math.pi, 0.05

@@ -5,20 +5,18 @@ Source of truth: the options and columns as documented, and records in closed fo
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
-
-from martensite.cli import app
+from command import Command
 
 R, K, B, F_C, TAU = 6.0, 0.02, 2e-6, 4e-4, 1.5
 VIBRATION = ("vibration", "beam.csv")
 MOTOR = ("motor", "steady.csv")
+FIT = Command("fit")
+fine, report, refused = FIT.fine, FIT.report, FIT.refused
 
 
 @pytest.fixture(autouse=True)
@@ -42,28 +40,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def table(name: str, headings: str, *columns: np.ndarray) -> None:
     rows = (",".join(f"{number:.12g}" for number in row) for row in zip(*columns, strict=True))
     Path(name).write_text("\n".join([headings, *rows, ""]), encoding="utf-8")
-
-
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["fit", *arguments])
-
-
-def fine(*arguments: str) -> str:
-    done = call(*arguments)
-    assert (done.exit_code, done.stderr) == (0, ""), done.output
-    return done.stdout
-
-
-def report(*arguments: str) -> dict[str, Any]:
-    return json.loads(fine(*arguments, "--json"))
-
-
-def refused(*arguments: str) -> str:
-    done = call(*arguments)
-    assert done.exit_code == 2, done.output
-    assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
-    return done.stderr
 
 
 # ---------------------------------------------------------------- vibration

@@ -6,16 +6,13 @@ are tested against other code), and the simulator, which must take the model tha
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import pytest
-from typer.testing import CliRunner, Result
+from command import Command
 
-from martensite.cli import app
 from martensite.identify.film import FORMS
 from martensite.identify.film_points import FilmPoints
 from martensite.identify.film_report import judge_film
@@ -28,34 +25,14 @@ MIGAONE = str(EXAMPLES / "migaone_table2.csv")
 KOSSOSKI = str(EXAMPLES / "kossoski_table2.csv")
 WIRE = ("--diameter", "0.375 mm", "--length", "100 mm", "--ambient", "22 degC")
 AMBIENT = ("--ambient", "38.5 degC")
+FIT = Command("fit", "h")
+fine, report, refused = FIT.fine, FIT.report, FIT.refused
 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["fit", "h", *arguments])
-
-
-def fine(*arguments: str) -> str:
-    done = call(*arguments)
-    assert (done.exit_code, done.stderr) == (0, ""), done.output
-    return done.stdout
-
-
-def report(*arguments: str) -> dict[str, Any]:
-    return json.loads(fine(*arguments, "--json"))
-
-
-def refused(*arguments: str) -> str:
-    done = call(*arguments)
-    assert done.exit_code == 2, done.output
-    assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
-    return done.stderr
 
 
 def table(text: str) -> str:

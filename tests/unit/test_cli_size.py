@@ -4,40 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
-from typer.testing import CliRunner, Result
-
-from martensite.cli import app
+from command import Command
 
 SMALL = ("--force", "0.5 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "5 V")
+SIZE, RUN = Command("size"), Command("run")
+fine, refused = SIZE.fine, SIZE.refused
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["size", *arguments])
-
-
-def fine(*arguments: str) -> str:
-    done = call(*arguments)
-    assert (done.exit_code, done.stderr) == (0, ""), done.output
-    return done.stdout
-
-
-def refused(*arguments: str) -> str:
-    """The one sentence with which a command is refused."""
-    done = call(*arguments)
-    assert (done.exit_code, done.stdout) == (2, ""), done.output
-    assert done.stderr.startswith("error: ")
-    assert done.stderr.endswith(".\n")
-    assert done.stderr.count("\n") == 1
-    return done.stderr
 
 
 def rows(text: str) -> list[str]:
@@ -88,9 +67,7 @@ def test_no_wire_at_all_is_said_with_the_nearest() -> None:
 
 def test_written_scenario_runs(folder: Path) -> None:
     assert "wrote wire.toml" in fine(*SMALL, "--alloy", "90", "--out", "wire.toml")
-    done = CliRunner().invoke(app, ["run", "wire.toml", "--no-figure", "--json"])
-    assert (done.exit_code, done.stderr) == (0, "")
-    report: dict[str, Any] = json.loads(done.stdout)
+    report = RUN.report("wire.toml", "--no-figure")
     assert report["stroke"] == pytest.approx(3e-3, rel=0.05)
     assert report["warnings"] == []
     assert "is there already" in refused(*SMALL, "--out", "wire.toml")
@@ -104,9 +81,7 @@ def test_written_bundle_runs(folder: Path) -> None:
     report = json.loads(fine(*arguments, "--alloy", "90", "--json", "--out", "b.toml"))
     assert report["candidates"][0]["count"] > 1
     assert 'kind = "bundle"' in (folder / "b.toml").read_text(encoding="utf-8")
-    done = CliRunner().invoke(app, ["run", "b.toml", "--no-figure", "--json"])
-    assert (done.exit_code, done.stderr) == (0, "")
-    run = json.loads(done.stdout)
+    run = RUN.report("b.toml", "--no-figure")
     assert run["stroke"] == pytest.approx(3e-3, rel=0.05)
     work = report["candidates"][0]["work_force"]
     assert run["columns"]["force"]["highest"] == pytest.approx(work, rel=0.05)

@@ -16,6 +16,7 @@ from martensite.control.averaging import compare_averaging
 from martensite.errors import DataError
 from martensite.io.compare import compare
 from martensite.io.scenario import Scenario, load
+from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GRAVITY, SECTION = 9.80665, 0.25 * 3.141592653589793 * 0.381e-3**2
@@ -46,6 +47,50 @@ def test_isobaric_example_follows_the_measurement(stress: int) -> None:
     agreement = {found.quantity: found for found in compare(result, record)}
     assert agreement["temperature"].rms < 1e-6
     assert agreement["strain"].rms < 0.005
+
+
+@pytest.mark.parametrize(("level", "stroke"), [("150 MPa", 4.44e-3), ("50 MPa", 4.21e-3)])
+def test_machine_that_holds_a_stress_shows_the_strokes_of_its_comments(
+    level: str, stroke: float
+) -> None:
+    changes = {"signals.command.level": level}
+    result = load(EXAMPLES / "isobaric.toml", changes).run()
+    assert result.warnings == []
+    assert result.stroke == pytest.approx(stroke, abs=0.005e-3)
+    assert result.range("stress") == 0.0
+    if level == "150 MPa":
+        assert result["stress"][0] == pytest.approx(150e6, rel=1e-5)
+        assert result["position"][0] == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize("stress", MASSES)
+def test_machine_may_follow_the_stress_as_measured(stress: int) -> None:
+    """The isobaric example with the fluctuating column in place of the weight."""
+    weight = isobaric(stress)
+    file = f"data:flexinol-isobaric/isobaric_{stress}MPa.txt"
+    machine = load(
+        EXAMPLES / "flexinol_isobaric.toml",
+        {
+            "drive.waveform.file": file,
+            "mechanism": {
+                "kind": "testing-machine",
+                "control": "stress",
+                "section": "0.1140092 mm^2",
+            },
+            "signals.command": {
+                "kind": "table", "file": file, "column": "stress", "interval": "1 s",
+            },
+            "measured.file": file,
+        },
+    )  # fmt: skip
+    assert machine.measured is not None
+    record = machine.measured.read()
+    result = machine.run()
+    agreement = {found.quantity: found for found in compare(result, record)}
+    assert agreement["stress"].rms < 1e-6 * stress * 1e6
+    assert agreement["strain"].rms < 0.005
+    apart = [abs(a - b) for a, b in zip(result["strain"], weight.run()["strain"], strict=True)]
+    assert 1e-4 < max(apart) < 0.02  # the stress fluctuates by some MPa
 
 
 def test_comment_of_the_isobaric_example_has_the_right_masses() -> None:
@@ -145,3 +190,37 @@ def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> Non
     pulsed = compare_averaging(scenario.system, scenario.waveform, scenario.duration, 100.0)
     assert pulsed.differences["power"].rms < 1e-3 * 0.45
     assert pulsed.ripple == pytest.approx(pulsed.estimate, rel=0.05)
+
+
+def pulled(**changes: str) -> Result:
+    names = {"level": "drive.waveform.level", "stiffness": "mechanism.stiffness"}
+    return load(EXAMPLES / "tensile-test.toml", {names[n]: v for n, v in changes.items()}).run()
+
+
+def test_tensile_test_transforms_and_comes_back_where_its_comments_say() -> None:
+    result = pulled()
+    peak = result.times.index(50.0)
+    fractions, stresses = result["martensite_fraction"], result["stress"]
+    forward = next(s for s, x in zip(stresses, fractions, strict=True) if x > 1e-4)
+    way_back = zip(stresses[peak:], fractions[peak:], strict=True)
+    back = next(s for s, x in way_back if x < fractions[peak] - 1e-4)
+    assert result.warnings == []
+    assert forward == pytest.approx(392e6, abs=2e6)
+    assert back == pytest.approx(207e6, abs=4e6)
+    assert result["strain"][-1] == pytest.approx(0.0, abs=1e-9)
+    assert stresses[-1] == pytest.approx(0.0, abs=1.0)
+
+
+def test_tensile_test_in_the_cold_leaves_the_strain_that_its_comments_say() -> None:
+    result = pulled(level="-5 degC")
+    assert result["stress"][-1] == 0.0
+    assert result["strain"][-1] - result["strain"][0] == pytest.approx(0.056, abs=5e-4)
+
+
+@pytest.mark.parametrize(("stiffness", "modulus"), [("1e9 N/mm", 55e9), ("2000 N/mm", 45e9)])
+def test_tensile_test_in_a_soft_machine_looks_soft(stiffness: str, modulus: float) -> None:
+    result = pulled(stiffness=stiffness)
+    strain = result["crosshead"][20] / 0.1
+    assert result["martensite_fraction"][20] == 0.0
+    assert result["stress"][20] / strain == pytest.approx(modulus, abs=0.5e9)
+    assert result["stress"][20] / result["strain"][20] == pytest.approx(55e9, rel=1e-6)

@@ -5,20 +5,19 @@ Source of truth: the workspace, and lengths of the platform at angles read off t
 
 from __future__ import annotations
 
-import itertools
 import math
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
+from drawn_texts import check_apart
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from platform_cases import GEOMETRIES, PLATES
 
 from martensite.errors import InputError
-from martensite.mechanisms.platform_kinematics import Plates, platform_lengths
-from martensite.mechanisms.platform_workspace import Workspace, reachable_angles
+from martensite.mechanisms.shared.platform_kinematics import Plates, platform_lengths
+from martensite.mechanisms.shared.platform_workspace import Workspace, reachable_angles
 from martensite.plot.workspace import plot_workspace
 
 CASES = {
@@ -131,19 +130,10 @@ def test_axes_have_one_scale_and_say_their_angle() -> None:
 def test_no_text_covers_another_or_leaves_the_page(case: str) -> None:
     figure = plot_workspace(workspace(case))
     figure.draw_without_rendering()
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     texts = [*figure.texts, *figure.axes[0].texts, *figure.legends[0].get_texts()]
     axes = figure.axes[0]
     texts += [axes.xaxis.label, axes.yaxis.label]
-    boxes = [(text.get_text(), Text.get_window_extent(text, renderer)) for text in texts]
-    page = figure.bbox.padded(0.5)
-    for name, box in boxes:
-        assert page.containsx(box.x0) and page.containsx(box.x1), name
-        assert page.containsy(box.y0) and page.containsy(box.y1), name
-    for (a, one), (b, other) in itertools.combinations(boxes, 2):
-        shared = min(one.x1, other.x1) - max(one.x0, other.x0)
-        heights = min(one.y1, other.y1) - max(one.y0, other.y0)
-        assert shared <= 0.5 or heights <= 0.5, f"{a!r} touches {b!r}"
+    check_apart(figure, texts)
 
 
 def test_a_set_of_one_posture_is_refused() -> None:

@@ -7,7 +7,6 @@ that texts do not cover one another is measured on the drawn figure.
 
 from __future__ import annotations
 
-import itertools
 import os
 import subprocess
 import sys
@@ -20,6 +19,7 @@ import matplotlib
 import numpy as np
 import pytest
 from builders import plain_law, plain_system
+from drawn_texts import check_apart
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -361,17 +361,9 @@ CASES = {
 def test_no_text_covers_another_or_leaves_the_page(case: str) -> None:
     figure = plot_result(*CASES[case])
     figure.draw_without_rendering()
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
-    page = figure.bbox.padded(0.5)
-    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in visible_texts(figure)]
-    assert len(boxes) > 40
-    for name, box in boxes:
-        assert page.containsx(box.x0) and page.containsx(box.x1), name
-        assert page.containsy(box.y0) and page.containsy(box.y1), name
-    for (a, one), (b, other) in itertools.combinations(boxes, 2):
-        shared = min(one.x1, other.x1) - max(one.x0, other.x0)
-        heights = min(one.y1, other.y1) - max(one.y0, other.y0)
-        assert shared <= 0.5 or heights <= 0.5, f"{a!r} touches {b!r}"
+    texts = visible_texts(figure)
+    assert len(texts) > 40
+    check_apart(figure, texts)
 
 
 def visible_texts(figure: Figure) -> list[Any]:

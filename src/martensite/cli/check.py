@@ -55,7 +55,7 @@ def _report(scenario: Scenario) -> dict[str, Any]:
     return {
         "title": scenario.title,
         "material": scenario.material.name if scenario.material else None,
-        "cautions": [c for part in scenario.system.tree() for c in part.cautions()],
+        "cautions": scenario.cautions,
         "doubtful": doubtful,
         "duration": scenario.duration,
         "first_step": step,

@@ -71,6 +71,7 @@ class Executed:
                 name: {"lowest": min(c), "highest": max(c), "unit": result.unit(name)}
                 for name, c in result.columns.items()
             },
+            "cautions": self.scenario.cautions,
             "warnings": list(result.warnings),
             "alarms": [asdict(alarm) for alarm in result.alarms],
             "comparison": [asdict(agreement) for agreement in self.agreements],
@@ -90,6 +91,8 @@ class Executed:
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))
         if self.averaging:
             _print_averaging(self.averaging)
+        for caution in self.scenario.cautions:
+            show.text(f"Caution: {caution}", "yellow")
         for warning in self.result.warnings:
             show.text(warning, "yellow")
         for path in self.outputs.paths():

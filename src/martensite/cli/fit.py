@@ -172,6 +172,53 @@ def motor(
         print_motor(found, len(states.speeds))
 
 
+@fit.command("tangents")
+def tangents(
+    logs: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="LOG...",
+            help="Isobaric cycles, one per file: `temperature`, `strain` and `stress`; "
+            "or data:SET/FILE for files of a published data set.",
+        ),
+    ],
+    stress: Annotated[
+        list[str] | None,
+        typer.Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.'),
+    ] = None,
+    cycle: Annotated[
+        int | None, typer.Option(help="Which cycle of each LOG, from 1 on; the last if left out.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    json: Json = False,
+) -> None:
+    """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.
+
+    Each LOG is heated and cooled once through its whole transformation under a constant stress.
+    Three straight lines per branch give A_s, A_f, M_s, M_f and the transformation strain; two and
+    more stresses give C_A, C_M and the temperatures at zero stress.
+    """
+    from martensite.cli.fit_tangents import as_dict, draw, fitted, print_tangents, read_cycles
+    from martensite.cli.outputs import Outputs, parts
+
+    outputs = Outputs(None, figure).check(force)
+    levels = read_cycles(logs, stress, cycle)
+    found = fitted(levels)
+    with parts(outputs) as files:
+        if files.figure is not None:
+            draw(levels, found, files.figure)
+    if json:
+        from martensite.cli import show
+
+        written = [str(path) for path in outputs.paths()]
+        show.as_json(as_dict(levels, found) | {"files": written})
+    else:
+        print_tangents(levels, found, outputs.paths())
+
+
 def _check_form(form: str, out: Path | None) -> None:
     from martensite.identify.film import FORMS
 

@@ -1,8 +1,8 @@
 """The parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
 
-The frame of `martensite.mechanisms.platform_kinematics` has Z down; here z is up, so its points
-(X, Y, Z) are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which
-makes R_Y(β) R_X(α). Plate and joint are exact: mass, moments of inertia I, I and 2 I at the
+The frame of `martensite.mechanisms.shared.platform_kinematics` has Z down; here z is up, so its
+points (X, Y, Z) are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x,
+which makes R_Y(β) R_X(α). Plate and joint are exact: mass, moments of inertia I, I and 2 I at the
 centroid, its height over the joint, gravity, damping. What is drawn of plates and post is no part
 of the mechanism.
 """
@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element
 
 from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, add, add_element
 from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.mechanisms.platform_kinematics import corners
+from martensite.mechanisms.shared.platform_kinematics import corners
 from martensite.runtimes import floats
 
 

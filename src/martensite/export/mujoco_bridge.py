@@ -41,7 +41,7 @@ from martensite.parameters import param, part
 from martensite.runtimes.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import MOST_STEPS, require_unit
+from martensite.simulate.grid import MOST_STEPS, require_unit, share
 from martensite.system import Actuator
 
 COUPLINGS = {"end": END, "centred": CENTRED}
@@ -188,8 +188,8 @@ class MujocoBridge:
         """The signals of the step that begins at a time [s]."""
         found: dict[str, float] = {}
         for strand in self.strands:
-            share = 1.0 - 1e-9 if strand.system.source.sets_temperature else 0.5
-            found[strand.name] = waves[strand.name].value(time + share * self.plant.dt)
+            part = share(strand.system.source.sets_temperature)
+            found[strand.name] = waves[strand.name].value(time + part * self.plant.dt)
         return found
 
     def _waveforms(

@@ -10,11 +10,9 @@ from martensite.errors import SolveError
 from martensite.export.balance import Answer
 from martensite.export.tendon_line import Held, TendonLine
 from martensite.runtimes import floats
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import flatten
-from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED, classify
-from martensite.simulate.patient import THOROUGH
+from martensite.simulate.patient import Patient
 from martensite.status import Status
 from martensite.system import Actuator, System
 
@@ -49,7 +47,8 @@ class Strand:
             mechanism=TendonLine(start=start_force),
         )  # fmt: skip
         self.drive = actuator.environment.temperature if actuator.source.sets_temperature else 0.0
-        self.functions = self._functions(ITERATIONS)
+        self.steps = Patient(self.system)
+        self._observe = self.steps.functions["observe"]
         state = self.system.init(floats, self.drive, 0.0, 0.0)
         spring = actuator.element.tangent(floats, state.elements[0], start_force)
         self.state = tuple(flatten(state))
@@ -63,31 +62,23 @@ class Strand:
         self.status = Status.OK
         """Of the last step."""
 
-    def _functions(self, iterations: int) -> dict[str, Callable[..., tuple[float, ...]]]:
-        compiled = compile_system(self.system, iterations)
-        self.outputs = compiled.outputs
-        return dict(compiled.program.bind_floats(*compiled.values(self.system)))
-
     def trial(self, drive: float, dt: float) -> Callable[[float, float], Answer]:
         """The next step as a function of the line; commits nothing."""
 
         def answer(reach: float, give: float) -> Answer:
-            found = self._answer(self.functions, drive, dt, reach, give)
+            found = self._answer(self.steps.quick, drive, dt, reach, give)
             if found.residual > SOLVED:
-                found = self._answer(self._thorough(), drive, dt, reach, give)
+                found = self._answer(self.steps.thorough, drive, dt, reach, give)
             return found
 
         return answer
 
-    def _thorough(self) -> dict[str, Callable[..., tuple[float, ...]]]:
-        return self._functions(THOROUGH)
-
     def _answer(
-        self, functions: dict[str, Callable[..., tuple[float, ...]]], drive: float, dt: float,
-        reach: float, give: float,
+        self, step: Callable[..., tuple[float, ...]], drive: float, dt: float, reach: float,
+        give: float,
     ) -> Answer:  # fmt: skip
         try:
-            *state, residual, crossing = functions["step"](*self.state, drive, reach, give, dt)
+            *state, residual, crossing = step(*self.state, drive, reach, give, dt)
         except ArithmeticError:  # a division by zero or an overflow
             return Answer(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
         force, free, compliance = state[-len(Held._fields) :]  # what the line holds comes last
@@ -118,7 +109,7 @@ class Strand:
 
     def observe(self, drive: float) -> dict[str, float]:
         """Everything that can be measured on the element, in SI, by name."""
-        row = self.functions["observe"](*self.state, drive, *self.line)
-        found = dict(zip(self.outputs, row, strict=True))
+        row = self._observe(*self.state, drive, *self.line)
+        found = dict(zip(self.steps.outputs, row, strict=True))
         known = self.system.mechanism.signals()
         return {name: value for name, value in found.items() if name not in known}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,8 @@ from martensite.identify.fitting.fit import Fit
 from martensite.mechanisms.base import Output
 
 TRAINING, HELD_OUT = "training", "held-out"
+COVERED = ("temperature", "stress")
+"""What limits where fitted numbers hold."""
 
 
 @dataclass(frozen=True)
@@ -90,3 +93,18 @@ def _outputs(one: Experiment, model: Any, used: Any) -> Iterator[Compared]:
         yield Compared(
             one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k]
         )
+
+
+def covered(fit: Fit) -> dict[str, tuple[float, float]]:
+    """Least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
+    found: dict[str, tuple[float, float]] = {}
+    for k, runner in enumerate(fit.problem.runners):
+        system = fit.system(k)
+        for name in COVERED:
+            outputs = [system.label(port, name) for port in system.actuators()]
+            wide = copy(runner)
+            wide.places = tuple(runner.compiled.outputs.index(output) for output in outputs)
+            rows = wide.run(runner.compiled.values(system)).values[fit.problem.used[k].any(axis=1)]
+            ends = [float(rows.min()), float(rows.max()), *found.get(name, ())]
+            found[name] = min(ends), max(ends)
+    return found

@@ -13,13 +13,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from martensite.electrical.base import SOURCES
 from martensite.elements.base import ELEMENTS
 from martensite.errors import ParameterError, suggestion
 from martensite.io import recorded
 from martensite.io.build import Builder, Table, as_table, refuse_unknown, section
+from martensite.io.law_match import law_caution
 from martensite.materials.base import Material, load_material
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
@@ -27,6 +28,9 @@ from martensite.simulate.driven import Waveforms
 from martensite.simulate.grid import require_unit
 from martensite.system import AbstractSystem, Actuator, Group, Machine, System
 from martensite.thermal.base import Environment
+
+if TYPE_CHECKING:
+    from martensite.signals.records import Record
 
 COMMON = ("element", "environment", "drive")
 GROUP = "actuators"
@@ -40,6 +44,8 @@ class Assembly:
     document: Table
     folder: Path
     """Where files that are named are looked for."""
+    log: Record | None = None
+    """What waveforms of kind `log` follow."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path of each number -> where it came from."""
     waveforms: dict[str, AbstractWaveform] = field(default_factory=dict[str, AbstractWaveform])
@@ -47,6 +53,10 @@ class Assembly:
     """When the last recorded waveform ends [s]."""
     material: Material | None = None
     """That of the first element which names one."""
+    follows: dict[str, str] = field(default_factory=dict[str, str])
+    """Drive -> column of the log that it follows."""
+    cautions: list[str] = field(default_factory=list[str])
+    """Sentences on materials whose numbers are used in another law than theirs."""
 
     def system(self) -> AbstractSystem:
         """The system; fills the other fields on the way."""
@@ -101,12 +111,16 @@ class Assembly:
             SOURCES, {key: value for key, value in table.items() if key != "waveform"}, path
         )
         if driven or "waveform" in table:
-            self.waveforms[drive] = self._waveform(table, source.unit, path)
+            self.waveforms[drive] = self._waveform(table, source.unit, path, drive)
         builder = Builder(material, origins=self.origins)
+        made = Builder(material, origins=self.origins, extra=("material",)).choose(
+            ELEMENTS, element, f"{prefix}element", draws=True
+        )
+        caution = law_caution(material, made)
+        if caution is not None and caution not in self.cautions:
+            self.cautions.append(caution)
         return {
-            "element": Builder(material, origins=self.origins, extra=("material",)).choose(
-                ELEMENTS, element, f"{prefix}element", draws=True
-            ),
+            "element": made,
             "environment": _environment(builder, tables, source.sets_temperature, prefix),
             "source": source,
         }
@@ -121,7 +135,7 @@ class Assembly:
                     f"name. {suggestion(name, units)}"
                 )
             path = f"{SIGNALS}.{name}"
-            self.waveforms[name] = self._waveform({"waveform": table}, units[name], path)
+            self.waveforms[name] = self._waveform({"waveform": table}, units[name], path, name)
 
     def _material(self, element: Table) -> Material | None:
         name = element.get("material")
@@ -134,8 +148,8 @@ class Assembly:
         self.material = self.material or found
         return found
 
-    def _waveform(self, drive: Table, unit: str, path: str) -> AbstractWaveform:
-        """The waveform of a drive; a table of records has an end."""
+    def _waveform(self, drive: Table, unit: str, path: str, name: str) -> AbstractWaveform:
+        """The waveform of the drive of a name; one that is recorded has an end."""
         if "waveform" not in drive:
             kinds = suggestion("", WAVEFORMS.names())
             raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
@@ -145,11 +159,23 @@ class Assembly:
             waveform, end = recorded.waveform(table, below, self.folder, unit)
             self.end = end if math.isinf(self.end) else max(self.end, end)
             return waveform
+        if table.get("kind") == recorded.LOG:
+            return self._followed(table, unit, below, name)
         if "kind" in table:
             with section(below):
                 require_unit(WAVEFORMS[str(table["kind"])], unit)
         builder = Builder(drive_unit=unit, origins=self.origins)
         return builder.choose(WAVEFORMS, table, below)
+
+    def _followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
+        """The waveform that follows a column of the log, to its last row."""
+        switched = unit == "1" and not path.startswith(SIGNALS)
+        natural = recorded.DUTY if switched else recorded.NATURAL.get(unit, name)
+        waveform, self.follows[name] = recorded.followed(table, path, self.log, unit, natural)
+        if self.log is not None:
+            last = recorded.from_zero(self.log).times[-1]
+            self.end = last if math.isinf(self.end) else max(self.end, last)
+        return waveform
 
 
 def section_of(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 A table holds a `kind` and the parameters of that kind; a component below it is another
 table, or just its kind. Quantities with a dimension are text with a unit. What the table
 leaves out comes from the material (by canonical name, where the part may draw on one), then
-from the default; what is missing everywhere is an error that says where to write it.
+from the default; what is missing everywhere is an error that says where to write it. So does
+the law: a material whose numbers hold for one law names it.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from martensite.signals.base import DRIVE
 Table = Mapping[str, Any]
 ASSUMED_KINDS = {"resistance": "mixture"}
 """Component -> kind that is meant when a scenario does not name one."""
+LAW = "law"
+"""Component that a material may name."""
 
 FULLY_DESCRIBED = 3
 """More missing numbers than these are listed without their meaning."""
@@ -53,7 +56,7 @@ class Builder:
         self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
     ) -> Any:
         """Build a component of a known class from its table."""
-        children = {name: self._child(cls, name, table, path) for name in _parts(cls)}
+        children = {name: self._child(cls, name, table, path, draws) for name in _parts(cls)}
         self._refuse_unknown(cls, table, path, children)
         values: dict[str, Any] = {}
         missing: list[str] = []
@@ -64,7 +67,7 @@ class Builder:
                 continue
             elif name in table:
                 values[name] = self._given(cls, name, declared, table[name], path)
-                self.origins[f"{path}.{name}"] = "scenario"
+                self.origins[f"{path}.{name}"] = self._writer(name, table, path, draws)
             elif draws and self.material and name in self.material.values:
                 number = self.material.values[name]
                 values[name] = number.text
@@ -78,12 +81,20 @@ class Builder:
         with section(path):
             return cls(**values)
 
+    def _writer(self, name: str, table: Table, path: str, draws: bool) -> str:
+        """Who wrote a number of a table: the scenario, or the law of the material."""
+        law = self.material.law if self.material and draws else None
+        own = law is not None and path.rpartition(".")[2] == LAW and law.get(name) == table[name]
+        return f"law, {self.material.name}" if own and self.material else "scenario"
+
     def _child(
-        self, cls: type[Parametrised], name: str, table: Table, path: str
+        self, cls: type[Parametrised], name: str, table: Table, path: str, draws: bool
     ) -> tuple[type[Parametrised], Table] | None:
         """Class and table of a component, or None if its default is meant."""
         declared = cls.declarations[name]
         given = table.get(name, ASSUMED_KINDS.get(name))
+        if name == LAW and draws and self.material and self.material.law:
+            given = self._lawful(given, self.material.law, f"{path}.{name}")
         if declared.registry is None:
             known = cast("type[Parametrised]", type(declared.default))
             return known, (as_table(given, f"{path}.{name}") if given is not None else {})
@@ -98,6 +109,14 @@ class Builder:
             valid = suggestion("", declared.registry.names())
             raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
         return chosen(declared.registry, full, f"{path}.{name}"), full
+
+    @staticmethod
+    def _lawful(given: Any, law: Table, path: str) -> Any:
+        """The table of a law, from that of the material where the scenario names none."""
+        if given is None:
+            return law
+        full = as_table(given, path)
+        return full if "kind" in full else {**law, **full}
 
     def _part(
         self,

@@ -1,16 +1,22 @@
-"""Data files named in a scenario: a waveform to follow, or a record to compare with.
+"""Records that a scenario follows or is compared with: files it names, or a log given to it.
 
     waveform = { kind = "table", file = "log.csv", column = "voltage" }
+    waveform = { kind = "log", column = "voltage" }
 
 `file` is relative to the scenario, or `data:…` for a published data set; `columns` names
 the columns of a file without headings, `interval` the time between rows without a clock.
 A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
+
+A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
+that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
+a scenario begins with the first row of its log, and rows that miss the column are bridged.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,6 +29,14 @@ if TYPE_CHECKING:
     from martensite.signals.records import Record
 
 KIND = "table"
+LOG = "log"
+NATURAL = {
+    "V": "voltage", "A": "current", "W": "power", "K": "temperature", "N": "force",
+    "Pa": "stress", "m": "position", "1": "strain",
+}  # fmt: skip
+"""Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
+DUTY = "duty"
+"""The same for the share of the time that a switch is closed."""
 _KEYS = ("file", "columns", "interval")
 _LISTED = ("kind", "times", "values")
 
@@ -77,6 +91,54 @@ def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tu
                 f"but the drive takes {unit}."
             )
     return made, record.times[-1]
+
+
+def followed(
+    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str
+) -> tuple[Table, str]:
+    """The waveform of kind `log` that a table describes, and the column that it follows.
+
+    Args:
+        table: the waveform, `kind` and perhaps `column`.
+        path: of the table in the scenario.
+        log: what is followed; an error without.
+        unit: of the signal.
+        natural: the column that is meant if none is named.
+    """
+    refuse_unknown(table, ("kind", "column"), f"[{path}]")
+    column = _text(table, "column", path) if "column" in table else natural
+    if log is None:
+        raise DataError(
+            f"[{path}] This scenario follows a log; fit it with `martensite fit LOG --scenario "
+            "SCENARIO --free …`, or run it with `martensite run SCENARIO --log LOG`."
+        )
+    with section(path):
+        _check_followed(log, column, unit)
+        rows = zip(from_zero(log).times, log[column], strict=True)
+        times, values = zip(*(row for row in rows if math.isfinite(row[1])), strict=True)
+        return Table(times=times, values=values), column
+
+
+def _check_followed(log: Record, column: str, unit: str) -> None:
+    known = sum(map(math.isfinite, log[column]))
+    if log.units[column] != unit:
+        raise DataError(
+            f"Column `{column}` of record `{log.name}` is in {log.units[column]}, but what "
+            f"follows it takes {unit}."
+        )
+    if known < 2:
+        raise DataError(
+            f"Column `{column}` of record `{log.name}` holds {known} numbers; a waveform that "
+            "follows it needs at least 2."
+        )
+
+
+def from_zero(log: Record) -> Record:
+    """A record with its first row at 0 s."""
+    first = log.times[0]
+    if first == 0.0:
+        return log
+    return replace(log, columns=log.columns | {"time": [time - first for time in log.times]})
 
 
 def _listed(table: Mapping[str, Any], path: str, unit: str) -> Table:

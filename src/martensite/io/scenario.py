@@ -26,6 +26,7 @@ from martensite.parameters import Parametrised, param
 from martensite.runtimes.namespace import Scalar
 
 if TYPE_CHECKING:
+    from martensite.signals.records import Record
     from martensite.simulate.result import Result
 
 SECTIONS = (
@@ -78,6 +79,15 @@ class Scenario:
     """A record to compare with."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path of each number -> scenario, default, or kind and name of the material."""
+    follows: dict[str, str] = field(default_factory=dict[str, str])
+    """Drive -> column of the log that it follows; empty for a scenario that follows none."""
+    remarks: list[str] = field(default_factory=list[str])
+    """Sentences on how the parts were put together."""
+
+    @property
+    def cautions(self) -> list[str]:
+        """Sentences about what is allowed but probably not meant."""
+        return [*self.remarks, *(c for part in self.system.tree() for c in part.cautions())]
 
     def run(self, *, tolerance: float | None = None, runtime: str = "floats") -> Result:
         """Simulate; `tolerance` replaces that of the scenario."""
@@ -91,12 +101,15 @@ class Scenario:
         )  # fmt: skip
 
 
-def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scenario:
+def load(
+    path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None
+) -> Scenario:
     """Read a scenario file and build what it describes.
 
     Args:
         path: a TOML file; files it names are found relative to it.
         overrides: values by dotted path, such as `{"element.diameter": "0.25 mm"}`.
+        log: the record that waveforms of kind `log` follow, from its first row on.
 
     Raises:
         InputError: the file is missing or malformed, or a value is.
@@ -111,19 +124,26 @@ def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Scenar
         ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None
-    return read(text, path, overrides)
+    return read(text, path, overrides, log=log)
 
 
 def read(
-    text: str, path: Path | None = None, overrides: Mapping[str, Any] | None = None
+    text: str,
+    path: Path | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    log: Record | None = None,
 ) -> Scenario:
-    """Build what the text of a scenario describes; `path` is where it came from."""
+    """Build what the text of a scenario describes; `path` is where it came from.
+
+    `log` is the record that waveforms of kind `log` follow, from its first row on.
+    """
     document = _parsed(text, path)
     if overrides:
         document = changed(document, overrides)
         text = as_toml(document)
     refuse_unknown(document, SECTIONS, "The scenario")
-    return _built(document, text, path)
+    return _built(document, text, path, log)
 
 
 def _parsed(text: str, path: Path | None) -> dict[str, Any]:
@@ -137,9 +157,11 @@ def _parsed(text: str, path: Path | None) -> dict[str, Any]:
         ) from None
 
 
-def _built(document: dict[str, Any], text: str, path: Path | None) -> Scenario:
+def _built(
+    document: dict[str, Any], text: str, path: Path | None, log: Record | None
+) -> Scenario:
     folder = path.parent if path else Path()
-    assembly = Assembly(document, folder)
+    assembly = Assembly(document, folder, log)
     system = assembly.system()
     run = Builder(origins=assembly.origins).build(Run, section_of(document, "run", {}), "run")
     return Scenario(
@@ -155,6 +177,8 @@ def _built(document: dict[str, Any], text: str, path: Path | None) -> Scenario:
         material=assembly.material,
         measured=_measured(document, folder),
         origins=assembly.origins,
+        follows=assembly.follows,
+        remarks=assembly.cautions,
     )
 
 

@@ -18,6 +18,8 @@ from pathlib import Path
 from martensite.errors import DataError
 from martensite.io.layout import CLOCK, Column, Layout
 
+GAPS = ("", "nan", "na", "n/a", "null")
+"""What a logger writes into the cell of a sample that it missed, in small letters."""
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": ""}
 _TIME_OF_DAY = re.compile(r"([0-9]{1,2}):([0-5]?[0-9]):([0-5]?[0-9](?:[.,][0-9]*)?)")
 _HEADING = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
@@ -164,6 +166,11 @@ def reads(parse: Callable[[str], float], cell: str) -> bool:
         return math.isfinite(parse(cell))
     except ValueError:
         return False
+
+
+def is_gap(cell: str) -> bool:
+    """Whether a cell is that of a missing sample."""
+    return cell.strip().lower() in GAPS
 
 
 def is_number(cell: str) -> bool:

@@ -4,20 +4,29 @@ Columns are separated by tab, semicolon, comma or blanks (the first of these fou
 first row); numbers may have a decimal comma unless the comma separates. Lines that begin
 with `#` are comments. Headings carry the unit in brackets (see `martensite.io.layout`).
 Nothing is repaired: what cannot be read is an error that names row and column, or, for a
-logger that writes other things between its rows, is left out and counted (`drop`).
+logger that writes other things between its rows, is left out and counted (`drop`). Samples
+that a logger missed are NaN where that is asked for (`gaps`), and an error otherwise.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from martensite import units
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.io.layout import CLOCK, IGNORED, Column, Layout, read_headings
-from martensite.io.sheets import SEPARATORS, Sheet, is_number, parses, read_sheet, reads
+from martensite.io.sheets import (
+    SEPARATORS,
+    Sheet,
+    is_gap,
+    is_number,
+    parses,
+    read_sheet,
+    reads,
+)
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
@@ -30,6 +39,7 @@ def read_table(
     interval: float | None = None,
     separator: str = "auto",
     drop: bool = False,
+    gaps: bool = False,
 ) -> Record:
     """Read a text file with columns of numbers.
 
@@ -42,6 +52,8 @@ def read_table(
         drop: leave out rows that cannot be read or that repeat the time before, and count
             them in `Record.dropped`. A number that was cut short cannot be told from one
             that was not. Some of the published data sets are read so anyway.
+        gaps: read missing samples (cells that are empty or hold NaN) as NaN; a time is never
+            missing.
 
     Raises:
         DataError: the file is missing, empty or malformed; the sentence says where.
@@ -62,8 +74,8 @@ def read_table(
     headings, sheet = _headed(read_sheet(path, layout), layout)
     rows = len(sheet.rows)
     if layout.drop:
-        sheet = sheet.part(_readable(sheet, headings))
-    found = _columns(sheet, headings)
+        sheet = sheet.part(_readable(sheet, headings, gaps))
+    found = _columns(sheet, headings, gaps)
     names = {column.name: column.unit for column in headings if column.name in found}
     dropped = rows - len(sheet.rows)
     if "time" in found:
@@ -106,18 +118,26 @@ def _headed(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
     return headings, sheet
 
 
-def _columns(sheet: Sheet, headings: list[Column]) -> dict[str, list[float]]:
+def _columns(sheet: Sheet, headings: list[Column], gaps: bool) -> dict[str, list[float]]:
     """All columns that are wanted, in SI."""
     _refuse_ragged(sheet, headings)
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
     if not wanted or not sheet.rows:
         raise DataError(f"{sheet.where} has nothing to read: no column, or no row of numbers.")
-    return {column.name: _column(sheet, place, column) for place, column in wanted}
+    return {
+        column.name: _column(sheet, place, column, gaps and column.name != "time")
+        for place, column in wanted
+    }
 
 
-def _column(sheet: Sheet, place: int, column: Column) -> list[float]:
-    """One column in SI."""
+def _column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[float]:
+    """One column in SI, with NaN for missing samples if there may be such `gaps`."""
     cells = [row[place] for row in sheet.rows]
+    if gaps:
+        rows = [i for i, cell in enumerate(cells) if not is_gap(cell)]
+        known = _column(sheet.part(rows), place, column, False) if rows else []
+        found = dict(zip(rows, known, strict=True))
+        return [found.get(i, math.nan) for i in range(len(cells))]
     parse = sheet.parser(column)
     try:
         numbers = list(map(parse, cells))
@@ -137,9 +157,13 @@ def _column(sheet: Sheet, place: int, column: Column) -> list[float]:
     return [units.to_si(number, column.spelling, column.unit) for number in numbers]
 
 
-def _readable(sheet: Sheet, headings: list[Column]) -> list[int]:
+def _readable(sheet: Sheet, headings: list[Column], gaps: bool) -> list[int]:
     """Indices of the rows that can be read and do not repeat the time of the one before."""
-    wanted = [(p, sheet.parser(c)) for p, c in enumerate(headings) if c.name != IGNORED]
+    wanted = [
+        (p, _or_gap(sheet.parser(c)) if gaps and c.name != "time" else sheet.parser(c))
+        for p, c in enumerate(headings)
+        if c.name != IGNORED
+    ]
     clock = next((p for p, column in enumerate(headings) if column.name == "time"), None)
     kept: list[int] = []
     before: float | None = None
@@ -151,6 +175,11 @@ def _readable(sheet: Sheet, headings: list[Column]) -> list[int]:
             kept.append(index)
         before = time
     return kept
+
+
+def _or_gap(parse: Callable[[str], float]) -> Callable[[str], float]:
+    """A parser that is content with a gap."""
+    return lambda cell: 0.0 if is_gap(cell) else parse(cell)
 
 
 def _refuse_ragged(sheet: Sheet, headings: list[Column]) -> None:

@@ -1,7 +1,8 @@
 r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
 
 One-dimensional form. Surfaces, calibration and their sources are described in
-`martensite.laws.shared.surfaces`, the hardening shares h in `martensite.laws.shared.hardening`:
+`martensite.laws.shared.surfaces`, the hardening shares h in `martensite.laws.shared.hardening`
+and, with the option `hardening = "waisted"`, `martensite.laws.shared.waist`:
 
     ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
     dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
@@ -17,9 +18,13 @@ could act (unoriented martensite under high stress) forward is stronger: martens
 would form again at once.
 
 ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress
-∫H dξ has no closed form; H is taken as a parabola in h over the part of the way on which ξ
-grows, with the corners of h(ξ) integrated exactly. This converges with the step (in fourth
-order along prescribed legs); ξ sees it through Λ, on the next reverse transformation only.
+∫H dξ has no closed form; H is taken as a parabola in h (without waist) over the part of the way
+on which ξ grows, with the corners of h(ξ) integrated exactly. This converges with the step (in
+fourth order along prescribed legs); ξ sees it through Λ, on the next reverse transformation only.
+
+The waist is this package's own extension and is not published: a cubic in h, one for each
+direction, that makes the middle of a branch steeper and its tails longer than exponents can, as
+measured isobaric cycles of trained wires show. It acts in both surfaces like any other h.
 
 Not in the law: reorientation (martensite keeps the strain with which it formed until it
 transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
@@ -66,7 +71,11 @@ class Move(NamedTuple):
 
 @LAWS.register("lagoudas")
 class Lagoudas(AbstractSurfaceLaw):
-    """Boyd–Lagoudas law with smooth hardening and stress-dependent transformation strain."""
+    """Boyd–Lagoudas law with smooth hardening and stress-dependent transformation strain.
+
+    With `hardening = "waisted"` branches have steeper middles and longer tails, by a cubic of
+    this package's own that is not published.
+    """
 
     cites = ("lagoudas2012", "boyd1996", "hartl2010")
     twins: ClassVar[bool] = True
@@ -100,7 +109,7 @@ class Lagoudas(AbstractSurfaceLaw):
         scale = self.scale(xp)
         move = Move(*memory, grows_from=0.0, grows_to=1.0)
         way = move.way(stress, temperature)
-        here = hardening(xp, memory.fraction, self.n_1, self.n_2)
+        here = self.forward_hardening(xp, memory.fraction)
         start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
         return move._replace(grows_from=xp.store(start), grows_to=xp.store(end))
 
@@ -111,8 +120,9 @@ class Lagoudas(AbstractSurfaceLaw):
         scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
         share = self.reverse_share(xp, scale, strain, stress, temperature)
+        share = self.smooth(xp, share, self.waist_r)
         left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
-        share = self.forward_share(xp, scale, stress, temperature)
+        share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
         fraction = xp.store(xp.maximum(transformed(xp, share, self.n_1, self.n_2), left))
         gained = self._gained(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
@@ -134,7 +144,8 @@ class Lagoudas(AbstractSurfaceLaw):
         def rise(part: Scalar) -> tuple[Scalar, Scalar]:
             """Stress at a part of the growth, and the share of the climb done there."""
             stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
-            return stress, (self.forward_share(xp, scale, stress, kelvin) - first) / safe
+            share = self.smooth(xp, self.forward_share(xp, scale, stress, kelvin), self.waist_f)
+            return stress, (share - first) / safe
 
         bend = 4.0 * xp.clip(rise(0.5)[1], 0.0, 1.0) - 1.0  # of a parabola through the half
         middle, at = rise(1.0 / (bend + xp.sqrt(bend * bend + 2.0 - 2.0 * bend)))
@@ -199,11 +210,16 @@ class Lagoudas(AbstractSurfaceLaw):
     def crossing(
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Share of a transformation range by which the move goes beyond its surface [-]."""
+        """Share of a transformation range by which the move goes beyond its surface [-].
+
+        Shares without waist, since these tell how much of the fraction changes.
+        """
         scale = self.scale(xp)
         ahead = xp.clip(self.forward_share(xp, scale, stress, temperature), 0.0, 1.0)
+        ahead = self.smooth(xp, ahead, self.waist_f)
         strain = memory.ratio * self.H_sat
         behind = xp.clip(self.reverse_share(xp, scale, strain, stress, temperature), 0.0, 1.0)
+        behind = self.smooth(xp, behind, self.waist_r)
         ahead = ahead - hardening(xp, memory.fraction, self.n_1, self.n_2)
         behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - behind
         return xp.maximum(xp.maximum(ahead, behind), 0.0)

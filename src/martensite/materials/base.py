@@ -8,6 +8,10 @@ kind that says how far to trust it:
     fitted      obtained by fitting a model to measurements
     assumed     chosen, for a stated reason
     recalled    carried around in the literature; the original was not seen
+
+A fitted set of numbers holds for the law it was fitted with. [law] names that law with its
+options, and a scenario that leaves the law out takes this one; [fit] says what was fitted to
+which records.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
 DOUBTFUL = ("assumed", "recalled")
 """Kinds that no measurement of this material stands behind."""
 _DATA = Path(__file__).parent / "data"
-_KEYS = ("title", "summary", "limits", "sources", "values")
+_KEYS = ("title", "summary", "limits", "sources", "values", "law", "fit")
 _FIELDS = ("value", "kind", "source", "where", "note")
 
 
@@ -66,6 +70,12 @@ class Material:
     """What the numbers do not cover."""
     sources: dict[str, Source]
     values: dict[str, Number]
+    law: dict[str, Any] | None = None
+    """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
+    if they belong to no law in particular."""
+    fit: dict[str, Any] | None = None
+    """What the fitted numbers rest on: records with their hashes, bounds, errors; None if
+    nothing was fitted here."""
 
     def cites(self) -> list[str]:
         """Bibliography keys of all sources that stand behind a number, in file order."""
@@ -118,7 +128,14 @@ def _material(name: str, document: Mapping[str, Any], file: str) -> Material:
         for key, entry in read_table(document.get("values", {}), f"{file}, [values]").items()
     }
     title, summary, limits = (str(document.get(key, "")) for key in _KEYS[:3])
-    return Material(name, title or name, summary, limits, sources, values)
+    law, fit = (_optional(document, key, file) for key in ("law", "fit"))
+    if law is not None:
+        read_text(law, "kind", f"{file}, [law]")
+    return Material(name, title or name, summary, limits, sources, values, law, fit)
+
+
+def _optional(document: Mapping[str, Any], key: str, file: str) -> dict[str, Any] | None:
+    return read_table(document[key], f"{file}, [{key}]") if key in document else None
 
 
 def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:

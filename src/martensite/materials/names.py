@@ -34,6 +34,8 @@ NAMES: dict[str, tuple[str, str]] = {
     "n_2": ("1", "smooth hardening: roundness of the forward end"),
     "n_3": ("1", "smooth hardening: roundness of the reverse end"),
     "n_4": ("1", "smooth hardening: roundness of the reverse start"),
+    "waist_f": ("1", "waisted hardening: waist of the forward range"),
+    "waist_r": ("1", "waisted hardening: waist of the reverse range"),
     "rho_A": ("ohm*m", "resistivity of austenite"),
     "rho_M": ("ohm*m", "resistivity of martensite"),
     "a_rho_A": ("1/K", "temperature coefficient of the resistivity of austenite"),

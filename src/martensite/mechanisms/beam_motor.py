@@ -8,7 +8,7 @@ at x + r sin φ; M is the whole moving mass with it, J the rotor without. Gravit
     L i' = V - K_B φ' - R i
 
 The third coordinate is the charge, whose rate is i. With more than one of the beam's modes, each
-scaled to unit displacement at the tip (`martensite.mechanisms.beam_modes`), x = Σ q_k and
+scaled to unit displacement at the tip (`martensite.mechanisms.shared.beam_modes`), x = Σ q_k and
 
     m_k q_k'' + c_k q_k' + k_k q_k = the right-hand side of the first equation,
 
@@ -34,9 +34,9 @@ from typing import Any
 
 from martensite.errors import ParameterError
 from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
-from martensite.mechanisms.beam_modes import BeamModes
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.mechanisms.shared.beam_modes import BeamModes
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import total

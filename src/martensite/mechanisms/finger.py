@@ -37,8 +37,8 @@ from __future__ import annotations
 
 from martensite.mechanisms.base import MECHANISMS, Column
 from martensite.mechanisms.joints import bowstring, bowstring_arm, stop_torque
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 

@@ -42,8 +42,8 @@ from martensite.mechanisms.joints import (
     stop_torque,
     two_rods,
 )
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar

@@ -24,8 +24,8 @@ from collections.abc import Sequence
 
 from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
 from martensite.mechanisms.joints import stop_torque
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 

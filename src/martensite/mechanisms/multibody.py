@@ -11,8 +11,8 @@ tensions F of the elements, the equations of motion at the end of every step are
     demand_k = Σ_i η_i F_i J_ik,        elongation_i = home_i - contraction_i(q) where taut
 
 where η is what friction leaves of the tension (1 unless a mechanism says otherwise). No element
-can push. `martensite.mechanisms.condensed` solves them together with the laws of the elements,
-implicit in every stress: at no time does a force lag behind the motion.
+can push. `martensite.mechanisms.shared.condensed` solves them together with the laws of the
+elements, implicit in every stress: at no time does a force lag behind the motion.
 
 Sign convention: contraction and tension positive, so a positive J means that the element pulls
 its coordinate up. Angles in rad.
@@ -25,10 +25,10 @@ from typing import Any, NamedTuple
 
 from martensite.elements.base import AbstractElement
 from martensite.laws.coupling import Report
-from martensite.mechanisms import condensed
 from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
-from martensite.mechanisms.elimination import inner, solutions
-from martensite.mechanisms.motion import Course, Motion, Scheme, dynamic, quasi_static
+from martensite.mechanisms.shared import condensed
+from martensite.mechanisms.shared.elimination import inner, solutions
+from martensite.mechanisms.shared.motion import Course, Motion, Scheme, dynamic, quasi_static
 from martensite.parameters import option, param
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar

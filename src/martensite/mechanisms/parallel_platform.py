@@ -22,16 +22,16 @@ from __future__ import annotations
 
 from martensite.errors import ParameterError
 from martensite.mechanisms.base import MECHANISMS, Column
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
-from martensite.mechanisms.platform_inertia import (
+from martensite.mechanisms.shared.motion import Motion
+from martensite.mechanisms.shared.platform_inertia import (
     Rates,
     TopPlate,
     inertia_forces,
     thin_plate,
     weight_torques,
 )
-from martensite.mechanisms.platform_kinematics import Plates, lengths
+from martensite.mechanisms.shared.platform_kinematics import Plates, lengths
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 

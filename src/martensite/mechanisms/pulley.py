@@ -13,8 +13,8 @@ Sign convention: φ grows as the first element, `protagonist`, pulls; zero as as
 from __future__ import annotations
 
 from martensite.mechanisms.base import MECHANISMS, Column
-from martensite.mechanisms.motion import Motion
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.errors import InputError
-from martensite.mechanisms.platform_kinematics import lengths
-from martensite.mechanisms.platform_workspace import QUARTER, Workspace
+from martensite.mechanisms.shared.platform_kinematics import lengths
+from martensite.mechanisms.shared.platform_workspace import QUARTER, Workspace
 from martensite.plot.style import HEATING, INK, QUIET, new_figure, styled
 from martensite.runtimes.arrays import ArrayNamespace
 

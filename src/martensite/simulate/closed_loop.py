@@ -23,7 +23,7 @@ from martensite.signals.base import AbstractDrive
 from martensite.simulate.api import first_step
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
-from martensite.simulate.march import COARSE, SOLVED, Track, Watch, track
+from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.patient import patient
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
@@ -161,9 +161,7 @@ class _Walk:
             self.times.append(time + k * dt)
             after = self.advance(*self.state, level, dt)
             self.state = after[: self.size]
-            residual, crossing = after[self.size], after[self.size + 1]
-            if not residual <= SOLVED or crossing > COARSE:
-                self.watch.note(residual, crossing, len(self.times) - 1)
+            self.watch.note(after[self.size], after[self.size + 1], len(self.times) - 1)
             row = self.observe(*self.state, level)
             sums[:] = [s + half * (a + b) for s, a, b in zip(sums, before, row, strict=True)]
             before = row

@@ -8,19 +8,18 @@ the system, in SI by name, in the state then and under the signals of the period
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from martensite.errors import InputError, ParameterError, SolveError
 from martensite.signals.base import AbstractDrive, AbstractWaveform
-from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.simulate.api import first_step
-from martensite.simulate.driven import by_name
-from martensite.simulate.grid import MOST_STEPS, require_unit
+from martensite.simulate.driven import arranged
+from martensite.simulate.grid import MOST_STEPS, share
 from martensite.simulate.loop_plan import whole_periods
-from martensite.simulate.march import COARSE, SOLVED, Track, Watch, track
+from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.patient import patient
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
@@ -45,7 +44,7 @@ def simulate_controlled(
     Args:
         system: a `System` of one element, or a `Machine` of several.
         drives: controllers and waveforms by the name of what they drive; one alone for a system
-            with one drive. What is not named gets 0.
+            with one drive. What is not named gets 0; a temperature must be named.
         duration: length of the run [s], a whole number of periods.
         period: time between two calls of a controller [s].
         step: longest step [s]; by default that of a first run of `simulate`.
@@ -63,29 +62,16 @@ def simulate_controlled(
         )
     if duration / longest > MOST_STEPS:
         raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
-    arranged = _arranged(system, drives)
     pieces = max(1, math.ceil(period / longest - 1e-9))
-    plan = _Plan(system, arranged, periods, period, pieces, every)
+    plan = _Plan(system, arranged(system, drives), periods, period, pieces, every)
     walk = _Walk(plan)
     return walk.result(walk.run().require())
-
-
-def _arranged(system: AbstractSystem, drives: AbstractDrive | Drives) -> list[AbstractDrive]:
-    """A drive for every signal of the system, in their order."""
-    known = by_name(system, drives)
-    found: list[AbstractDrive] = []
-    for name, unit, _ in system.drives():
-        one = known.get(name, Constant(level=0.0))
-        if isinstance(one, AbstractWaveform):
-            require_unit(one, unit)
-        found.append(one)
-    return found
 
 
 @dataclass(frozen=True)
 class _Plan:
     system: AbstractSystem
-    drives: list[AbstractDrive]
+    drives: Sequence[AbstractDrive]
     periods: int
     period: float
     pieces: int
@@ -101,7 +87,7 @@ class _Walk:
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
-        self.late = [drive.at_end for drive in plan.system.drives()]
+        self.shares = [share(drive.at_end) for drive in plan.system.drives()]
         self.memories: list[Any] = [drive.init() for drive in plan.drives]
         self.rows: list[tuple[float, ...]] = []
         self.signals: list[tuple[float, ...]] = []
@@ -132,9 +118,7 @@ class _Walk:
         for piece in range(plan.pieces):
             after = self.step(*self.state, *self._played(time + piece * dt, dt), dt)
             self.state = after[: self.size]
-            residual, crossing = after[self.size], after[self.size + 1]
-            if not residual <= SOLVED or crossing > COARSE:
-                self.watch.note(residual, crossing, k * plan.pieces + piece)
+            self.watch.note(after[self.size], after[self.size + 1], k * plan.pieces + piece)
         self.now = self._played(time + plan.period, 0.0)
 
     def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
@@ -154,10 +138,9 @@ class _Walk:
 
     def _played(self, time: float, dt: float) -> tuple[float, ...]:
         """Signals of a step: waveforms go on, controllers hold."""
-        shares = (1.0 - 1e-9 if late else 0.5 for late in self.late)
         return tuple(
-            drive.value(time + share * dt) if isinstance(drive, AbstractWaveform) else held
-            for drive, held, share in zip(self.plan.drives, self.now, shares, strict=True)
+            drive.value(time + part * dt) if isinstance(drive, AbstractWaveform) else held
+            for drive, held, part in zip(self.plan.drives, self.now, self.shares, strict=True)
         )
 
     def result(self, found: Track) -> Result:

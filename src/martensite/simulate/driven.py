@@ -37,20 +37,21 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
     return dict(given)
 
 
-def arranged(system: AbstractSystem, given: Waveforms) -> list[AbstractWaveform]:
-    """A waveform for every drive of a system, in their order.
+def arranged(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:
+    """What drives each drive of a system, in their order; what is not named gets 0.
 
     Raises:
         InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.
     """
     known = by_name(system, given)
-    found: list[AbstractWaveform] = []
+    found: list[Kind | Constant] = []
     for name, unit, _ in system.drives():
         if name not in known and unit == "K":
             raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
-        waveform = known.get(name, Constant(level=0.0))
-        require_unit(waveform, unit)
-        found.append(waveform)
+        one = known.get(name, Constant(level=0.0))
+        if isinstance(one, AbstractWaveform):
+            require_unit(one, unit)
+        found.append(one)
     return found
 
 

@@ -48,8 +48,7 @@ def march_floats(functions: Functions, size: int, grid: Grid) -> Track:
             for u, dt in zip(grid.drives[k : k + count], grid.lengths[k : k + count], strict=True):
                 after = step(*state, *u, dt)
                 state = after[:size]
-                if not after[size] <= SOLVED or after[size + 1] > COARSE:
-                    watch.note(after[size], after[size + 1], k)
+                watch.note(after[size], after[size + 1], k)
                 k += 1
             rows.append(observe(*state, *drives))
     except ArithmeticError:  # a division by zero or an overflow
@@ -65,7 +64,9 @@ class Watch:
         self.step = 0
 
     def note(self, residual: float, crossing: float, step: int) -> None:
-        """Classify a suspicious step."""
+        """Classify a step if its report is suspicious; called for every step."""
+        if residual <= SOLVED and crossing <= COARSE:
+            return
         status = classify(residual, crossing)
         if status > self.worst:
             self.worst, self.step = status, step

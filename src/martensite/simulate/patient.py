@@ -22,7 +22,7 @@ class Patient:
     def __init__(self, system: AbstractSystem) -> None:
         self.system = system
         compiled = compile_system(system, ITERATIONS)
-        self.size = compiled.size
+        self.size, self.outputs = compiled.size, compiled.outputs
         self.functions: Functions = compiled.program.bind_floats(*compiled.values(system))
         self.quick: Callable[..., Row] = self.functions["step"]
 

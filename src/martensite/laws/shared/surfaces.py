@@ -14,7 +14,9 @@ Seven constants follow from what is measured. At σ = 0 the surfaces lie at M_s 
 
 and equal hardening energy both ways, ∫(a₁ h_f + a₃) dξ = ∫(a₂ h_r - a₃) dξ, separates the last:
 
-    4 a₃ = a₂ (1 + 1/(n₃+1) - 1/(n₄+1)) - a₁ (1 + 1/(n₁+1) - 1/(n₂+1)).
+    4 a₃ = a₂ (1 + 1/(n₃+1) - 1/(n₄+1)) - a₁ (1 + 1/(n₁+1) - 1/(n₂+1))
+
+or, with other shares h, 2 a₃ = a₂ ∫h_r dξ - a₁ ∫h_f dξ.
 
 At σ_cal the lines of constant ξ have the slopes dσ/dT = C_M and C_A. With G = d(Hσ)/dσ there
 (Λ = H(σ): cycles at constant stress), -ρΔs₀ = C_M [(1-D) G + σ ΔS] = C_A [(1+D) G + σ ΔS], so
@@ -27,7 +29,8 @@ positive; in compression H = H_min and the elastic term is left out, so that str
 works against martensite.
 
 Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
-smooth hardening of Hartl and Lagoudas. The derivation is written out for this package.
+smooth hardening of Hartl and Lagoudas. The derivation is written out for this package. The
+option `hardening = "waisted"` (`martensite.laws.shared.waist`) is this package's extension.
 """
 
 from __future__ import annotations
@@ -38,7 +41,8 @@ from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw
 from martensite.laws.shared.diagram import WIDTHS, require_order
 from martensite.laws.shared.hardening import LEAST_EXPONENT, hardening
-from martensite.parameters import param
+from martensite.laws.shared.waist import MOST, unwaisted, waist_energy, waisted
+from martensite.parameters import option, param
 from martensite.runtimes import floats
 from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -122,6 +126,16 @@ class AbstractSurfaceLaw(AbstractLaw):
     n_4: Scalar = param(
         "1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0
     )
+    hardening: str = option(
+        "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
+        "smooth", "waisted", default="smooth",
+    )  # fmt: skip
+    waist_f: Scalar = param(
+        "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0
+    )
+    waist_r: Scalar = param(
+        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
@@ -154,8 +168,8 @@ class AbstractSurfaceLaw(AbstractLaw):
         least = float("inf")
         for i in range(SAMPLES):
             xi = i / (SAMPLES - 1)
-            forward = self.M_s - (self.M_s - self.M_f) * hardening(floats, xi, self.n_1, self.n_2)
-            reverse = self.A_f - (self.A_f - self.A_s) * hardening(floats, xi, self.n_3, self.n_4)
+            forward = self.M_s - (self.M_s - self.M_f) * self.forward_hardening(floats, xi)
+            reverse = self.A_f - (self.A_f - self.A_s) * self.reverse_hardening(floats, xi)
             least = min(least, reverse - forward)
         return least
 
@@ -172,6 +186,8 @@ class AbstractSurfaceLaw(AbstractLaw):
                 )
         if self.E_M > self.E_A:
             found.append("E_M is above E_A: martensite is usually the softer phase.")
+        if self.hardening == "smooth" and max(self.waist_f, self.waist_r) > 0.0:
+            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
         return found
 
     def constants(self, xp: Namespace) -> Constants:
@@ -184,6 +200,9 @@ class AbstractSurfaceLaw(AbstractLaw):
         a_2 = entropy * (self.A_s - self.A_f)
         forward = 1.0 + 1.0 / (self.n_1 + 1.0) - 1.0 / (self.n_2 + 1.0)
         reverse = 1.0 + 1.0 / (self.n_3 + 1.0) - 1.0 / (self.n_4 + 1.0)
+        if self.hardening == "waisted":
+            forward = forward + self.waist_f * waist_energy(xp, self.n_1, self.n_2)
+            reverse = reverse + self.waist_r * waist_energy(xp, self.n_3, self.n_4)
         a_3 = 0.25 * (a_2 * reverse - a_1 * forward)
         return Constants(
             rho_Delta_s0=entropy,
@@ -209,6 +228,20 @@ class AbstractSurfaceLaw(AbstractLaw):
         """H(σ) [-]: strain of martensite that forms under a stress [Pa]."""
         excess = xp.maximum(stress - self.sigma_crit, 0.0)
         return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
+
+    def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
+        """h_f(ξ) [-]."""
+        share = hardening(xp, fraction, self.n_1, self.n_2)
+        return waisted(share, self.waist_f) if self.hardening == "waisted" else share
+
+    def reverse_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
+        """h_r(ξ) [-]."""
+        share = hardening(xp, fraction, self.n_3, self.n_4)
+        return waisted(share, self.waist_r) if self.hardening == "waisted" else share
+
+    def smooth(self, xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
+        """The share h [-] of smooth hardening that belongs to a share with its waist."""
+        return unwaisted(xp, share, waist) if self.hardening == "waisted" else share
 
     def forward_share(
         self, xp: Namespace, scale: Scale, stress: Scalar, temperature: Scalar

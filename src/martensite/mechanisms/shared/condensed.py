@@ -25,10 +25,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from martensite.laws.coupling import Report
-from martensite.mechanisms.alike import Line, answers
 from martensite.mechanisms.base import Column, Load
-from martensite.mechanisms.elimination import inner, solutions
-from martensite.mechanisms.motion import Course, Numbers, Scheme, predicted
+from martensite.mechanisms.shared.alike import Line, answers
+from martensite.mechanisms.shared.elimination import inner, solutions
+from martensite.mechanisms.shared.motion import Course, Numbers, Scheme, predicted
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
@@ -133,7 +133,7 @@ class Step:
             spring = element.tangent(xp, state, force)
             most = 1.0 / spring.compliance
             elongation = spring.free + spring.compliance * force
-            slack = xp.where(home - path > elongation - STILL, most, FLOOR * most)
+            slack = _slack(xp, most, home - path, elongation)
             taut = xp.where(known > 0.0, xp.minimum(known, most), most)
             stiffness = xp.where(force > 0.0, taut, slack)
             found.append(Tangent(force, elongation, stiffness))
@@ -204,10 +204,7 @@ def _renewed(
     xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag,
     elongations: Column,
 ) -> list[Tangent]:  # fmt: skip
-    """The points found, with the slope from the last one to this; first as stiff as before.
-
-    An element without force is slack only if its path is shorter than it is.
-    """
+    """The points found, with the slope from the last one to this; first as stiff as before."""
     new: list[Tangent] = []
     for last, now, path in zip(before, found, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
@@ -216,9 +213,17 @@ def _renewed(
         known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
         secant = (now.force - last.force) / xp.where(known, apart, 1.0)
         slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
-        slack = xp.where(path > now.elongation - STILL, most, FLOOR * most)
+        slack = _slack(xp, most, path, now.elongation)
         new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
     return new
+
+
+def _slack(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
+    """Stiffness of an element without force: it is slack only if its path is shorter than it is.
+
+    Both as elongations [m]: `path` between its ends along the mechanism, `own` free of force.
+    """
+    return xp.where(path > own - STILL, most, FLOOR * most)
 
 
 def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:

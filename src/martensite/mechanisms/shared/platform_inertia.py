@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.mechanisms.platform_kinematics import Plates
+from martensite.mechanisms.shared.platform_kinematics import Plates
 from martensite.runtimes.namespace import Namespace, Scalar
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from martensite.mechanisms.platform_kinematics import Plates, slopes
+from martensite.mechanisms.shared.platform_kinematics import Plates, slopes
 from martensite.runtimes import floats
 from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar

@@ -14,14 +14,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.platform_kinematics import (
+from martensite.mechanisms.shared.platform_kinematics import (
     Plates,
     check_number,
     check_plates,
     lengths,
     millimetres,
 )
-from martensite.mechanisms.platform_rays import Angles, last, ray
+from martensite.mechanisms.shared.platform_rays import Angles, last, ray
 from martensite.runtimes import floats
 
 STEP = math.radians(0.5)

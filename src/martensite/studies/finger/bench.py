@@ -17,13 +17,13 @@ from typing import cast
 from martensite.elements.wire import Wire
 from martensite.io.laws import dressed_laws
 from martensite.io.scenario import Scenario, load
-from martensite.runtimes.c99 import compiler
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.finger.printed import Printed
+from martensite.studies.readings import between, passing, runtime
 from martensite.system import System
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -43,11 +43,6 @@ Law = tuple[str, tuple[tuple[str, str], ...]]
 def scenario() -> Scenario:
     """The scenario of this study."""
     return load(SCENARIO)
-
-
-def runtime() -> str:
-    """C where it can be compiled."""
-    return "c" if compiler() else "floats"
 
 
 def wire() -> Wire:
@@ -111,13 +106,6 @@ def rise(result: Result, share: float, printed: Printed) -> float:
     return passing(result.times[: last + 1], result["angle"][: last + 1], level) - printed.start
 
 
-def passing(times: Sequence[float], column: Sequence[float], level: float) -> float:
-    """First time at which a column passes a level from below [s]."""
-    k = next(i for i, value in enumerate(column) if value >= level)
-    share = (level - column[k - 1]) / (column[k] - column[k - 1])
-    return times[k - 1] + share * (times[k] - times[k - 1])
-
-
 @cache
 def loop(
     frequency: float, arm: float | None, printed: Printed,
@@ -142,12 +130,7 @@ def width(result: Result) -> float:
     rising, falling = range(peak, 0, -1), range(peak, len(angle) - 1)
     up = next(k for k in rising if angle[k - 1] < level <= angle[k])
     down = next(k for k in falling if angle[k] >= level > angle[k + 1])
-    return _between(angle, power, up - 1, level) - _between(angle, power, down, level)
-
-
-def _between(angle: Sequence[float], power: Sequence[float], k: int, level: float) -> float:
-    share = (level - angle[k]) / (angle[k + 1] - angle[k])
-    return power[k] + share * (power[k + 1] - power[k])
+    return between(power, angle, up - 1, level) - between(power, angle, down, level)
 
 
 @cache

@@ -7,6 +7,7 @@ from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.studies.base import Claim
 from martensite.studies.finger import bench
 from martensite.studies.finger.printed import PAPER, Printed
+from martensite.studies.readings import passing, runtime
 
 HEAT = f"{PAPER}, equation (5) and Table 1"
 KINETICS = f"{PAPER}, section 3 and Table 1"
@@ -96,22 +97,16 @@ def loaded(temperature: float) -> PointResult:
     legs = [Leg(strain=ALL_STRETCH, duration=seconds), Leg(strain=0.0, duration=seconds)]
     return material_point(
         bench.wire().law, legs, start=(0.0, temperature), steps=500,
-        tolerance=1e-3, runtime=bench.runtime(),
+        tolerance=1e-3, runtime=runtime(),
     )  # fmt: skip
 
 
 def plateaus(path: PointResult, strain: float = 0.02) -> tuple[float, float]:
     """Stress at a strain on the way up and on the way down [Pa]."""
     half = path.ends[1]
-    up = _at(path.strain[: half + 1], path.stress[: half + 1], strain)
-    down = _at(path.strain[half:][::-1], path.stress[half:][::-1], strain)
+    up = passing(path.stress[: half + 1], path.strain[: half + 1], strain)
+    down = passing(path.stress[half:][::-1], path.strain[half:][::-1], strain)
     return up, down
-
-
-def _at(across: list[float], values: list[float], place: float) -> float:
-    k = next(i for i, x in enumerate(across) if x >= place)
-    share = (place - across[k - 1]) / (across[k] - across[k - 1])
-    return values[k - 1] + share * (values[k] - values[k - 1])
 
 
 def _plateaus() -> list[Claim]:
@@ -141,13 +136,13 @@ def stretched_cold(temperature: float) -> PointResult:
     legs = [Leg(strain=ALL_STRETCH, duration=seconds), Leg(stress=0.0, duration=10.0)]
     return material_point(
         bench.wire().law, legs, start=(0.0, temperature), fractions=TWINNED, steps=500,
-        tolerance=1e-3, runtime=bench.runtime(),
+        tolerance=1e-3, runtime=runtime(),
     )  # fmt: skip
 
 
 def _cold(printed: Printed) -> list[Claim]:
     path, half = stretched_cold(printed.ambient), 501
-    plateau = _at(path.strain[:half], path.stress[:half], 0.02) / 1e6
+    plateau = passing(path.stress[:half], path.strain[:half], 0.02) / 1e6
     printed_threshold = threshold_stress(printed.ambient) / 1e6
     return [
         Claim.checked(
@@ -167,12 +162,12 @@ def _isobaric() -> list[Claim]:
         legs = [Leg(temperature=400.0, duration=100.0), Leg(temperature=300.0, duration=100.0)]
         path = material_point(
             law, legs, start=(stress, 300.0), fractions=Fractions(1.0, 1.0), steps=1000,
-            tolerance=1e-3, runtime=bench.runtime(),
+            tolerance=1e-3, runtime=runtime(),
         )  # fmt: skip
         half = path.ends[1]
         level = 0.5 * (max(path.strain) + min(path.strain))
-        hot = _at([-x for x in path.strain[: half + 1]], path.temperature[: half + 1], -level)
-        cold = _at(path.strain[half:], path.temperature[half:], level)
+        hot = passing(path.temperature[: half + 1], [-x for x in path.strain[: half + 1]], -level)
+        cold = passing(path.temperature[half:], path.strain[half:], level)
         nominal = low + (stress + _law_number("Delta_sigma")) / slope
         found.append(
             Claim.reported(

@@ -12,7 +12,6 @@ sine count from the start of its second period.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -29,6 +28,7 @@ from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.migaone.printed import Printed, Step
+from martensite.studies.readings import passing
 from martensite.system import System
 from martensite.thermal.base import AbstractCooling, Environment
 from martensite.thermal.constant import ConstantCooling
@@ -154,22 +154,13 @@ def response(key: str, printed: Printed) -> Response:
     start, position = run.times[half], run["position"]
     level = 0.5 * printed.stroke
     top = max(range(half, len(position)), key=position.__getitem__)
+    falling = [-x for x in position[top:]]
     return Response(
         hottest=max(run["temperature"][half:]) - ZERO,
-        rise=_passing(run, level, half, top) - start,
-        fall=_passing(run, level, top, len(position) - 1) - start,
+        rise=passing(run.times[half : top + 1], position[half : top + 1], level) - start,
+        fall=passing(run.times[top:], falling, -level) - start,
         stroke=position[top] - min(position[half:]),
     )
-
-
-def _passing(run: Result, level: float, first: int, last: int) -> float:
-    """Time at which the position passes a level [m] between two samples; NaN if never [s]."""
-    times, position = run.times, run["position"]
-    for i in range(first, last):
-        a, b = position[i] - level, position[i + 1] - level
-        if (a < 0.0) != (b < 0.0):
-            return times[i] + (times[i + 1] - times[i]) * a / (a - b)
-    return math.nan
 
 
 @cache
@@ -195,4 +186,4 @@ def actuation_time(
     system = system.with_values({"rho_A": rho, "rho_M": rho})
     supply = Constant(level=printed.supply)
     run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
-    return _passing(run, 0.95 * max(run["position"]), 0, len(run.times) - 1)
+    return passing(run.times, run["position"], 0.95 * max(run["position"]))

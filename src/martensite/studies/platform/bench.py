@@ -8,7 +8,6 @@ printed whatever the coil diameter. Heat capacity and latent heat are those of t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -18,11 +17,11 @@ from martensite.electrical.mixture import MixtureResistance
 from martensite.elements.coil_spring import CoilSpring
 from martensite.io.scenario import Scenario, load
 from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.runtimes.c99 import compiler
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.platform.printed import Printed
+from martensite.studies.readings import passing, runtime
 from martensite.system import Actuator, Group, Machine
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -100,11 +99,6 @@ def scenario() -> Scenario:
     return load(SCENARIO)
 
 
-def runtime() -> str:
-    """C where there is a compiler, else plain floats: the same to 1e-12, only slower."""
-    return "floats" if compiler() is None else "c"
-
-
 # ---------------------------------------------------------------- the machine
 
 
@@ -180,15 +174,6 @@ def without_results(printed: Printed) -> Printed:
         printed, centroid=plain.centroid, current=plain.current, contraction=plain.contraction,
         fast=plain.fast, slow=plain.slow,
     )  # fmt: skip
-
-
-def passing(times: Sequence[float], values: Sequence[float], level: float) -> float:
-    """When values first pass a level upwards, between two samples; NaN if never."""
-    for k in range(1, len(values)):
-        low, high = values[k - 1], values[k]
-        if low < level <= high:
-            return times[k - 1] + (times[k] - times[k - 1]) * (level - low) / (high - low)
-    return math.nan
 
 
 def step_of(case: Case) -> float:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.mechanisms.platform_kinematics import lengths
-from martensite.mechanisms.platform_workspace import Workspace
+from martensite.mechanisms.shared.platform_kinematics import lengths
+from martensite.mechanisms.shared.platform_workspace import Workspace
 from martensite.plot.style import (
     COOLING,
     FAINT,

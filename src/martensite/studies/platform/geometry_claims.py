@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from functools import cache
 
-from martensite.mechanisms.platform_inertia import thin_plate
-from martensite.mechanisms.platform_kinematics import corners, platform_lengths, slopes
-from martensite.mechanisms.platform_workspace import Workspace, reachable_angles
+from martensite.mechanisms.shared.platform_inertia import thin_plate
+from martensite.mechanisms.shared.platform_kinematics import corners, platform_lengths, slopes
+from martensite.mechanisms.shared.platform_workspace import Workspace, reachable_angles
 from martensite.runtimes import floats
 from martensite.studies.base import Claim
 from martensite.studies.platform import bench

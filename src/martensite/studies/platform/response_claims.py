@@ -29,6 +29,7 @@ from martensite.studies.platform.bench import (
     Case,
 )
 from martensite.studies.platform.printed import PAPER, Printed
+from martensite.studies.readings import passing
 
 TIMES = f"{PAPER}, section 4"
 TABLE_1 = f"{PAPER}, Table 1"
@@ -245,7 +246,7 @@ def _cooling(printed: Printed) -> list[Claim]:
     found = bench.cooled(printed, CASES["A"])
     result = bench.heated(CASES["A"], printed, printed.high, RISE, COARSE)
     turned = bench.degrees(result)
-    rise = bench.passing(result.times, turned, printed.angle) - bench.passing(
+    rise = passing(result.times, turned, printed.angle) - passing(
         result.times, turned, printed.angle - 20.0
     )
     rows = (

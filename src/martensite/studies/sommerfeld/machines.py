@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import cast
 
 from martensite.io.scenario import Scenario, load
-from martensite.mechanisms.beam_modes import BeamModes, CantileverBeam, beam_modes
 from martensite.mechanisms.beam_motor import BeamMotor, modal_numbers
-from martensite.runtimes.c99 import compiler
+from martensite.mechanisms.shared.beam_modes import BeamModes, CantileverBeam, beam_modes
 from martensite.studies.sommerfeld.printed import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -18,11 +17,6 @@ ZERO = 273.15
 """0 °C [K]."""
 STEP = 4e-4
 """Step of all runs [s]."""
-
-
-def runtime() -> str:
-    """`c` where there is a compiler, else `floats`."""
-    return "c" if compiler() else "floats"
 
 
 @cache

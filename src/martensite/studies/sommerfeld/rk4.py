@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 from martensite.mechanisms.beam_motor import BeamMotor
-from martensite.mechanisms.motion import Motion
+from martensite.mechanisms.shared.motion import Motion
 from martensite.runtimes import floats
 from martensite.runtimes.program import Program
 from martensite.studies.sommerfeld.machines import natural

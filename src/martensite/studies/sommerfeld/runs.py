@@ -21,7 +21,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.sommerfeld.machines import STEP, natural, runtime
+from martensite.studies.readings import runtime
+from martensite.studies.sommerfeld.machines import STEP, natural
 from martensite.system import Machine
 
 SETTLING = 25.0

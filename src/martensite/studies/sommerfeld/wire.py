@@ -18,11 +18,11 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
+from martensite.studies.readings import runtime
 from martensite.studies.sommerfeld import runs
 from martensite.studies.sommerfeld.machines import (
     STEP,
     calibrated_motor,
-    runtime,
     scenario,
 )
 from martensite.studies.sommerfeld.printed import Printed

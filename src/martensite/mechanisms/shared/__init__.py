@@ -1,0 +1,1 @@
+"""What mechanisms are made with; no mechanism is registered here."""

@@ -1,0 +1,40 @@
+"""A command of the CLI, called in this process: what it answers, and how it refuses."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from typer.testing import CliRunner, Result
+
+from martensite.cli import app
+
+
+class Command:
+    """A command by its words, such as `Command("fit", "h")`."""
+
+    def __init__(self, *words: str) -> None:
+        self.words = words
+
+    def __call__(self, *arguments: str) -> Result:
+        """Call it, whatever comes."""
+        return CliRunner().invoke(app, [*self.words, *arguments])
+
+    def fine(self, *arguments: str) -> str:
+        """What it prints; it must succeed, and say nothing on standard error."""
+        done = self(*arguments)
+        assert (done.exit_code, done.stderr) == (0, ""), done.output
+        return done.stdout
+
+    def report(self, *arguments: str) -> dict[str, Any]:
+        """What it prints as JSON."""
+        return json.loads(self.fine(*arguments, "--json"))
+
+    def refused(self, *arguments: str) -> str:
+        """The one sentence with which it is refused."""
+        done = self(*arguments)
+        assert (done.exit_code, done.stdout) == (2, ""), done.output
+        assert done.stderr.startswith("error: ")
+        assert done.stderr.endswith("\n")
+        assert done.stderr.count("\n") == 1
+        return done.stderr
