@@ -172,7 +172,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
 def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: Any) -> Any:
     """Assembly, two steps with elastic elements that get shorter, and what is seen then."""
     signals = [y for _ in mechanism.signals()]
-    forces = mechanism.start_forces(xp)
+    forces = mechanism.first_forces(xp, signals)
     elements = [Elastic(compliance=2e-3 * (k + 1)) for k in range(len(forces))]
     states = [e.init(xp, force, REST) for e, force in zip(elements, forces, strict=True)]
     rows = zip(elements, states, forces, strict=True)

@@ -6,12 +6,25 @@ started and failed, or with 2 on bad input. An error is one sentence on standard
 
 from __future__ import annotations
 
-from martensite.cli import check, cite, data, demo, export, fit, law, listings, run, size, study
+from martensite.cli import (
+    check,
+    cite,
+    data,
+    demo,
+    export,
+    fit,
+    fit_logs,
+    law,
+    listings,
+    run,
+    size,
+    study,
+)
 from martensite.cli.app import app
 
 __all__ = [
-    "app", "check", "cite", "data", "demo", "export", "fit", "law", "listings", "main", "run",
-    "size", "study",
+    "app", "check", "cite", "data", "demo", "export", "fit", "fit_logs", "law", "listings",
+    "main", "run", "size", "study",
 ]  # fmt: skip
 
 

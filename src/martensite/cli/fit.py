@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer.core import TyperGroup
 
 from martensite.cli.app import app
 from martensite.cli.options import Json
@@ -14,7 +16,33 @@ from martensite.errors import InputError, UnknownNameError
 if TYPE_CHECKING:
     from martensite.identify.film_report import FilmReport
 
-fit = typer.Typer(help="Fit numbers of a model to measurements.", no_args_is_help=True)
+LOGS = "logs"
+"""What is meant where no command is named."""
+
+
+class Fits(TyperGroup):
+    """Commands, and `logs` where the first word is none of them."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+        """Name `logs` where it is meant."""
+        if args and not (args[0] in ("-h", "--help") or self._names(args[0])):
+            args = [LOGS, *args]
+        return super().parse_args(ctx, args)
+
+    def _names(self, word: str) -> bool:
+        """Whether a word is a command, or a misspelt one that is no file either."""
+        if word in self.commands:
+            return True
+        near = get_close_matches(word, self.commands, n=1, cutoff=0.7)
+        return bool(near) and not Path(word).exists()
+
+
+fit = typer.Typer(
+    cls=Fits,
+    help="Fit numbers of a model to measurements: `martensite fit LOG... --scenario S --free ...` "
+    "(or fit FILE.toml), or one of the commands below.",
+    no_args_is_help=True,
+)
 app.add_typer(fit, name="fit")
 
 ALL = "all"

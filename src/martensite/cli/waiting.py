@@ -5,6 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from martensite.identify.fitting.watch import Note, Tell
 
 
 @contextmanager
@@ -31,3 +35,27 @@ def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
+def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
+    """A bar for a search, with the words that `describe` finds for what it tells.
+
+    The time left is shown once a search can say how much of it is done.
+    """
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import TimeRemainingColumn as Left
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), Left())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("fitting", total=None)
+
+        def tell(note: Note) -> None:
+            total = 1.0 if note.share > 0.0 else None
+            bar.update(task, description=describe(note), completed=note.share, total=total)
+
+        yield tell

@@ -90,7 +90,8 @@ class AbstractSystem(Parametrised):
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
         """The assembled system at rest, at ambient temperature."""
-        actuators, forces = self._actuators(), self.mechanism.first_forces(xp, self._signals(drives))
+        actuators, signals = self._actuators(), self._signals(drives)
+        forces = self.mechanism.first_forces(xp, signals)
         rows = list(zip(actuators, forces, drives, strict=False))
         states = [one.start(xp, force, drive) for one, force, drive in rows]
         elongations = [
@@ -98,7 +99,7 @@ class AbstractSystem(Parametrised):
             for (one, force, _), state in zip(rows, states, strict=True)
         ]
         elements = [one.element for one in actuators]
-        own = self.mechanism.init(xp, elements, elongations, self._signals(drives))
+        own = self.mechanism.init(xp, elements, elongations, signals)
         return State(tuple(states), own)
 
     def step(
