@@ -59,6 +59,13 @@ if TYPE_CHECKING:
     from martensite.identify.film_points import points_from_power as points_from_power
     from martensite.identify.film_report import FilmReport as FilmReport
     from martensite.identify.film_report import judge_film as judge_film
+    from martensite.identify.fitting.experiment import Experiment as Experiment
+    from martensite.identify.fitting.fit import Fit as Fit
+    from martensite.identify.fitting.free import Wish as Wish
+    from martensite.identify.fitting.problem import Problem as Problem
+    from martensite.identify.fitting.problem import problem as problem
+    from martensite.identify.fitting.profiled import profiled as profiled
+    from martensite.identify.fitting.solve import solve as solve
     from martensite.identify.motor import MotorConstants as MotorConstants
     from martensite.identify.motor import motor_constants as motor_constants
     from martensite.identify.motor_tests import steady_running as steady_running
@@ -75,6 +82,8 @@ if TYPE_CHECKING:
     from martensite.identify.vibration import LogDecrement as LogDecrement
     from martensite.identify.vibration import log_decrement as log_decrement
     from martensite.io.compare import compare as compare
+    from martensite.io.fitting.api import fit as fit
+    from martensite.io.fitting.api import read_problem as read_problem
     from martensite.io.material_files import write_material as write_material
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
@@ -208,10 +217,12 @@ _HOME = {
     "Elahinia": "laws.elahinia",
     "Environment": "thermal.base",
     "Estimate": "identify.estimate",
+    "Experiment": "identify.fitting.experiment",
     "FilmFit": "identify.film",
     "FilmPoints": "identify.film_points",
     "FilmReport": "identify.film_report",
     "Finger": "mechanisms.finger",
+    "Fit": "identify.fitting.fit",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "Group": "system.actuator",
     "Hand": "mechanisms.hand",
@@ -247,6 +258,7 @@ _HOME = {
     "PowerPwm": "electrical.power_pwm",
     "PowerSource": "electrical.power",
     "PrescribedTemperature": "electrical.temperature",
+    "Problem": "identify.fitting.problem",
     "PulseWidthModulation": "signals.pwm",
     "PwmVoltage": "electrical.pwm",
     "Radiation": "thermal.radiation",
@@ -274,11 +286,13 @@ _HOME = {
     "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
     "WireRequest": "sizing.request",
+    "Wish": "identify.fitting.free",
     "Workspace": "mechanisms.shared.platform_workspace",
     "beam_modes": "mechanisms.shared.beam_modes",
     "bridge_of": "export.mjcf",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
+    "fit": "io.fitting.api",
     "fit_film": "identify.film",
     "fit_rise": "identify.rise",
     "holding_tensions": "export.mujoco_rest",
@@ -304,6 +318,9 @@ _HOME = {
     "plot_tangents": "plot.tangents",
     "plot_workspace": "plot.workspace",
     "points_from_power": "identify.film_points",
+    "problem": "identify.fitting.problem",
+    "profiled": "identify.fitting.profiled",
+    "read_problem": "io.fitting.api",
     "read_table": "io.tables",
     "reachable_angles": "mechanisms.shared.platform_workspace",
     "render_mujoco": "export.mujoco_render",
@@ -315,6 +332,7 @@ _HOME = {
     "simulate_controlled": "simulate.controlled",
     "simulate_loop": "simulate.closed_loop",
     "size_wire": "sizing.candidates",
+    "solve": "identify.fitting.solve",
     "steady_running": "identify.motor_tests",
     "table_waveform": "signals.records",
     "tangent_fit": "identify.tangent_fit",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from martensite.cli.outputs import Outputs, parts
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 AVERAGED = ("pulses - average", "RMS", "largest")
+HAIR = 1e-12
 COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
 
 
@@ -31,6 +33,8 @@ class Wanted:
     """A record to compare with, instead of the one that the scenario names."""
     columns: Sequence[str] | None = None
     no_compare: bool = False
+    log: Record | None = None
+    """What the scenario follows; compared with as well, as far as the run goes."""
     carrier: float | None = None
     """Frequency [Hz] of the pulses to be made beside the averaged run."""
 
@@ -156,7 +160,7 @@ def execute(scenario: Scenario, wanted: Wanted) -> Executed:
     with spinner(f"simulating {scenario.title}"):
         result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
         averaging = _averaged(scenario, wanted.carrier)
-    agreements = _compared(result, record)
+    agreements = _compared(result, record, wanted.compare is None and wanted.log is not None)
     with spinner("writing"), parts(wanted.outputs) as files:
         _write(files, scenario, result, record)
     return Executed(scenario, result, wanted.outputs, agreements, averaging)
@@ -180,6 +184,8 @@ def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
     """The record to compare with, read before anything is run."""
     if wanted.no_compare:
         return None
+    if wanted.compare is None and wanted.log is not None:
+        return _as_far_as_run(wanted.log, scenario)
     if wanted.compare is None:
         return scenario.measured.read() if scenario.measured else None
     from martensite.io.tables import read_table
@@ -187,12 +193,21 @@ def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
     return read_table(wanted.compare, wanted.columns)
 
 
-def _compared(result: Result, record: Record | None) -> list[Agreement]:
+def _as_far_as_run(log: Record, scenario: Scenario) -> Record:
+    """The rows of a log from its beginning to the end of the run."""
+    from martensite.io.recorded import from_zero
+
+    found = from_zero(log, scenario.lead)
+    rows = bisect_right(found.times, scenario.duration * (1.0 + HAIR))
+    return replace(found, columns={name: c[:rows] for name, c in found.columns.items()})
+
+
+def _compared(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
     if record is None:
         return []
-    from martensite.io.compare import compare
+    from martensite.io.compare import common, compare
 
-    return compare(result, record)
+    return [] if followed and not common(result, record) else compare(result, record)
 
 
 def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
 from martensite.errors import InputError
+
+if TYPE_CHECKING:
+    from martensite.signals.records import Record
 
 
 @app.command()
@@ -30,8 +33,15 @@ def run(
             metavar="FILE", help="A record to compare with [default: the scenario's own]."
         ),
     ] = None,
+    log: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE", help="The log that the scenario follows; it is compared with as well."
+        ),
+    ] = None,
     columns: Annotated[
-        str | None, typer.Option(help="What the columns of that record are, comma-separated.")
+        str | None,
+        typer.Option(help="What the columns of such a record or log are, comma-separated."),
     ] = None,
     no_compare: Annotated[bool, typer.Option("--no-compare", help="Compare with nothing.")] = False,
     tolerance: Annotated[
@@ -55,7 +65,8 @@ def run(
     json: Json = False,
 ) -> None:
     """Simulate a scenario: a summary, a netCDF file and a figure."""
-    _refuse_idle("--columns", columns is not None and compare is None, "there is no --compare")
+    lone = columns is not None and compare is None and log is None
+    _refuse_idle("--columns", lone, "there is neither --compare nor --log")
     _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
     _refuse_idle("--compare", compare is not None and no_compare, "--no-compare is given")
     import_modules(modules)
@@ -64,13 +75,22 @@ def run(
     from martensite.io.overrides import read_settings
     from martensite.io.scenario import load
 
-    loaded = load(scenario, read_settings(settings or []))
+    names = [name.strip() for name in columns.split(",")] if columns else None
+    record = None if log is None else _read_log(log, None if compare else names)
+    loaded = load(scenario, read_settings(settings or []), log=record)
+    idle = log is not None and not loaded.follows
+    _refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
-    names = [name.strip() for name in columns.split(",")] if columns else None
     pulses = None if carrier is None else quantity("carrier", carrier, "Hz")
-    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, pulses)
+    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, record, pulses)
     execute(loaded, wanted).show(json)
+
+
+def _read_log(log: str, columns: list[str] | None) -> Record:
+    from martensite.io.tables import read_table
+
+    return read_table(log, columns, gaps=True)
 
 
 def _refuse_idle(option: str, idle: bool, reason: str) -> None:

@@ -8,14 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from martensite.identify.fit_rows import HELD_OUT, TRAINING, Compared, compared, rms
 from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.words import change, listed, number, quantity
+from martensite.identify.fitting.words import change, joined, listed, number, quantity
 
 WORSE = 1.5
 """Held-out error over training error from which on a fit is said to predict less than it fits."""
 POOR = 50.0
 """Share of the measured variation [%] below which a model is said to miss most of it."""
+NOTABLE = 0.05
+"""Error over the whole range of an output below which a model is not said to miss it."""
 PERCENT = ("strain",)
 """Outputs that are read more easily in percent."""
 
@@ -97,12 +101,20 @@ def _prediction_warnings(fit: Fit) -> Iterator[str]:
                 if seen > 0.0
                 else f"`{name}` is met exactly where it was fitted, but not in what was kept back."
             )
-    for score in fit.scores:
-        if score.fit_percent < POOR:
-            yield (
-                f"The model misses most of `{score.output}` in record `{score.record}`: it "
-                f"explains {number(score.fit_percent, 3)} % of its variation."
-            )
+    poor = [
+        score for score in fit.scores
+        if score.fit_percent < POOR and score.rms > NOTABLE * _reach(rows, score.output)
+    ]  # fmt: skip
+    if poor:
+        met = (f"`{one.output}` of {one.record} ({number(one.fit_percent, 3)} %)" for one in poor)
+        yield f"The model explains less than half of what varies: {joined(list(met))}."
+
+
+def _reach(rows: list[Compared], output: str) -> float:
+    """Range over which an output was measured in all records."""
+    values = [one.measured for one in rows if one.output == output]
+    ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in values]
+    return max(high for _, high in ends) - min(low for low, _ in ends)
 
 
 def _directions(fit: Fit) -> Iterator[str]:
@@ -123,17 +135,19 @@ def _groups(pairs: Sequence[set[str]]) -> list[set[str]]:
     """Sets of names that are connected by pairs."""
     found: list[set[str]] = []
     for pair in pairs:
-        joined = pair.union(*(group for group in found if group & pair))
-        found = [group for group in found if not group & pair] + [joined]
+        whole = pair.union(*(group for group in found if group & pair))
+        found = [group for group in found if not group & pair] + [whole]
     return found
 
 
 def _residuals(fit: Fit) -> Iterator[str]:
     """Whether something is left to explain."""
-    coloured = [one.record for one in fit.whiteness if not one.white]
-    if coloured:
+    rows = {f"{one.record}, {one.output}": one for one in compared(fit)}
+    found = [rows[one.record] for one in fit.whiteness if not one.white]
+    names = [f"`{one.output}` of {one.record}" for one in found]
+    if names:
         yield (
-            f"Residuals are not white ({listed(coloured)}): the model misses something, or the "
-            "noise has a memory. Take the widened intervals, and read them as those of this "
-            "model: they do not tell what the model itself gets wrong."
+            f"Residuals are not white ({joined(names)}): the model misses something, or the noise "
+            "has a memory. Take the widened intervals, and read them as those of this model: they "
+            "do not tell what the model itself gets wrong."
         )

@@ -46,6 +46,8 @@ class Assembly:
     """Where files that are named are looked for."""
     log: Record | None = None
     """What waveforms of kind `log` follow."""
+    lead: float = 0.0
+    """Time before the log [s]."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path of each number -> where it came from."""
     waveforms: dict[str, AbstractWaveform] = field(default_factory=dict[str, AbstractWaveform])
@@ -171,9 +173,11 @@ class Assembly:
         """The waveform that follows a column of the log, to its last row."""
         switched = unit == "1" and not path.startswith(SIGNALS)
         natural = recorded.DUTY if switched else recorded.NATURAL.get(unit, name)
-        waveform, self.follows[name] = recorded.followed(table, path, self.log, unit, natural)
+        waveform, self.follows[name] = recorded.followed(
+            table, path, self.log, unit, natural, self.lead
+        )
         if self.log is not None:
-            last = recorded.from_zero(self.log).times[-1]
+            last = recorded.from_zero(self.log, self.lead).times[-1]
             self.end = last if math.isinf(self.end) else max(self.end, last)
         return waveform
 

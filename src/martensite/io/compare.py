@@ -1,6 +1,7 @@
 """Comparison of a run with a record: how far apart they are in every quantity both hold.
 
-The run is interpolated linearly at the times of the record; nothing is extrapolated.
+The run is interpolated linearly at the times of the record; nothing is extrapolated, and samples
+that the record misses (NaN) are passed over.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def compare(result: Result, record: Record) -> list[Agreement]:
     Raises:
         DataError: no column in common, other units, or times outside the run.
     """
-    names = [name for name in record.columns if name in result.columns]
+    names = common(result, record)
     if not names:
         raise DataError(
             f"Record `{record.name}` and the run have no column in common: the record holds "
@@ -60,21 +61,31 @@ def compare(result: Result, record: Record) -> list[Agreement]:
     return [_agreement(name, result, record, places) for name in names]
 
 
+def common(result: Result, record: Record) -> list[str]:
+    """Columns that a run and a record both hold, and that are not missing throughout."""
+    return [
+        name
+        for name, column in record.columns.items()
+        if name in result.columns and any(map(math.isfinite, column))
+    ]
+
+
 def _agreement(
     name: str, result: Result, record: Record, places: list[tuple[int, float]]
 ) -> Agreement:
-    computed, measured = result[name], record[name]
-    apart = [
-        (1.0 - share) * computed[i] + share * computed[i + 1] - value
-        for (i, share), value in zip(places, measured, strict=True)
-    ]
-    worst = max(range(len(apart)), key=lambda row: abs(apart[row]))
+    computed, measured = result[name], list(filter(math.isfinite, record[name]))
+    apart = {
+        time: (1.0 - share) * computed[i] + share * computed[i + 1] - value
+        for time, (i, share), value in zip(record.times, places, record[name], strict=True)
+        if math.isfinite(value)
+    }
+    worst = max(apart, key=lambda time: abs(apart[time]))
     return Agreement(
         quantity=name,
         unit=result.unit(name),
-        rms=math.sqrt(math.fsum(d * d for d in apart) / len(apart)),
+        rms=math.sqrt(math.fsum(d * d for d in apart.values()) / len(apart)),
         maximum=abs(apart[worst]),
-        time=record.times[worst],
+        time=worst,
         range=max(measured) - min(measured),
     )
 

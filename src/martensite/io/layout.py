@@ -29,8 +29,17 @@ CANONICAL = {
     "power": "W",
     "drive": DRIVE,
     "martensite_fraction": "1",
+    "angle": "rad",
+    "rotor_angle": "rad",
+    "rotor_speed": "rad/s",
+    "motor_current": "A",
+    "crosshead": "m",
+    "elongation": "m",
+    "lift": "m",
+    "duty": "1",
 }
-"""Known column -> its SI unit; that of the drive depends on the source."""
+"""Known column -> its SI unit; that of the drive depends on the source. With a port in front, as
+in `protagonist.temperature`, a column means the same."""
 DRIVEN_BY = ("V", "A", "W", "K")
 CLOCK = "clock"
 IGNORED = "-"
@@ -88,7 +97,7 @@ def _heading(heading: str, number: int, where: str) -> Column:
         return Column(IGNORED, "1", "1")
     name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
     spelling = "1" if spelling == "-" else spelling
-    unit = CANONICAL.get(name)
+    unit = _known(name)
     if not spelling and unit not in (None, "1"):
         raise DataError(
             f"{where}: column `{name}` has no unit; write for example `{name} [{_usual(unit)}]`."
@@ -98,14 +107,19 @@ def _heading(heading: str, number: int, where: str) -> Column:
     return Column(name, spelling or "1", _si_unit(name, spelling or "1", where))
 
 
+def _known(name: str) -> str | None:
+    """SI unit of a known column."""
+    return CANONICAL.get(name.rpartition(".")[2])
+
+
 def _si_unit(name: str, spelling: str, where: str) -> str:
     """The SI unit that a column is read in, if its unit can be converted to that."""
-    if name not in CANONICAL:
+    wanted = _known(name)
+    if wanted is None:
         declared = {unit for unit, _, _ in units.EVERYDAY.values()}
         if not spelling.endswith("Hz"):  # rpm and rad/s are no frequencies
             declared.discard("Hz")
         return _first_fitting(spelling, sorted(declared))
-    wanted = CANONICAL[name]
     if wanted == DRIVE:
         unit = _first_fitting(spelling, DRIVEN_BY)
         if unit in DRIVEN_BY:

@@ -9,7 +9,8 @@ A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]
 
 A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
 that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
-a scenario begins with the first row of its log, and rows that miss the column are bridged.
+a scenario begins with the first row of its log (or `[run] lead` before it, at the `from` of the
+waveform), and rows that miss the column are bridged.
 """
 
 from __future__ import annotations
@@ -94,18 +95,21 @@ def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tu
 
 
 def followed(
-    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str
-) -> tuple[Table, str]:
+    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str,
+    lead: float = 0.0,
+) -> tuple[Table, str]:  # fmt: skip
     """The waveform of kind `log` that a table describes, and the column that it follows.
 
     Args:
-        table: the waveform, `kind` and perhaps `column`.
+        table: the waveform, `kind`, perhaps `column`, and `from` if there is a lead.
         path: of the table in the scenario.
         log: what is followed; an error without.
         unit: of the signal.
         natural: the column that is meant if none is named.
+        lead: time before the log [s], in which the signal goes straight from `from` to its first
+            value, or is held there.
     """
-    refuse_unknown(table, ("kind", "column"), f"[{path}]")
+    refuse_unknown(table, ("kind", "column", *(("from",) if lead else ())), f"[{path}]")
     column = _text(table, "column", path) if "column" in table else natural
     if log is None:
         raise DataError(
@@ -114,8 +118,12 @@ def followed(
         )
     with section(path):
         _check_followed(log, column, unit)
-        rows = zip(from_zero(log).times, log[column], strict=True)
-        times, values = zip(*(row for row in rows if math.isfinite(row[1])), strict=True)
+        rows = zip(from_zero(log, lead).times, log[column], strict=True)
+        known = [row for row in rows if math.isfinite(row[1])]
+        if lead:
+            begin = _quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
+            known.insert(0, (0.0, begin))
+        times, values = zip(*known, strict=True)
         return Table(times=times, values=values), column
 
 
@@ -133,9 +141,9 @@ def _check_followed(log: Record, column: str, unit: str) -> None:
         )
 
 
-def from_zero(log: Record) -> Record:
-    """A record with its first row at 0 s."""
-    first = log.times[0]
+def from_zero(log: Record, lead: float = 0.0) -> Record:
+    """A record with its first row at 0 s, or at a lead [s] after that."""
+    first = log.times[0] - lead
     if first == 0.0:
         return log
     return replace(log, columns=log.columns | {"time": [time - first for time in log.times]})

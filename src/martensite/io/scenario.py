@@ -48,6 +48,11 @@ class Run(Parametrised):
         "s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf
     )
 
+    lead: Scalar = param(
+        "s", "time before a log that is followed, to come from elsewhere to its beginning",
+        low=0.0, default=0.0,
+    )  # fmt: skip
+
     def check(self) -> None:
         """Raise `ParameterError` if the number of samples is no whole number."""
         if self.samples != int(self.samples):
@@ -79,6 +84,8 @@ class Scenario:
     """A record to compare with."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path of each number -> scenario, default, or kind and name of the material."""
+    lead: float = 0.0
+    """Time before the log that is followed [s]."""
     follows: dict[str, str] = field(default_factory=dict[str, str])
     """Drive -> column of the log that it follows; empty for a scenario that follows none."""
     remarks: list[str] = field(default_factory=list[str])
@@ -157,13 +164,12 @@ def _parsed(text: str, path: Path | None) -> dict[str, Any]:
         ) from None
 
 
-def _built(
-    document: dict[str, Any], text: str, path: Path | None, log: Record | None
-) -> Scenario:
+def _built(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:
     folder = path.parent if path else Path()
-    assembly = Assembly(document, folder, log)
+    origins: dict[str, str] = {}
+    run = Builder(origins=origins).build(Run, section_of(document, "run", {}), "run")
+    assembly = Assembly(document, folder, log, run.lead, origins)
     system = assembly.system()
-    run = Builder(origins=assembly.origins).build(Run, section_of(document, "run", {}), "run")
     return Scenario(
         system=system,
         waveform=assembly.driven(system),
@@ -178,6 +184,7 @@ def _built(
         measured=_measured(document, folder),
         origins=assembly.origins,
         follows=assembly.follows,
+        lead=run.lead,
         remarks=assembly.cautions,
     )
 

@@ -30,6 +30,8 @@ from martensite.io.sheets import (
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
+UNTIMED = 1.0
+"""Time between rows [s] of a file that has no times, if nothing is said."""
 
 
 def read_table(
@@ -82,7 +84,7 @@ def read_table(
         _refuse_disorder(sheet, found["time"])
         return Record(name, found, names, path, dropped)
     _refuse_other_time(sheet.where, names, interval)
-    step = 1.0 if interval is None else interval
+    step = UNTIMED if interval is None else interval
     times = [row * step for row in range(len(sheet.rows))]
     return Record(name, {"time": times} | found, {"time": "s"} | names, path, dropped, step)
 
