@@ -1,8 +1,9 @@
-"""The figure of the study: resistance against current, and against apparent temperature.
+"""The figure of the study: resistance against current and temperature, and how well it is known.
 
-Left: plateaus of run 5 with the model, calibrated and not. The bars are what one standard
-error of the offset does. Right: the same plateaus against what the camera read, which is no
-temperature of the wire. Without the record, the model alone.
+Top left: plateaus of run 5 with the model, calibrated and not. The bars are what one standard
+error of the offset does. Top right: what the offset of the supply makes of the difference of the
+two resistivities. Below: R identified over what the camera read, which is no temperature of the
+wire. Without the record, the model alone.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from martensite.studies.electrothermal.checks import ABSENT
 from martensite.studies.electrothermal.model_claims import KEPT, calibration
 from martensite.studies.electrothermal.printed import Stated
 from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.resistance_figure import over_offset, over_temperature
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,28 +32,31 @@ def draw(stated: Stated) -> Figure:
     """Draw the figure."""
     run = Staircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
     with styled():
-        figure = new_figure(11.0, 4.6)
+        figure = new_figure(11.0, 4.6 if run is None else 8.6)
         grid = figure.add_gridspec(
-            1, 2, left=0.06, right=0.98, top=0.82, bottom=0.12, width_ratios=(1.5, 1.0),
-            wspace=0.16,
+            1 if run is None else 2, 2, left=0.06, right=0.98, top=0.82 if run is None else 0.9,
+            bottom=0.12 if run is None else 0.07, width_ratios=(1.5, 1.0), wspace=0.16, hspace=0.28,
         )  # fmt: skip
         axes = figure.add_subplot(grid[0, :] if run is None else grid[0, 0])
         _simulated(axes, stated, run)
         if run is not None:
             _measured(axes, run)
-            _apparent(figure.add_subplot(grid[0, 1], sharey=axes), run)
+            over_offset(figure.add_subplot(grid[0, 1]), stated)
+            over_temperature(figure.add_subplot(grid[1, :]), stated)
         _titles(figure, axes, run)
         return figure
 
 
 def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
+    top = 0.955 if run is None else 0.974
     figure.text(
-        0.02, 0.955, "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of "
+        0.02, top, "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of "
         "voltage", fontsize=12.5, fontweight="bold", va="center",
     )  # fmt: skip
-    below = "Points: Leal 2016, run 5 (MIT). Calibrated on these points: agreement in level and "
-    below += "place of the drop says nothing."
-    figure.text(0.02, 0.905, ABSENT if run is None else below, color=QUIET, va="center")
+    below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
+    below += "on these points; hollow ones below were kept back."
+    said, gap = (ABSENT, 0.05) if run is None else (below, 0.027)
+    figure.text(0.02, top - gap, said, color=QUIET, va="center")
     axes.set_title("resistance against current")
     axes.set_xlabel("$I$ [A]")
     axes.set_ylabel("$R$ [Ω]")
@@ -87,16 +92,3 @@ def _measured(axes: Any, run: Staircase) -> None:
         [current[i] for i in left], [found[i] for i in left], "o", color=QUIET,
         markerfacecolor="none", markersize=3.8, label="run 5, 1.0 to 1.2 V",
     )  # fmt: skip
-
-
-def _apparent(axes: Any, run: Staircase) -> None:
-    kept = run.within(*KEPT)
-    warmth = [run.table["apparent_temperature"][i] - model.ZERO for i in kept]
-    axes.plot(warmth, [run.resistance[i] for i in kept], "o", color=INK, markersize=3.8)
-    axes.set_title("against apparent temperature: not that of the wire")
-    axes.set_xlabel("read by the infrared camera [°C]")
-    low, high = model.number("A_s") - model.ZERO, model.number("A_f") - model.ZERO
-    axes.axvspan(low, high, color=MEASURED[2], alpha=0.15, linewidth=0.0)
-    axes.text(
-        high + 1.0, 1.75, "$A_s$ … $A_f$ of the material", color=QUIET, fontsize=8.0, va="center"
-    )

@@ -17,7 +17,9 @@ class ElectrothermalStaircase(AbstractStudy):
     """
 
     title = "Electrothermal staircase: resistance against current of a Flexinol wire"
-    cites = ("leal2016", "dynalloy-f1140", "churchill1975", "lefevre-ede", "liang1990")
+    cites = (
+        "leal2016", "dynalloy-f1140", "churchill1975", "lefevre-ede", "liang1990", "furst2012",
+    )  # fmt: skip
 
     def __init__(self, stated: Stated | None = None) -> None:
         """Take the numbers as stated, or others in their place."""
@@ -25,12 +27,17 @@ class ElectrothermalStaircase(AbstractStudy):
 
     def claims(self) -> list[Claim]:
         """Every claim with its verdict."""
-        from martensite.studies.electrothermal import model_claims, record_claims
+        from martensite.studies.electrothermal import (
+            model_claims,
+            record_claims,
+            resistance_claims,
+        )
 
-        return [*record_claims.claims(self.stated), *model_claims.claims(self.stated)]
+        parts = (record_claims, model_claims, resistance_claims)
+        return [claim for part in parts for claim in part.claims(self.stated)]
 
     def figure(self, path: Path) -> None:
-        """Resistance against current, measured and simulated; and against camera temperature."""
+        """Resistance against current and camera temperature, measured, simulated, identified."""
         from martensite.plot.files import write_figure
         from martensite.studies.electrothermal.figure import draw
 
