@@ -6,13 +6,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from builders import along, chamber, fraction_after, stepper, strain_of, through
+from scipy.integrate import quad
 
 from martensite.errors import ParameterError
 from martensite.laws.base import Fractions
 from martensite.laws.lagoudas import Lagoudas
 from martensite.laws.shared.hardening import hardening, hardening_integral, transformed
+from martensite.laws.shared.waist import unwaisted, waisted
 from martensite.materials.base import load_material
 from martensite.runtimes import floats
+from martensite.runtimes.dual import value_and_slope
 from martensite.simulate.api import simulate
 
 MPA = 1e6
@@ -53,6 +56,112 @@ def test_integral_of_hardening():
     """∫h dξ over everything is ½ [1 + 1/(m+1) - 1/(n+1)]."""
     whole = [hardening_integral(floats, xi, 0.3, 0.8) for xi in (0.0, 1.0)]
     assert whole[1] - whole[0] == pytest.approx(0.5 * (1 + 1 / 1.3 - 1 / 1.8), abs=1e-15)
+
+
+# ---------------------------------------------------------------- waist
+
+WAISTS = [0.0, 1e-300, 1e-12, 1e-4, 0.3, 0.9, 0.98]
+WAISTED = {"hardening": "waisted", "waist_f": 0.9, "waist_r": 0.95}
+
+
+@pytest.mark.parametrize("b", WAISTS)
+def test_waist_is_inverted_to_rounding(b):
+    for h in [*np.linspace(0.0, 1.0, 201).tolist(), 1e-9, 0.5 + 1e-12, 1.0 - 1e-9]:
+        y = 2.0 * h - 1.0
+        share = 0.5 * (1.0 + (1.0 - b) * y + b * y**3)
+        assert waisted(h, b) == pytest.approx(share, abs=1e-15)
+        assert unwaisted(floats, share, b) == pytest.approx(h, abs=1e-14)
+        assert waisted(unwaisted(floats, h, b), b) == pytest.approx(h, abs=1e-14)
+    assert unwaisted(floats, 0.0, b) == unwaisted(floats, -1e30, b) == 0.0
+    assert unwaisted(floats, 1.0, b) == unwaisted(floats, 1e30, b) == 1.0
+
+
+@pytest.mark.parametrize("b", WAISTS)
+def test_slopes_through_a_waist(b):
+    """dh/dh_w = 1/(1 - b + 3 b y²) and dh/db = ½ (y - y³) times it, exactly, also at b = 0."""
+    for h in (0.0, 0.1, 0.5, 0.85, 1.0):
+        y, share = 2.0 * h - 1.0, waisted(h, b)
+        steep = 1.0 / (1.0 - b + 3.0 * b * y * y)
+        inside = min(max(share, 1e-9), 1.0 - 1e-9)
+        _, slope = value_and_slope(floats, lambda xp, x: unwaisted(xp, x, b), inside)
+        assert slope == pytest.approx(steep, rel=1e-5)
+        if 0.0 < h < 1.0:
+            _, slope = value_and_slope(floats, lambda xp, x, s=share: unwaisted(xp, s, x), b)
+            assert slope == pytest.approx(0.5 * (y - y**3) * steep, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("b", [0.0, 0.5, 0.98])
+@pytest.mark.parametrize("m", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("n", [0.05, 0.3, 1.0])
+def test_waisted_hardening_is_inverted(b, m, n):
+    for xi in np.linspace(0.0, 1.0, 101).tolist():
+        share = waisted(hardening(floats, xi, m, n), b)
+        found = transformed(floats, unwaisted(floats, share, b), m, n)
+        assert found == pytest.approx(xi, abs=1e-12)
+
+
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+def test_without_a_waist_waisted_is_smooth(exponents):
+    smooth, none = law_of(exponents), law_of(exponents, hardening="waisted")
+    for leg in LEGS.values():
+        path = [*leg, (leg[-1][0], 400.0), *leg[::-1]]
+        for a, b in zip(along(smooth, path, 0.0, 3), along(none, path, 0.0, 3), strict=True):
+            assert a == pytest.approx(b, rel=1e-12, abs=1e-12)
+    assert none.constants(floats) == pytest.approx(smooth.constants(floats), rel=1e-12)
+    assert none.gap() == pytest.approx(smooth.gap(), rel=1e-12)
+
+
+@pytest.mark.parametrize("stress", [0.0, 180 * MPA])
+@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+def test_isobars_of_a_waisted_law(exponents, stress):
+    """T(ξ) = M_s(σ) - (M_s - M_f) h_w(ξ) on cooling, A_f(σ) - (A_f - A_s) h_w(ξ) on heating."""
+    law, (n_1, n_2, n_3, n_4) = law_of(exponents, **WAISTED), exponents
+    start = temperature_of(law, stress, 0.0, heating=False)
+    finish = temperature_of(law, stress, 0.0, heating=True)
+    for xi in (0.1, 0.5, 0.8):
+        y = xi**n_1 - (1 - xi) ** n_2
+        cold = start - (law.M_s - law.M_f) * 0.5 * (1 + 0.1 * y + 0.9 * y**3)
+        y = xi**n_3 - (1 - xi) ** n_4
+        hot = finish - (law.A_f - law.A_s) * 0.5 * (1 + 0.05 * y + 0.95 * y**3)
+        near = pytest.approx(xi, abs=1e-9)
+        assert fraction_after(law, [(stress, 450.0), (stress, cold)], 0.0) == near
+        path = [(stress, 450.0), (stress, 200.0), (stress, hot)]
+        assert fraction_after(law, path, 0.0) == near
+
+
+def test_constants_of_a_waisted_law_close_the_balances():
+    """Equal hardening energy both ways, the integrals by quadrature."""
+    law = law_of((0.2, 0.5, 0.9, 0.4), **WAISTED)
+    c = law.constants(floats)
+    shares = law.forward_hardening, law.reverse_hardening
+    areas = [quad(lambda xi, h=h: h(floats, xi), 0.0, 1.0, epsabs=1e-12)[0] for h in shares]
+    assert c.a_1 * areas[0] + c.a_3 == pytest.approx(c.a_2 * areas[1] - c.a_3, rel=1e-9)
+    assert law_of((0.2, 0.5, 0.9, 0.4)).constants(floats).a_3 != pytest.approx(c.a_3, rel=1e-3)
+
+
+@pytest.mark.parametrize("leg", ["both", "loading and heating"])
+def test_strain_through_a_waist_converges_with_the_cuts(leg):
+    """∫H dξ across the whole waist: little in a single step, less with more."""
+    law = law_of(EXPONENTS["round"], **WAISTED)
+    exact = oriented_after(law, LEGS[leg], 0.0, 2048)
+    errors = [abs(oriented_after(law, LEGS[leg], 0.0, cuts) - exact) for cuts in (1, 16, 256)]
+    assert errors[0] < 2e-2
+    assert errors[1] < 1e-4
+    assert errors[2] < 1e-7
+
+
+def test_strain_of_a_waisted_law_never_falls_with_stress():
+    law = law_of(EXPONENTS["round"], **WAISTED)
+    memory = along(law, [(50 * MPA, 400.0), (50 * MPA, 318.0)], 0.0)[-1]
+    rows = [law.kinetics(floats, memory, s * MPA, 325.0, 0.0)[0] for s in range(0, 401, 2)]
+    strain = np.array([strain_of(law, row) for row in rows])
+    assert (np.diff(strain) >= 0.0).all()
+    assert rows[-1].fraction - rows[0].fraction > 0.5
+
+
+def test_waists_of_a_smooth_law_are_named():
+    assert any("waist" in text for text in law_of(waist_f=0.5).cautions())
+    assert not any("waist" in text for text in law_of(**WAISTED).cautions())
 
 
 # ---------------------------------------------------------------- calibration
@@ -194,10 +303,11 @@ class TestSuperelasticLoop:
         assert not (abs(remains) < 1e-15 and work > 1e6)
 
 
+@pytest.mark.parametrize("changes", [{}, WAISTED], ids=["smooth", "waisted"])
 @pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
-def test_closed_isothermal_cycles_dissipate(exponents):
+def test_closed_isothermal_cycles_dissipate(exponents, changes):
     """From austenite through any turning points and back, where strain grows with stress."""
-    law, rng = law_of(exponents), np.random.default_rng(4)
+    law, rng = law_of(exponents, **changes), np.random.default_rng(4)
     advance = stepper(law)
     for _ in range(12):
         kelvin, turns = law.A_f + rng.uniform(0.0, 20.0), rng.uniform(0.0, 600e6, 5)

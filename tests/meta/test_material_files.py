@@ -20,6 +20,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "martensite"
 MATERIALS = sorted((PACKAGE / "materials" / "data").glob("*.toml"))
+LAWS = {path.stem.replace("_", "-") for path in (PACKAGE / "laws").glob("*.py")} - {"base"}
 BIBLIOGRAPHY = PACKAGE / "references.bib"
 
 KINDS = {"datasheet", "measured", "fitted", "assumed", "recalled"}
@@ -35,7 +36,7 @@ CANONICAL: dict[str, tuple[str, float, float]] = {
     "E_A": ("GPa", 10, 120),
     "E_M": ("GPa", 5, 100),
     "Theta": ("MPa/K", -3, 3),
-    "T_ref": ("K", 150, 500),
+    "T_ref": ("K", 150, 600),
     "eps_L": ("1", 0.005, 0.12),
     "A_s": ("K", 150, 800),
     "A_f": ("K", 150, 800),
@@ -191,13 +192,29 @@ def source_problems(document: dict[str, Any]) -> list[str]:
     return problems
 
 
+def fit_problems(document: dict[str, Any]) -> list[str]:
+    """A fit names the law that its numbers hold for, and the data that they rest on."""
+    problems: list[str] = []
+    if "law" in document and document["law"].get("kind") not in LAWS:
+        problems.append(f"law: no law `{document['law'].get('kind')}`")
+    if ("fit" in document) != ("law" in document):
+        problems.append("fit: comes with the law that was fitted, and only with one")
+    for record in document.get("fit", {}).get("records", []):
+        hashes = [record.get(key, "") for key in ("sha256", "sha256_of_columns")]
+        if not any(re.fullmatch("[0-9a-f]{64}", one) for one in hashes):
+            problems.append(f"fit: record {record.get('name')} has no hash")
+    if "fit" in document and not document["fit"].get("records"):
+        problems.append("fit: rests on no record")
+    return problems
+
+
 def problems_of(document: dict[str, Any]) -> list[str]:
     """Everything wrong with one material file, as sentences; empty if it is sound."""
     expected = {"title", "summary", "limits", "sources", "values"}
-    if document.keys() != expected:
-        return [f"top level must hold exactly {sorted(expected)}"]
+    if document.keys() - {"law", "fit"} != expected:
+        return [f"top level must hold exactly {sorted(expected)}, and may hold law and fit"]
     problems = [f"{key}: empty" for key in ("title", "summary", "limits") if not document[key]]
-    problems += source_problems(document)
+    problems += source_problems(document) + fit_problems(document)
     values = document["values"]
     for name, entry in values.items():
         problems += entry_problems(name, entry, document["sources"])
@@ -289,3 +306,24 @@ def test_check_catches_a_spoiled_file(
     spoiled[table].setdefault(name, {}).update(change)
     assert problems_of(sound) == []
     assert [problem for problem in problems_of(spoiled) if problem.startswith(sentence)]
+
+
+FIT = {
+    "law": {"kind": "liang-rogers"},
+    "fit": {"records": [{"name": "one", "sha256": "0" * 64}]},
+}
+SPOILED_FITS = [
+    ({"law": {"kind": "liang"}}, "law: no law `liang`"),
+    ({"fit": {}}, "fit: rests on no record"),
+    ({"fit": {"records": [{"name": "one", "sha256": "0" * 63}]}}, "fit: record one has no hash"),
+]
+
+
+@pytest.mark.parametrize("change, sentence", SPOILED_FITS)
+def test_check_catches_a_spoiled_fit(change: dict[str, Any], sentence: str) -> None:
+    sound = read(PACKAGE / "materials" / "data" / "flexinol-90.toml")
+    assert problems_of(sound | FIT) == []
+    assert sentence in problems_of(sound | FIT | change)
+    assert "fit: comes with the law that was fitted, and only with one" in problems_of(
+        sound | {"law": FIT["law"]}
+    )

@@ -7,6 +7,8 @@ The seven constants are the solution of a linear system of the seven conditions 
 A leg is cut into increments; after each, ξ is moved onto the surface it has crossed (`brentq`),
 reverse first, then forward. The transformation strain grows by ∫H dξ forward, by Gauss's rule
 over ξ with the stress at each ξ from the increment, and by Λ = ε_t/ξ at the last reversal.
+
+With a waist b, y = ξ^m - (1 - ξ)^n of a branch becomes (1 - b) y + b y³.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from dataclasses import dataclass, replace
 from math import exp
 
 import numpy as np
+from scipy.integrate import quad
 from scipy.optimize import brentq
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -44,6 +47,14 @@ class Parameters:
     n_2: float
     n_3: float
     n_4: float
+    waist_f: float = 0.0
+    waist_r: float = 0.0
+
+    def h(self, xi: float, back: bool = False) -> float:
+        """Hardening of a branch, from 0 to 1."""
+        m, n, b = (self.n_3, self.n_4, self.waist_r) if back else (self.n_1, self.n_2, self.waist_f)
+        y = xi**m - (1 - xi) ** n
+        return 0.5 * (1 + (1 - b) * y + b * y**3)
 
     def H(self, sigma: float) -> float:
         if sigma <= self.sigma_crit:
@@ -67,7 +78,7 @@ def constants(p: Parameters) -> dict[str, float]:
         2 * h
     )
     soft = p.sigma_cal * (1 / p.E_M - 1 / p.E_A)
-    mean = [1 + 1 / (a + 1) - 1 / (b + 1) for a, b in ((p.n_1, p.n_2), (p.n_3, p.n_4))]
+    mean = [2 * float(quad(p.h, 0, 1, back, epsabs=1e-12)[0]) for back in (False, True)]
     rows = [
         ([1, -p.C_M * G, 0, 0, 0, 0, 0], -p.C_M * (G + soft)),  # slope forward
         ([1, p.C_A * G, 0, 0, 0, 0, 0], -p.C_A * (G + soft)),  # slope reverse
@@ -86,7 +97,7 @@ def constants(p: Parameters) -> dict[str, float]:
 def forward(p: Parameters, c: dict[str, float], xi: float, sigma: float, T: float) -> float:
     """Φ of the forward surface."""
     elastic = 0.5 * (1 / p.E_M - 1 / p.E_A) * sigma**2
-    hardening = 0.5 * c["a1"] * (1 + xi**p.n_1 - (1 - xi) ** p.n_2)
+    hardening = c["a1"] * p.h(xi)
     drive = (1 - c["D"]) * p.H(sigma) * sigma + elastic + c["s"] * T - c["u"]
     return drive - hardening - c["a3"] - c["Y"]
 
@@ -96,7 +107,7 @@ def reverse(
 ) -> float:
     """Φ of the reverse surface."""
     elastic = 0.5 * (1 / p.E_M - 1 / p.E_A) * sigma**2
-    hardening = 0.5 * c["a2"] * (1 + xi**p.n_3 - (1 - xi) ** p.n_4)
+    hardening = c["a2"] * p.h(xi, back=True)
     drive = (1 + c["D"]) * ratio * sigma + elastic + c["s"] * T - c["u"]
     return -drive + hardening - c["a3"] - c["Y"]
 

@@ -23,9 +23,11 @@ P = reference.Parameters(
 SETS = {
     "nearly linear": P,
     "round": reference.Parameters(**(asdict(P) | ROUND)),
+    "waisted": reference.Parameters(**(asdict(P) | ROUND | {"waist_f": 0.5, "waist_r": 0.95})),
     "one strain": reference.Parameters(**(asdict(P) | {"H_min": 0.048})),
 }
 MPA = 1e6
+ISOBARS = ("isobar", "isobars at three loads", "partial isobar")
 PATHS = {
     "isobar": [(150 * MPA, 260.0), (150 * MPA, 390.0), (150 * MPA, 260.0)],
     "isobars at three loads": [
@@ -48,7 +50,9 @@ PATHS = {
 
 
 def law_of(p, **changes):
-    return Lagoudas(**(asdict(p) | changes))
+    numbers = asdict(p) | changes
+    waisted = numbers["waist_f"] > 0.0 or numbers["waist_r"] > 0.0
+    return Lagoudas(hardening="waisted" if waisted else "smooth", **numbers)
 
 
 def worst(p, law, path, xi, oriented, cuts=CUTS):
@@ -72,6 +76,15 @@ def worst(p, law, path, xi, oriented, cuts=CUTS):
 @pytest.mark.parametrize(("xi", "oriented"), [(0.0, 0.0), (1.0, 1.0), (0.6, 0.1)])
 def test_law_equals_reference(p, path, xi, oriented):
     fraction, strain = worst(p, law_of(p), path, xi, oriented)
+    loose = 100.0 if p.waist_f else 1.0  # ∫H dξ through a waist, in as many cuts
+    assert fraction <= loose * TOLERANCE
+    assert strain <= loose * 1e-9
+
+
+@pytest.mark.parametrize("path", ISOBARS)
+def test_a_strong_waist_at_constant_stress_equals_reference(path):
+    p = reference.Parameters(**(asdict(P) | ROUND | {"waist_f": 0.98, "waist_r": 0.9}))
+    fraction, strain = worst(p, law_of(p), PATHS[path], 0.0, 0.0)
     assert fraction <= TOLERANCE
     assert strain <= 1e-9
 
@@ -81,7 +94,10 @@ def test_random_isobars_and_isotherms(seed):
     """From any state, legs at constant stress or temperature of any length."""
     rng = np.random.default_rng(seed)
     numbers = asdict(P) | dict(zip(ROUND, rng.uniform(0.1, 1.0, 4), strict=True))
-    p = reference.Parameters(**(numbers | {"C_A": rng.uniform(7e6, 9e6)}))
+    numbers |= {"C_A": rng.uniform(7e6, 9e6)}
+    if seed % 2:
+        numbers |= {"waist_f": rng.uniform(0.0, 0.5), "waist_r": rng.uniform(0.0, 0.98)}
+    p = reference.Parameters(**numbers)
     path = [(float(rng.uniform(0, 400e6)), float(rng.uniform(270, 400)))]
     for k in range(6):
         sigma, T = float(rng.uniform(0, 400e6)), float(rng.uniform(270, 400))
@@ -109,6 +125,15 @@ def test_a_wrong_parameter_is_noticed(name):
     law = law_of(P, **{name: getattr(P, name) * (1 - 1e-5)})
     fraction, strain = worst(P, law, PATHS["partial superelastic"], 0.0, 0.0)
     assert max(fraction, 10 * strain) > 30 * TOLERANCE
+
+
+@pytest.mark.parametrize("name", ["waist_f", "waist_r"])
+def test_a_wrong_waist_is_noticed(name):
+    p = SETS["waisted"]
+    law = law_of(p, **{name: getattr(p, name) * (1 - 1e-4)})
+    turns = [400.0, 311.0, 335.0, 260.0, 335.0]
+    fraction, _ = worst(p, law, [(150 * MPA, kelvin) for kelvin in turns], 0.0, 0.0)
+    assert fraction > 30 * TOLERANCE
 
 
 def test_constants_agree():

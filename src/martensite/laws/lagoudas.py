@@ -37,6 +37,7 @@ from typing import ClassVar, NamedTuple
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared.hardening import hardening, hardening_integral, transformed
 from martensite.laws.shared.surfaces import AbstractSurfaceLaw, Scale, Way
+from martensite.laws.shared.waist import waisted
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -141,14 +142,14 @@ class Lagoudas(AbstractSurfaceLaw):
         climbs = climb > 0.0
         safe = xp.store(xp.where(climbs, climb, 1.0))
 
-        def rise(part: Scalar) -> tuple[Scalar, Scalar]:
-            """Stress at a part of the growth, and the share of the climb done there."""
+        def reached(part: Scalar) -> tuple[Scalar, Scalar]:
+            """Stress at a part of the growth, and the share h_f reached there."""
             stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
-            share = self.smooth(xp, self.forward_share(xp, scale, stress, kelvin), self.waist_f)
-            return stress, (share - first) / safe
+            return stress, self.forward_share(xp, scale, stress, kelvin)
 
-        bend = 4.0 * xp.clip(rise(0.5)[1], 0.0, 1.0) - 1.0  # of a parabola through the half
-        middle, at = rise(1.0 / (bend + xp.sqrt(bend * bend + 2.0 - 2.0 * bend)))
+        part = self._halfway(xp, reached(0.5)[1], first, safe)
+        middle, at = reached(part)
+        at = (self.smooth(xp, at, self.waist_f) - first) / safe
         at = xp.store(xp.clip(at, 1.0 / 3.0, 2.0 / 3.0))
         slow = self.current(xp, way.at(move.grows_from)[0])
         more = self.current(xp, way.at(move.grows_to)[0]) - slow
@@ -156,6 +157,21 @@ class Lagoudas(AbstractSurfaceLaw):
         area = xp.where(climbs, (areas[1] - areas[0] - first * grown) / safe, 0.0)
         bulge = (self.current(xp, middle) - slow - at * more) / (6.0 * at * (1.0 - at))
         return grown * (slow + bulge) + area * more
+
+    def _halfway(self, xp: Namespace, middle: Scalar, first: Scalar, climb: Scalar) -> Scalar:
+        """The part of a growth after which h has done half of its climb, about.
+
+        Along it h_f is a parabola through both ends and what it reaches in the `middle`.
+        """
+        goal = 0.5
+        if self.hardening == "waisted":
+            ends = (waisted(first + part * climb, self.waist_f) for part in (0.0, 0.5, 1.0))
+            first, half, last = ends
+            climbs = last > first
+            climb = xp.store(xp.where(climbs, last - first, 1.0))
+            goal = xp.where(climbs, xp.clip((half - first) / climb, 0.125, 0.875), 0.5)
+        bend = 4.0 * xp.clip((middle - first) / climb, 0.0, 1.0) - 1.0
+        return 2.0 * goal / (bend + xp.sqrt(bend * bend + 4.0 * goal - 4.0 * goal * bend))
 
     def commit(
         self,
