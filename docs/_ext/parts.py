@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -136,9 +136,19 @@ def material(found: Material) -> str:
             f"## `{found.name}`\n",
             f"{found.title}. {found.summary}\n",
             f"*Limits.* {found.limits}\n",
+            *_of_law(found),
             table(("number", "value", "kind", "source", "note"), rows),
         ]
     )
+
+
+def _of_law(found: Material) -> Iterator[str]:
+    """The law that the numbers hold for."""
+    if found.law is not None:
+        options = [code(f"{name} = {word}") for name, word in found.law.items() if name != "kind"]
+        more = f" with {', '.join(options)}" if options else ""
+        words = "taken by a scenario that names none"
+        yield f"*Law.* {code(found.law['kind'])}{more}; {words}.\n"
 
 
 def canonical_numbers() -> str:

@@ -130,6 +130,13 @@ if TYPE_CHECKING:
     from martensite.mechanisms.shared.platform_workspace import reachable_angles as reachable_angles
     from martensite.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
     from martensite.plot.film_fit import plot_film as plot_film
+    from martensite.plot.fit import plot_fit as plot_fit
+    from martensite.plot.fit import plot_fit_loops as plot_fit_loops
+    from martensite.plot.fit_knowledge import plot_correlation as plot_correlation
+    from martensite.plot.fit_knowledge import plot_search as plot_search
+    from martensite.plot.fit_knowledge import plot_singular_values as plot_singular_values
+    from martensite.plot.fit_likelihood import plot_likelihood as plot_likelihood
+    from martensite.plot.fit_residuals import plot_fit_residuals as plot_fit_residuals
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
@@ -311,18 +318,25 @@ _HOME = {
     "plateaus": "io.staircase",
     "platform_angles": "mechanisms.shared.platform_kinematics",
     "platform_lengths": "mechanisms.shared.platform_kinematics",
+    "plot_correlation": "plot.fit_knowledge",
     "plot_film": "plot.film_fit",
+    "plot_fit": "plot.fit",
+    "plot_fit_loops": "plot.fit",
+    "plot_fit_residuals": "plot.fit_residuals",
+    "plot_likelihood": "plot.fit_likelihood",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
+    "plot_search": "plot.fit_knowledge",
+    "plot_singular_values": "plot.fit_knowledge",
     "plot_tangents": "plot.tangents",
     "plot_workspace": "plot.workspace",
     "points_from_power": "identify.film_points",
     "problem": "identify.fitting.problem",
     "profiled": "identify.fitting.profiled",
+    "reachable_angles": "mechanisms.shared.platform_workspace",
     "read_problem": "io.fitting.api",
     "read_table": "io.tables",
-    "reachable_angles": "mechanisms.shared.platform_workspace",
     "render_mujoco": "export.mujoco_render",
     "save": "io.netcdf",
     "save_figure": "plot.overview",

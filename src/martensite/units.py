@@ -83,6 +83,9 @@ READABLE = {
     "rad/s": "deg/s",
 }  # fmt: skip
 
+# declared SI unit -> unit for large values, and from which value on
+_LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
+
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 _SPELLINGS = str.maketrans(
     {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u"}
@@ -129,6 +132,12 @@ def conversion(spelling: str, unit: str) -> tuple[float, float]:
 def readable(unit: str) -> str:
     """The unit in which a person would rather read a quantity declared in `unit`."""
     return READABLE.get(unit, unit)
+
+
+def familiar(value: float, unit: str) -> str:
+    """The unit in which a value of this size, in SI, is best read: GPa for a modulus."""
+    larger = _LARGER.get(unit)
+    return larger[0] if larger and abs(value) >= larger[1] else readable(unit)
 
 
 @cache

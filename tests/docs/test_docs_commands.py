@@ -48,6 +48,7 @@ def parse(line: str) -> None:
     while arguments and arguments[0] in getattr(command, "commands", {}):
         name, *arguments = arguments
         command = command.commands[name]
+        arguments = getattr(command, "worded", list)(arguments)
     if hasattr(command, "commands") and not command.invoke_without_command:
         raise LookupError(f"no such command: {line}")
     command.make_context(name, arguments)

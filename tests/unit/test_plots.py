@@ -19,7 +19,7 @@ import matplotlib
 import numpy as np
 import pytest
 from builders import plain_law, plain_system
-from drawn_texts import check_apart
+from drawn_texts import check_apart, visible_texts
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -364,22 +364,6 @@ def test_no_text_covers_another_or_leaves_the_page(case: str) -> None:
     texts = visible_texts(figure)
     assert len(texts) > 40
     check_apart(figure, texts)
-
-
-def visible_texts(figure: Figure) -> list[Any]:
-    """All texts that are drawn: not those of ticks outside the view."""
-    ticks = set()
-    drawn = []
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            known = [t.label1 for t in axis.get_major_ticks()]
-            low, high = sorted(axis.get_view_interval())
-            inside = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-            ticks |= {id(text) for text in known}
-            drawn += [t.label1 for t in inside if t.label1.get_visible()]
-    others = [t for t in figure.findobj(Text) if id(t) not in ticks]
-    drawn += [t for t in others if t.get_visible()]
-    return [t for t in drawn if t.get_text().strip()]
 
 
 @pytest.mark.parametrize("case", CASES)

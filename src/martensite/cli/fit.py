@@ -25,9 +25,13 @@ class Fits(TyperGroup):
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
         """Name `logs` where it is meant."""
-        if args and not (args[0] in ("-h", "--help") or self._names(args[0])):
-            args = [LOGS, *args]
-        return super().parse_args(ctx, args)
+        return super().parse_args(ctx, self.worded(args))
+
+    def worded(self, args: list[str]) -> list[str]:
+        """The words of a call with its command first."""
+        if not args or args[0] in ("-h", "--help") or self._names(args[0]):
+            return args
+        return [LOGS, *args]
 
     def _names(self, word: str) -> bool:
         """Whether a word is a command, or a misspelt one that is no file either."""

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from martensite.io.fitting.task import LogFit
 
 PARAMETERS = ("parameter", "value", "95 % interval", "start", "bounds", "")
+WIDE = 1.1
+"""Widening of intervals from which on it is told."""
 WORST = 1000.0
 """Fit [%] below whose negative it is not told any more."""
 SCORES = ("record", "output", "", "RMS", "fit", "largest", "bias")
@@ -69,12 +71,12 @@ def _print_fit(fit: LogFit) -> None:
     marks = {"not determined": "yellow", "weak": "yellow", "at a bound": "yellow"}
     show.table(PARAMETERS, _parameters(fit), right="value,95 % interval,start", colours={"": marks})
     show.table(SCORES, _scores(fit), right="RMS,fit,largest,bias")
-    for sentence in fit.identifiability.sentences:
-        show.text(sentence, "yellow" if fit.identifiability.weak else "")
-    for sentence in fit.uncertainty.sentences:
-        show.text(sentence)
-    for line in _whiteness(fit):
-        show.text(line)
+    if fit.identifiability.determined:
+        show.text(*fit.identifiability.sentences)
+    if fit.uncertainty.widening > WIDE:
+        show.text(fit.uncertainty.sentences[-1])
+    white = sum(one.white for one in fit.whiteness)
+    show.text(f"Residuals are white in {white} of {len(fit.whiteness)} comparisons.")
 
 
 def _print_posterior(fit: LogFit, posterior: Posterior) -> None:
@@ -119,21 +121,10 @@ def _as_dict(fit: LogFit) -> dict[str, Any]:
 
 def warnings(fit: LogFit) -> list[str]:
     """What a reader must know before the numbers are used."""
-    found = list(fit.cautions)
-    if fit.reason == "interrupted":
-        found.append("The search was interrupted; these are the best numbers so far.")
-    elif fit.reason != "converged":
-        found.append(f"The search did not converge ({fit.reason}).")
-    bound = [f"`{name}`" for name in fit.at_bound()]
-    if bound:
-        found.append(f"{', '.join(bound)} ended at a bound of the search; widen it, or doubt it.")
-    useless = [s for s in fit.scores if s.part == "training" and s.fit_percent < 0.0]
-    found += [
-        f"The fit follows `{s.output}` of record `{s.record}` worse than a constant would: doubt "
-        "its unit and the headings, or try more starts (--starts 8)."
-        for s in useless
-    ]
+    from martensite.identify.fit_verdicts import warnings as verdicts
+
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
+    found = [*fit.cautions, *verdicts(fit)]
     if weak:
         listed = ", ".join(f"`{name}`" for name in weak)
         found.append(
@@ -214,19 +205,3 @@ def _score(found: Score) -> tuple[str, ...]:
     if math.isnan(found.fit_percent):
         fit = ""
     return found.record, found.output, found.part, sizes[0], fit, sizes[1], sizes[2]
-
-
-def _whiteness(fit: LogFit) -> Iterator[str]:
-    """Whether residuals look like noise, in one line."""
-    tests = fit.whiteness
-    if not tests:
-        return
-    white = sum(one.white for one in tests)
-    line = f"Residuals are white in {white} of {len(tests)} comparisons"
-    if white < len(tests):
-        worst = max(tests, key=lambda one: one.autocorrelation[0])
-        line += (
-            f" (autocorrelation up to {worst.autocorrelation[0]:.2f} from one sample to the next, "
-            f"{worst.record}): the model misses something, or the noise has a memory"
-        )
-    yield f"{line}."

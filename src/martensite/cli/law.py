@@ -204,7 +204,7 @@ def _report(
             {
                 "name": one.law.registered_name,
                 "material": None if one.material is None else one.material.name,
-                "cautions": one.law.cautions(),
+                "cautions": one.cautions,
                 "paths": [_one(result) for result in own],
             }
             for one, own in zip(dressed, results, strict=True)
@@ -242,7 +242,7 @@ def _print(
                    right="ξ,starts,half,ends,strain,stress")  # fmt: skip
         for result in own:
             show.text(_left(result))
-        for caution in one.law.cautions():
+        for caution in one.cautions:
             show.text(f"Caution: {caution}", "yellow")
         for warning in [w for result in own for w in result.warnings]:
             show.text(warning, "yellow")

@@ -82,6 +82,9 @@ def _print_material(material: Material) -> None:
     show.text(f"{material.name}: {material.title}", "bold")
     show.text(material.summary)
     show.text(f"Limits: {material.limits}")
+    if material.law is not None:
+        options = [f"{name} = {word}" for name, word in material.law.items() if name != "kind"]
+        show.text(f"Law: {', '.join([material.law['kind'], *options])}")
     rows = [
         (name, n.text, ("! " if n.kind in DOUBTFUL else "") + n.kind, NAMES[name][1],
          ", ".join(part for part in (material.sources[n.source].cite, n.where) if part), n.note)

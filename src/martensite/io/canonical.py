@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 
 from martensite.errors import InputError, UnknownNameError
 from martensite.identify.fitting.words import listed, quantity
+from martensite.io.law_match import law_words
+from martensite.laws.base import AbstractLaw
 from martensite.materials.names import NAMES
 from martensite.parameters import Leaf
 from martensite.system import AbstractSystem
@@ -34,6 +36,26 @@ def canonical(
     for other in others:
         kept = {name: leaf for name, leaf in other.items() if not apart(leaf.path)}
         _refuse_other(first, kept, "The systems of the records")
+    return first
+
+
+def one_law(systems: Sequence[AbstractSystem], port: str | None = None) -> AbstractLaw:
+    """The law of an actuator, or of all if none is chosen, in all systems.
+
+    Raises:
+        InputError: there is more than one, or one with other options.
+    """
+    laws = [
+        actuator.element.law
+        for system in systems for name, actuator in system.actuators().items()
+        if port in (None, name)
+    ]  # fmt: skip
+    first, *others = laws
+    if any(law_words(law) != law_words(first) for law in others):
+        raise InputError(
+            "The fitted elements have different laws, or one law with different options, so that "
+            "they are no single material: choose one actuator by `port`, or fit them apart."
+        )
     return first
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from martensite.errors import ParameterError, suggestion
 from martensite.io.build import Builder
+from martensite.io.law_match import law_caution
 from martensite.laws.base import LAWS, AbstractLaw
 from martensite.materials.base import Material, load_material, material_names
 from martensite.parameters import REQUIRED
@@ -20,6 +21,12 @@ class Dressed:
     law: AbstractLaw
     material: Material | None
     """None if every number was set."""
+
+    @property
+    def cautions(self) -> list[str]:
+        """Sentences about numbers that are probably not meant."""
+        other = law_caution(self.material, self.law)
+        return [*([other] if other else []), *self.law.cautions()]
 
 
 def dressed_laws(
@@ -47,11 +54,20 @@ def dressed_laws(
         found = {name: everyone or _own_material(name, needs[name]) for name in classes}
     return [
         Dressed(
-            Builder(found[name]).choose(LAWS, {"kind": name, **tables[name]}, name, draws=True),
+            Builder(found[name]).choose(
+                LAWS, _table(name, tables[name], found[name]), name, draws=True
+            ),
             found[name] if needs[name] or material else None,
         )
         for name in classes
     ]
+
+
+def _table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
+    """A law as a scenario writes it, with the options that its material says it holds for."""
+    meant = material.law if material else None
+    given = meant if meant and meant["kind"] == name else {}
+    return {"kind": name, **given, **own}
 
 
 def _own(

@@ -82,7 +82,8 @@ def material_text(numbers: Numbers, title: str = "", cite: str = "") -> str:
     fit = numbers.fit
     key = cite or next(iter(published(fit)), PACKAGE)
     entries([key])
-    law, values = numbers.law_table(), numbers.values()
+    values = numbers.values()
+    law = numbers.law_table()
     what = f"law {law['kind']} to {_outputs(fit)} of {_records(fit)}"
     sources = {FIT: Source(key, f"Fit by {program()}: {what}"), **numbers.sources}
     found = provenance(fit)

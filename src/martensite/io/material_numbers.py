@@ -15,7 +15,7 @@ from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.free import Free
 from martensite.identify.fitting.nuisance import is_nuisance
 from martensite.io.assemble import scenario_path
-from martensite.io.canonical import Leaves, canonical
+from martensite.io.canonical import Leaves, canonical, one_law
 from martensite.io.exact_text import exact_text, shown, shown_range
 from martensite.io.fit_provenance import NOT_DETERMINED, PACKAGE, interval_words
 from martensite.io.law_match import law_words
@@ -24,6 +24,7 @@ from martensite.laws.base import AbstractLaw
 from martensite.materials.base import Material, Number, Source
 from martensite.materials.names import NAMES
 from martensite.parameters import Leaf
+from martensite.system import AbstractSystem
 
 FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
 """Keys of the sources that a fit adds."""
@@ -42,9 +43,12 @@ class Numbers:
 
     @property
     def law(self) -> AbstractLaw:
-        """The law of the actuator."""
-        actuators = self.fit.system().actuators()
-        return actuators[self.port or next(iter(actuators))].element.law
+        """The law of the actuator.
+
+        Raises:
+            InputError: actuators, or the systems of several records, have different laws.
+        """
+        return one_law(self._systems(), self.port)
 
     @property
     def material(self) -> Material | None:
@@ -81,9 +85,13 @@ class Numbers:
 
     def _leaves(self) -> Leaves:
         """The canonical numbers of the actuator, with all numbers fitted."""
-        systems = [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
         own = [free for free in self.fit.problem.free if free.record is not None]
-        return canonical(systems, self.port, lambda path: any(free.moves(path) for free in own))
+        return canonical(
+            self._systems(), self.port, lambda path: any(free.moves(path) for free in own)
+        )
+
+    def _systems(self) -> list[AbstractSystem]:
+        return [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
 
     def _number(self, name: str, leaf: Leaf) -> Number:
         physical = [free for free in self.fit.problem.free if not is_nuisance(free)]

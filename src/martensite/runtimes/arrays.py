@@ -22,7 +22,7 @@ class ArrayNamespace:
 
     def __init__(
         self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64",
-        repeat: Any = floats.repeat,
+        repeat: Any = floats.repeat, solved: Any = floats.solved,
     ) -> None:  # fmt: skip
         self.np = np
         self.precision = precision
@@ -35,10 +35,7 @@ class ArrayNamespace:
         self.store = store
         self.each = floats.each
         self.repeat = repeat
-
-    def solved(self, root: Any, newton: Any) -> Any:
-        """`root` itself: plain arrays have no derivatives."""
-        return root
+        self.solved = solved
 
     def eps(self) -> float:
         """Distance from 1 to the next number of the working precision."""

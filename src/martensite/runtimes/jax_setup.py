@@ -19,9 +19,9 @@ class JaxNamespace(ArrayNamespace):
     """The kernel operations over JAX arrays, and the configured `jax` itself."""
 
     def __init__(self, jax: Any) -> None:
-        super().__init__(jax.numpy, detach=jax.lax.stop_gradient, repeat=self.loop)
+        detach, solved = jax.lax.stop_gradient, _solved(jax)
+        super().__init__(jax.numpy, detach=detach, repeat=self.loop, solved=solved)
         self.jax = jax
-        self.solved: Any = _solved(jax)
 
     def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """One loop of the compiler, over states of the shape that the body makes of them."""
@@ -57,7 +57,7 @@ def _solved(jax: Any) -> Any:
         return found
 
     def slopes(values: Any, tangents: Any) -> tuple[Any, Any]:
-        return values[0], tangents[1]
+        return marked(*values), tangents[1]
 
     marked = jax.custom_jvp(root)
     marked.defjvp(slopes)
@@ -91,4 +91,4 @@ def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat)
+    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.solved)

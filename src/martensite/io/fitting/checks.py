@@ -116,13 +116,13 @@ def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> st
     acted = _acted(problem, problem.free[dead[0]])
     if acted:
         it = "it moves" if len(dead) == 1 else f"`{problem.names[dead[0]]}` moves"
-        return f"{it} {listed(acted)}: compare such a column, or keep the parameter fixed."
+        remedy = f"{it} {listed(acted)}: compare such a column, or keep the parameter fixed."
+    else:
+        remedy = "such a parameter needs a log in which it comes to bear, or is to be kept fixed."
     ranges = _ranges(problem, follows)
-    seen = f" ({ranges} in the first record: are columns swapped, or units wrong?)"
-    return (
-        "such a parameter needs a log in which it comes to bear"
-        f"{seen if ranges else ''}, or is to be kept fixed."
-    )
+    if ranges and len(dead) == len(problem.free):
+        remedy += f" In the first record {ranges}: are columns swapped, or units wrong?"
+    return remedy
 
 
 def _acted(problem: Problem, free: Free) -> list[str]:

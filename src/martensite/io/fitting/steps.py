@@ -8,17 +8,18 @@ to the tolerance of the scenario gives the step.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.problem import Problem
+from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.runner import Runner
 from martensite.runtimes.c99 import compiler
 
-NOTICEABLE = 0.1
-"""Change on halving the step, as a share of the error left, from which on it is told."""
+NOTICEABLE = 0.5
+"""Change of a parameter on halving the steps, in standard errors, from which on it is told."""
+LEAST = 1e-6
+"""Change of a parameter, as a share of its search range, that never matters."""
 
 
 def with_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
@@ -46,7 +47,7 @@ def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, li
     from martensite.simulate.api import simulate
 
     result = simulate(
-        experiment.system, experiment.waveform, float(experiment.times[-1]),
+        experiment.system, experiment.waveform, float(experiment.times[-1] + experiment.lead),
         tolerance=tolerance, runtime="floats" if compiler() is None else "c",
     )  # fmt: skip
     notes: list[str] = []
@@ -73,38 +74,34 @@ def _apart(coarse: Any, fine: Any) -> Any:
     return np.where(reach > 0.0, share, math.inf)
 
 
-def remarks_on_step(problem: Problem, values: Sequence[float], tolerance: float) -> list[str]:
-    """What halving all steps changes at the optimum, if that is noticeable.
+def remarks_on_step(fit: Fit) -> list[str]:
+    """What halving all steps would change, if that is noticeable beside the noise.
 
-    Args:
-        problem: with the records that the fit saw.
-        values: of its free parameters, as shares of their ranges.
-        tolerance: share of range below which a change does not matter.
+    The parameters would move by about the least-squares solution of J dz = dr, where dr is the
+    change of the residuals.
     """
     import numpy as np
 
+    problem = fit.problem
     fixed = [one if problem.step is None else replace(one, step=problem.step)
              for one in problem.experiments]  # fmt: skip
     fine = replace(problem, experiments=tuple(map(halved, fixed)), step=None)
-    before, after = problem.evaluate(values), fine.evaluate(values)
-    if before is None or after is None:
+    after = fine.evaluate(fit.values)
+    if after is None:
         return ["The runs fail at the optimum with halved steps; the fit is not to be trusted."]
-    pairs = list(zip(before.fitted, after.fitted, strict=True))
-    worst = max(float(np.max(_apart_or_0(a.model, b.model))) for a, b in pairs)
-    moved = math.sqrt(float(np.mean((after.residuals - before.residuals) ** 2)))
-    if worst <= tolerance or moved <= NOTICEABLE * math.sqrt(before.cost):
+    change = after.residuals - fit.evaluation.residuals
+    moved = np.linalg.lstsq(fit.evaluation.jacobian, change, rcond=None)[0]
+    sizes = [free.slope(u) for free, u in zip(problem.free, fit.values, strict=True)]
+    errors = np.array(fit.uncertainty.errors) * fit.uncertainty.widening / np.abs(sizes)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shares = np.where((errors > 0.0) & (np.abs(moved) > LEAST), np.abs(moved) / errors, 0.0)
+    worst = int(np.argmax(shares))
+    if not shares[worst] > NOTICEABLE:
         return []
     step = max(one.grid().longest for one in fixed)
     return [
-        f"Halving the steps changes the fitted runs by up to {100.0 * worst:.2g} % of their range "
-        f"and the cost from {before.cost:.4g} to {after.cost:.4g}: steps of up to {step:.3g} s are "
-        f'too long for this fit; repeat it with a step of "{0.25 * step:.2g} s".'
+        f"Steps of up to {step:.3g} s are too long for so little noise: half of them would move "
+        f"`{problem.names[worst]}` by about {shares[worst]:.2g} of its standard errors, and the "
+        f'cost from {fit.cost:.4g} to {after.cost:.4g}; repeat the fit with --step "'
+        f'{0.25 * step:.2g} s".'
     ]
-
-
-def _apart_or_0(coarse: Any, fine: Any) -> Any:
-    """As `_apart`; 0 for what does not move."""
-    import numpy as np
-
-    apart = _apart(coarse, fine)
-    return np.where(np.isfinite(apart), apart, 0.0)

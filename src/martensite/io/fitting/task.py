@@ -145,11 +145,10 @@ class Arranged:
         )  # fmt: skip
         if fit.reason != INTERRUPTED:
             refuse_swapped(fit, self.models)
-        scenarios = [scenario for scenario, _ in self.models.values()]
-        tolerance = min(one.tolerance for one in scenarios)
-        cautions = tuple(remarks_on_step(fit.problem, fit.values, tolerance))
+        first, _ = next(iter(self.models.values()))
+        cautions = tuple(remarks_on_step(fit))
         known = {one.name: getattr(fit, one.name) for one in fields(fit)}
-        return LogFit(**known, scenario=scenarios[0], notes=self.notes, cautions=cautions)
+        return LogFit(**known, scenario=first, notes=self.notes, cautions=cautions)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,103 @@
+"""The report of a fit, as a page of HTML or as Markdown with figures beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.errors import DataError
+from martensite.files import replacing
+from martensite.io.fit_provenance import program, scenario_of
+from martensite.plot.files import write_figure
+from martensite.report import html, markdown
+from martensite.report.blocks import Block, Picture
+from martensite.report.fit_sections import lead_of, pictures, sections, title_of
+
+if TYPE_CHECKING:
+    from martensite.identify.fitting.fit import Fit
+    from martensite.identify.fitting.profiles import Profile
+    from martensite.io.scenario import Scenario
+
+HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
+
+
+def report_files(fit: Fit, path: str | Path, profiles: Sequence[Profile] = ()) -> list[Path]:
+    """All files that `write_report` would write or replace, the report first.
+
+    Raises:
+        DataError: the path ends in neither .html nor .md.
+    """
+    path = checked(path)
+    if path.suffix.lower() in HTML:
+        return [path]
+    return [path, *(_folder(path) / f"{name}.png" for name in pictures(fit, profiles))]
+
+
+def write_report(
+    fit: Fit,
+    path: str | Path,
+    *,
+    scenario: Scenario | None = None,
+    title: str = "",
+    profiles: Sequence[Profile] = (),
+) -> list[Path]:
+    """Write what a fit found, and how far to trust it; existing files are replaced.
+
+    Args:
+        fit: a finished fit.
+        path: the file to write: .html holds its figures, .md has them in the folder
+            `NAME_figures` beside it. The folder of the path must exist.
+        scenario: what the fit began with, if the fit does not know; its title, file and material
+            are told.
+        title: headline; made from the names of the records if left out.
+        profiles: profile likelihoods of some parameters.
+
+    Returns:
+        The files written, the report first.
+
+    Raises:
+        InputError: the path ends in neither .html nor .md, or a file cannot be written.
+    """
+    path = checked(path)
+    blocks = sections(fit, scenario or scenario_of(fit), profiles)
+    words = (title or title_of(fit), lead_of(fit), blocks, f"Written by {program()}.")
+    if path.suffix.lower() in HTML:
+        _write(path, html.page(*words))
+    else:
+        _figures(_folder(path), blocks)
+        _write(path, markdown.page(*words, _folder(path).name))
+    return report_files(fit, path, profiles)
+
+
+def checked(path: str | Path) -> Path:
+    """The path of a report.
+
+    Raises:
+        DataError: it ends in neither .html nor .md, or its folder does not exist.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (*HTML, *MARKDOWN):
+        raise DataError(f"A report ends in .html or .md, but this is `{path}`.")
+    if not path.parent.is_dir():
+        raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    return path
+
+
+def _folder(path: Path) -> Path:
+    return path.with_name(f"{path.stem}_figures")
+
+
+def _figures(folder: Path, blocks: Sequence[Block]) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise DataError(f"Cannot make the folder `{folder}`: {error.strerror}.") from None
+    for block in blocks:
+        if isinstance(block, Picture):
+            write_figure(block.figure, folder / f"{block.name}.png")
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")

@@ -1,0 +1,122 @@
+"""Both searches, from several starts: coordinate search as in the paper, and least squares.
+
+Coordinate search here: one parameter at a time, a tenth of its range up or down, twice that
+after a round with an improvement and half of it after one without, until it is below a
+thousandth (`identify.fitting.coordinate_search`). That of the paper's software is not described
+in the paper. Least squares: trust region within bounds, exact derivatives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+
+from martensite.identify.fitting.fit import Fit
+from martensite.identify.fitting.solve import solve
+from martensite.identify.fitting.watch import Note
+from martensite.studies.finger_calibration import bench
+from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
+from martensite.studies.finger_calibration.printed import Printed
+
+STARTS = (
+    (25e9, 345.0, 80e6, 10e6, 5.5e6),
+    (20e9, 305.0, 60e6, 5e6, 4.5e6),
+    (25e9, 330.0, 60e6, 5e6, 5e6),
+    (33e9, 370.0, 120e6, 40e6, 6.5e6),
+)
+"""E_M [Pa], T_L [K], Δσ [Pa], σ_L [Pa], dσ/dT [Pa/K]; chosen for this study."""
+STILL = 3
+"""The start from which the finger does not move at all in the test."""
+FEW, ALL = (0, STILL), (0, 1, 2, STILL)
+"""Starts of coordinate search: by default, and in full."""
+COORDINATE, SQUARES = "coordinate", "trf"
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a search was."""
+
+    runs: int
+    """Runs so far, those with derivatives included."""
+    rms: float
+    """Of the angle [°]."""
+    numbers: dict[str, float]
+    """[SI]"""
+
+
+@dataclass(frozen=True)
+class Search:
+    """A search and its way."""
+
+    fit: Fit
+    path: tuple[Point, ...]
+    """The start and every improvement."""
+
+    @property
+    def rms(self) -> float:
+        """Of the angle at the end [°]."""
+        return rms(self.fit.cost)
+
+    @property
+    def runs(self) -> int:
+        """Simulations, those with derivatives included."""
+        return self.fit.simulations + self.fit.jacobians
+
+
+def rms(cost: float) -> float:
+    """Root-mean-square error of the angle [°]."""
+    return math.degrees(bench.NOISE * math.sqrt(cost))
+
+
+@cache
+def search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> Search:
+    """A search from one of the starts, and from as many more as `spread` says."""
+    records = bench.table_problem(data, printed).experiments
+    problem = bench.fitting(records, printed, STARTS[start])
+    told: list[Note] = []
+
+    def tell(note: Note) -> None:
+        if not told or note.cost < told[-1].cost:
+            told.append(note)
+
+    fit = solve(problem, method=method, starts=spread, tell=tell)
+    path = [
+        Point(runs, rms(cost), problem.numbers(note.values))
+        for (runs, cost), note in zip(fit.history, told, strict=True)
+    ]
+    return Search(fit, tuple(path))
+
+
+def tried(full: bool) -> tuple[int, ...]:
+    """From which starts coordinate search begins."""
+    return ALL if full else FEW
+
+
+def prepare(printed: Printed, *, full: bool) -> None:
+    """Make all searches, coordinate searches on two cores at once."""
+    for data in EVERY:
+        for start in moving():
+            search(data, start, SQUARES, printed)
+    jobs = [(data, start) for data in (FAR, NEAR) for start in tried(full)]
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda job: search(*job, COORDINATE, printed), jobs))
+
+
+def moving() -> tuple[int, ...]:
+    """Starts from which the finger moves."""
+    return tuple(start for start in ALL if start != STILL)
+
+
+def best(data: Data, printed: Printed) -> Search:
+    """The best fit by least squares, of those from starts that move."""
+    found = (search(data, start, SQUARES, printed) for start in moving())
+    return min(found, key=lambda one: one.rms)
+
+
+def spread(name: str, found: Iterable[Search]) -> float:
+    """How far the ends of searches are apart in a parameter [SI]."""
+    ends = [one.fit[name] for one in found]
+    return max(ends) - min(ends)

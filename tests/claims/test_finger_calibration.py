@@ -1,0 +1,310 @@
+"""Study `finger-calibration`: fits of synthetic records against numbers found apart from it.
+
+Source of truth: numbers noted for this project from separate code (a stiff ODE solver on the rates
+of the law with the finger solved by bisection, derivatives by differences), which had the same
+noise; Table 1, from which the records were made; and gauges that follow from the equations.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from claim_checks import check_complete, check_decides, verdict_of, with_verdict
+
+from martensite.io.citations import bibliography
+from martensite.runtimes.c99 import compiler
+from martensite.studies.base import load_study
+from martensite.studies.finger_calibration import (
+    bench,
+    data_claims,
+    gauge_claims,
+    search_claims,
+)
+from martensite.studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
+from martensite.studies.finger_calibration.printed import Printed
+from martensite.studies.finger_calibration.searches import (
+    ALL,
+    COORDINATE,
+    FEW,
+    SQUARES,
+    STILL,
+    best,
+    moving,
+    search,
+)
+from martensite.studies.finger_calibration.study import FingerCalibration
+
+PRINTED = Printed()
+TABLE = dict(zip(PRINTED.names, PRINTED.table, strict=True))
+
+needs_compiler = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
+
+
+@pytest.fixture(scope="module")
+def listed():
+    return FingerCalibration().claims()
+
+
+def computed(listed, id: str) -> float:
+    return next(claim.computed for claim in listed if claim.id == id)
+
+
+@needs_compiler
+class TestRecords:
+    def test_steps_of_the_fit_change_little(self):
+        for data in (NEAR, FAR):
+            coarse = bench.at_table(data, PRINTED).fitted[0].model[:, 0]
+            fine = bench.clean(data.arm, PRINTED.offsets[0], PRINTED)
+            apart = np.degrees(coarse - fine)
+            assert 0.0 < math.sqrt(np.mean(apart**2)) < 0.01
+
+    def test_noise_is_white_and_the_same_again(self):
+        rows = bench.noise()
+        again = np.random.default_rng(bench.SEED).standard_normal(rows.size).reshape(rows.shape)
+        assert np.array_equal(rows, again)
+        assert rows.std() == pytest.approx(1.0, abs=0.05)
+        neighbours = np.mean(rows[:, 1:] * rows[:, :-1])
+        assert abs(neighbours) < 3.0 / math.sqrt(rows.size)
+
+    def test_every_record_has_its_own_noise(self):
+        rows = [k for data in EVERY for k in range(data.first, data.first + data.count)]
+        assert sorted(rows) == list(range(len(bench.noise())))
+
+    def test_scenario_has_the_numbers_of_the_paper(self):
+        system = bench.finger(NEAR.arm, PRINTED.offsets[0])
+        for name, value in (*TABLE.items(), *PRINTED.fixed):
+            assert system.value_of(name) == pytest.approx(value, rel=1e-12)
+        assert bench.scenario().waveform.frequency == PRINTED.frequency
+        assert bench.scenario().duration == pytest.approx(1.0 / PRINTED.frequency, abs=1e-3)
+
+
+@needs_compiler
+class TestData:
+    @pytest.mark.parametrize(
+        ("data", "slope", "E_M", "ratio"),
+        [(NEAR, 0.175, 4.0, 0.10), (FAR, 0.036, 17.5, None), (JOINT, 0.011, 4.8, 0.06)],
+    )
+    def test_smallest_errors(self, data, slope, E_M, ratio):
+        found = data_claims.errors(data, PRINTED)
+        assert found.numbers["dsigma_dT"] / 1e6 == pytest.approx(slope, rel=0.06)
+        assert found.numbers["E_M"] / 1e9 == pytest.approx(E_M, rel=0.04)
+        if ratio is not None:
+            assert found.ratio == pytest.approx(ratio, abs=0.007)
+
+    def test_correlations(self):
+        near = data_claims.errors(NEAR, PRINTED).correlation
+        assert near["T_L", "dsigma_dT"] == pytest.approx(0.996, abs=0.001)
+        assert near["Delta_sigma", "dsigma_dT"] == pytest.approx(0.994, abs=0.002)
+
+    def test_errors_are_those_of_the_normal_equations(self):
+        begin = bench.table_problem(NEAR, PRINTED)
+        places = [begin.names.index(name) for name in data_claims.CHOSEN_ELSE]
+        scales = [begin.free[i].slope(float(begin.start[i])) for i in places]
+        jacobian = bench.at_table(NEAR, PRINTED).jacobian[:, places] / scales
+        size = np.linalg.norm(jacobian, axis=0)
+        spread = np.linalg.inv((jacobian / size).T @ (jacobian / size)) / np.outer(size, size)
+        found = data_claims.errors(NEAR, PRINTED)
+        assert np.sqrt(np.diag(spread)) == pytest.approx(list(found.numbers.values()), rel=1e-6)
+        step = 1e-4 * TABLE["dsigma_dT"]
+        width, slope = TABLE["Delta_sigma"], TABLE["dsigma_dT"]
+        turn = np.zeros(len(places))
+        turn[data_claims.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
+        turn[data_claims.CHOSEN_ELSE.index("dsigma_dT")] = (
+            width / (slope + step) - width / (slope - step)
+        ) / (2.0 * step)
+        assert math.sqrt(turn @ spread @ turn) == pytest.approx(found.ratio, rel=1e-5)
+
+    @pytest.mark.parametrize("data", EVERY, ids=lambda data: data.key)
+    def test_five_parameters_hold_one_exact_redundancy(self, data):
+        (lost,) = data_claims.held(data, PRINTED).weak
+        assert lost.exact
+        assert set(lost.names) == {"T_L", "sigma_L"}
+        change = dict(zip(lost.names, lost.changes, strict=True))
+        assert change["sigma_L"] / change["T_L"] == pytest.approx(TABLE["dsigma_dT"], rel=1e-6)
+
+    def test_four_parameters_hold_none(self):
+        found = data_claims.of_columns(NEAR, data_claims.CHOSEN_ELSE, PRINTED)
+        assert found.rank == len(data_claims.CHOSEN_ELSE)
+        assert all(map(math.isfinite, found.errors))
+        five = data_claims.of_columns(NEAR, PRINTED.names, PRINTED)
+        assert five.rank == 4
+        assert [math.isinf(e) for e in five.errors] == [False, True, False, True, False]
+
+
+@needs_compiler
+class TestLeastSquares:
+    @pytest.mark.parametrize(
+        ("data", "rms"), [(NEAR, 0.954), (FAR, 1.016), (JOINT, 0.963)], ids=lambda x: str(x)[:8]
+    )
+    def test_ends_in_one_minimum_from_every_start_that_moves(self, data, rms):
+        found = [search(data, start, SQUARES, PRINTED) for start in moving()]
+        assert [one.rms for one in found] == pytest.approx([rms] * len(found), abs=0.001)
+        ends = [one.fit["dsigma_dT"] for one in found]
+        assert max(ends) - min(ends) < 100.0
+        assert all(one.runs < 100 * len(one.fit.problem.experiments) for one in found)
+
+    def test_joint_fit_finds_the_table_again(self):
+        fit = best(JOINT, PRINTED).fit
+        assert fit["dsigma_dT"] / 1e6 == pytest.approx(4.01, abs=0.01)
+        assert fit["E_M"] / 1e9 == pytest.approx(30.9, abs=0.1)
+        assert data_claims.cold(fit.numbers) == pytest.approx(319.75, abs=0.3)
+        assert data_claims.width(fit.numbers) == pytest.approx(13.0, abs=0.3)
+
+    def test_stays_where_nothing_moves_unless_it_starts_elsewhere_too(self):
+        caught = search(FAR, STILL, SQUARES, PRINTED)
+        assert caught.rms > 20.0
+        assert not caught.fit.evaluation.jacobian.any()
+        cured = search(FAR, STILL, SQUARES, PRINTED, search_claims.MORE)
+        assert cured.rms == pytest.approx(best(FAR, PRINTED).rms, abs=1e-6)
+
+    def test_another_noise_ends_elsewhere(self):
+        """The minimum is that of the record: with another noise it is another one."""
+        (record,) = bench.experiments(NEAR, PRINTED)
+        angles = np.asarray(record.record["angle"]) + bench.NOISE * bench.noise()[4]
+        columns = {**record.record.columns, "angle": angles.tolist()}
+        other = replace(record, record=replace(record.record, columns=columns))
+        begin = bench.fitting((other,), PRINTED, PRINTED.table)
+        found = begin.evaluate(begin.start)
+        assert found is not None
+        assert found.cost == pytest.approx(2.0, abs=0.4)
+
+
+@needs_compiler
+@pytest.mark.slow
+class TestGauges:
+    def test_force(self):
+        found = [one for one in gauge_claims.held(gauge_claims.FORCE, PRINTED).weak if one.exact]
+        assert len(found) == 1
+        assert found[0].gauge
+        assert set(found[0].names) == set(gauge_claims.FORCE)
+        moved = dict(zip(found[0].names, found[0].relative, strict=True))
+        volume = moved.pop("layer_volume")
+        assert list(moved.values()) == pytest.approx([-volume] * len(moved), rel=1e-6)
+        same = gauge_claims.scaled(gauge_claims.FORCE, 1.3, PRINTED)
+        assert gauge_claims.apart(same, PRINTED) < 1e-9
+        less = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L")
+        assert gauge_claims.apart(gauge_claims.scaled(less, 1.3, PRINTED), PRINTED) == (
+            pytest.approx(0.44, abs=0.02)
+        )
+        assert not any(one.exact for one in gauge_claims.held(less, PRINTED).weak)
+
+    def test_thermal(self):
+        (found,) = gauge_claims.held(gauge_claims.THERMAL, PRINTED).weak
+        assert not found.exact
+        assert set(found.names) == set(gauge_claims.THERMAL)
+        warmed = gauge_claims.warmed(1.2, PRINTED)
+        assert gauge_claims.apart(warmed, PRINTED) == pytest.approx(0.04, abs=0.005)
+        assert gauge_claims.apart({**warmed, "T_L": TABLE["T_L"]}, PRINTED) > 5.0
+
+    def test_redundancy(self):
+        moved = {"T_L": TABLE["T_L"] + 10.0, "sigma_L": TABLE["sigma_L"] + 40e6}
+        assert gauge_claims.apart(moved, PRINTED) < 1e-9
+
+    def test_wrong_arm(self):
+        found = gauge_claims.refitted(PRINTED, 9e-3)
+        assert found.rms == pytest.approx(0.06, abs=0.015)
+        assert found.fit["dsigma_dT"] / 1e6 == pytest.approx(5.24, rel=0.02)
+        assert found.fit["Delta_sigma"] / 1e6 == pytest.approx(67.9, rel=0.02)
+        near = gauge_claims.refitted(PRINTED, 7e-3)
+        assert "dsigma_dT" in near.fit.at_bound()
+
+    def test_effects(self):
+        found = gauge_claims.effects(PRINTED)
+        assert len(found) == 10
+        assert next(iter(found)) == "T_L"
+        assert list(found)[-1] == "E_M"
+        ranges = {one.name: (one.high - one.low) / (0.1 * one.value) for one in PRINTED.searched}
+        over = {name: found[name] * times for name, times in ranges.items()}
+        expected = {"T_L": 265.0, "Delta_sigma": 46.0, "sigma_L": 33.0, "dsigma_dT": 29.0}
+        assert over == pytest.approx({**expected, "E_M": 0.4}, rel=0.1)
+
+
+@needs_compiler
+@pytest.mark.slow
+class TestWhole:
+    def test_coordinate_search_stalls(self, listed):
+        for data in (NEAR, FAR):
+            assert verdict_of(listed, f"minimum-{data.key}") == "not reproduced"
+            for start in FEW:
+                found = search(data, start, COORDINATE, PRINTED)
+                assert found.rms > best(data, PRINTED).rms
+                assert found.fit.simulations > 8 * best(data, PRINTED).runs
+                assert found.fit.reason == "stalled"
+        assert search(NEAR, STILL, COORDINATE, PRINTED).fit["dsigma_dT"] > 5e6
+
+    def test_paths_begin_at_the_start_and_end_at_the_fit(self, listed):
+        for data in (NEAR, FAR):
+            for method in (COORDINATE, SQUARES):
+                found = search(data, FEW[0], method, PRINTED)
+                costs = [point.rms for point in found.path]
+                assert costs == sorted(costs, reverse=True)
+                assert found.path[-1].numbers == pytest.approx(found.fit.numbers, rel=1e-9)
+                assert found.path[0].runs == 1
+
+    def test_verdicts(self, listed):
+        check_complete(listed)
+        assert with_verdict(listed, "not reproduced") == {
+            "minimum-8mm", "minimum-16mm", "count", "no-latent-heat", "chosen",
+        }  # fmt: skip
+        sets = ("8mm", "16mm", "joint")
+        again = {f"{id}-{data}" for id in ("slope", "ratio", "T", "E_M") for data in sets}
+        assert with_verdict(listed, "reproduced") == again
+
+    def test_each_published_number_decides_its_verdict(self, listed):
+        checked = [claim for claim in listed if claim.tolerance is not None]
+        assert len(checked) == 17
+        check_decides(checked)
+
+    def test_latent_heat_goes_into_the_hysteresis(self, listed):
+        assert computed(listed, "no-latent-heat") == pytest.approx(96.0, abs=5.0)
+
+    def test_readme_has_the_computed_numbers(self, listed):
+        text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
+        rows = [
+            f"{search(data, k, COORDINATE, PRINTED).fit.simulations} / "
+            f"{search(data, k, COORDINATE, PRINTED).rms:.3f}"
+            for data in (NEAR, FAR) for k in FEW
+        ]  # fmt: skip
+        rows += [
+            f"{one.fit.simulations} + {one.fit.jacobians} / {one.rms:.3f}"
+            for data in EVERY for k in moving() for one in [search(data, k, SQUARES, PRINTED)]
+        ]  # fmt: skip
+        errors = [data_claims.errors(data, PRINTED) for data in EVERY]
+        rows += [f"{found.numbers['dsigma_dT'] / 1e6:.3f}" for found in errors]
+        rows += [f"{found.numbers['E_M'] / 1e9:.1f}" for found in errors]
+        rows += [f"{computed(listed, 'wrong-arm'):.2f} MPa/K"]
+        rows += [f"{computed(listed, 'no-latent-heat'):.0f} MPa"]
+        assert [row for row in rows if row not in text] == []
+
+    def test_figure(self, tmp_path, listed):
+        load_study("finger-calibration").figure(tmp_path / "calibration.png")
+        assert (tmp_path / "calibration.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_sources_are_known():
+    assert set(FingerCalibration.cites) <= set(bibliography())
+    assert set(FEW) < set(ALL)
+
+
+def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
+    for module in ("study", "figure"):
+        path = f"martensite.studies.finger_calibration.{module}.compiler"
+        monkeypatch.setattr(path, lambda: None)
+    (claim,) = FingerCalibration().claims()
+    assert claim.verdict == "not checkable"
+    assert "C compiler" in claim.why
+    FingerCalibration().figure(tmp_path / "empty.png")
+    assert (tmp_path / "empty.png").stat().st_size > 0
+
+
+@needs_compiler
+def test_a_wrong_number_is_noticed():
+    """A table with another hysteresis than the record was made with is not found again."""
+    other = [
+        replace(one, value=60e6) if one.name == "Delta_sigma" else one for one in PRINTED.searched
+    ]
+    claims = data_claims.again(NEAR, replace(PRINTED, searched=tuple(other)))
+    assert with_verdict(claims, "not reproduced") == {"ratio-8mm"}

@@ -1,0 +1,109 @@
+"""Shipped materials that were fitted to measured cycles: what they predict, and the fit again."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from martensite.io import datasets
+from martensite.io.fitting.api import fit
+from martensite.io.scenario import read
+from martensite.io.tables import read_table
+from martensite.materials.base import load_material
+from martensite.runtimes.c99 import compiler
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENARIO = """
+[element]
+kind = "wire"
+material = "{material}"
+diameter = "0.381 mm"
+length = "100 mm"
+initial_fraction = 0.0
+
+[mechanism]
+kind = "testing-machine"
+control = "stress"
+section = "0.1140092 mm^2"
+
+[signals.command]
+kind = "constant"
+level = "{stress} MPa"
+
+[drive]
+kind = "temperature"
+waveform = {{ kind = "log", from = "367 degC" }}
+
+[run]
+lead = "60 s"
+"""
+FLEXINOL, NITIHF = "flexinol-trained-0.381mm", "nitihf-bigelow2022"
+HELD_OUT = 0.0015
+"""Largest error of strain of a cycle that the fit did not see."""
+AIM = 6e-4
+"""Largest error over all levels of NiTiHf."""
+
+
+def record(data: str, stress: int) -> str:
+    """A measured cycle; the test is skipped without it."""
+    name = f"{data}/isobaric_{stress}MPa.txt"
+    if not datasets.is_here(name):
+        pytest.skip(f"the measured data {data} are not on this machine (martensite data fetch)")
+    return f"data:{name}"
+
+
+def errors(material: str, data: str, stress: int) -> np.ndarray:
+    """Predicted less measured strain [-] at the rows of a cycle."""
+    log = read_table(record(data, stress), interval=1.0)
+    scenario = read(SCENARIO.format(material=material, stress=stress), log=log)
+    run = scenario.run(runtime="c" if compiler() else "floats")
+    return np.interp(np.array(log.times) + 60.0, run.times, run["strain"]) - np.array(log["strain"])
+
+
+def rms(numbers: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(numbers**2)))
+
+
+@pytest.mark.parametrize("stress", [50, 100, 172, 200])
+def test_every_cycle_of_flexinol_is_predicted(stress: int) -> None:
+    found = errors(FLEXINOL, "flexinol-isobaric", stress)
+    assert rms(found) < HELD_OUT
+    assert rms(found - found.mean()) < 6e-4
+
+
+def test_another_stress_would_not_be_predicted() -> None:
+    log = read_table(record("flexinol-isobaric", 172), interval=1.0)
+    scenario = read(SCENARIO.format(material=FLEXINOL, stress=120), log=log)
+    run = scenario.run(runtime="c" if compiler() else "floats")
+    found = np.interp(np.array(log.times) + 60.0, run.times, run["strain"]) - np.array(
+        log["strain"]
+    )
+    assert rms(found - found.mean()) > HELD_OUT
+
+
+def test_the_cycles_of_nitihf_are_repeated() -> None:
+    squares = [
+        rms(errors(NITIHF, "nitihf-isobaric", stress)) ** 2 for stress in (7, 50, 100, 300, 400)
+    ]
+    assert math.sqrt(sum(squares) / len(squares)) < AIM
+
+
+def test_materials_say_with_which_law_they_hold() -> None:
+    for name in (FLEXINOL, NITIHF):
+        assert load_material(name).law == {"kind": "lagoudas", "hardening": "waisted"}
+
+
+def test_the_fit_gives_the_shipped_numbers_again(c_compiler: str) -> None:
+    record("flexinol-isobaric", 172)
+    found = fit(EXAMPLES / "fit_flexinol_trained.toml")
+    shipped = load_material(FLEXINOL).values
+    for name in ("A_s", "A_f", "M_s", "M_f"):
+        assert found[name] == pytest.approx(shipped[name].value, abs=0.5), name
+    for name in ("C_A", "C_M", "H_min", "H_sat", "n_2", "n_4", "waist_f", "waist_r"):
+        assert found[name] == pytest.approx(shipped[name].value, rel=2e-2), name
+    held = [one for one in found.scores if one.part == "held-out"]
+    assert [one.record for one in held] == ["172 MPa"]
+    assert held[0].rms < HELD_OUT

@@ -1,0 +1,103 @@
+"""Exact derivatives of whole runs in C, for every registered law, element, mechanism and drive.
+
+Sources of truth: central differences of the same run in C without derivatives, and JAX. All
+parameters of a case take part. Kernels are compiled without optimisation, which takes a tenth of
+the time; two cases are compiled as for a user.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from builders import example, law_a
+from slope_cases import Case, cases, tested, weighted
+
+from martensite.laws.brinson import Brinson
+from martensite.runtimes import c99
+from martensite.simulate.batch import sensitivity
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.native import march_lanes
+from martensite.simulate.native_slopes import march_slopes
+
+TOLERANCE = 1e-5
+GOOD = 0.99
+"""Share of places at which differences must be good."""
+SLOW = (
+    "axial-wire", "ribbon", "hand", "parallel-platform", "weight-mas-polycrystal",
+    "machine-mas-polycrystal", "weight-mas-stress", "weight-mas-free-energy",
+    "weight-mas-constant-well", "weight-mas-constant-edge", "weight-lagoudas-waisted",
+    "coil-spring-outer", "coil-spring-mean-small-bergstraesser", "coil-spring-mean-small-wahl",
+    "coil-spring-mean-small-exact", "coil-spring-mean-small-none-ancker",
+    "coil-spring-mean-large",
+)  # fmt: skip
+"""Cases that take seconds, most of them other options of what the rest covers."""
+EXACT = ["A_s", "C_A", "C_M", "diameter", "initial_fraction"]
+
+
+@pytest.fixture
+def unoptimised(c_compiler, monkeypatch):
+    """Compile quickly."""
+    quick = tuple("-O0" if flag == "-O3" else flag for flag in c99.FLAGS)
+    monkeypatch.setattr(c99, "FLAGS", quick)
+
+
+def marked(case: Case):
+    marks = [pytest.mark.slow] if case.name.startswith(SLOW) else []
+    return pytest.param(case, id=case.name, marks=marks)
+
+
+@pytest.mark.parametrize("case", [marked(case) for case in cases()])
+def test_slopes_are_those_of_differences(case: Case, unoptimised):
+    error, good = case.apart()
+    assert good >= GOOD
+    assert error <= TOLERANCE
+    found = case.slopes(case.directions)
+    assert (found.rows == case.run(case.values)).all()
+    assert np.ptp(found.rows, axis=0).max() > 0.0
+
+
+@pytest.mark.parametrize(
+    "case", [weighted(law_a()), tested(example(Brinson))], ids=lambda case: case.name
+)
+def test_slopes_are_those_of_jax(case: Case, c_compiler):
+    """Both as for a user: optimised, with the usual iterations."""
+    compiled = compile_system(case.system)
+    place = compiled.outputs.index("position")
+    paths = [case.system.resolve(name) for name in EXACT]
+    seeds = np.zeros((len(compiled.paths), len(paths)))
+    seeds[[compiled.paths.index(path) for path in paths], range(len(paths))] = 1.0
+    values = compiled.values(case.system)
+    found = march_slopes(compiled, values, seeds, case.grid, [place])
+    meant = sensitivity(
+        case.system, case.waves, case.duration, paths, step=case.step, samples=case.samples
+    )
+    rows, _ = march_lanes(compiled, values, case.grid, 1, [place])
+    assert np.abs(found.rows - rows[:, :, 0]).max() <= 1e-14 * np.abs(rows).max()
+    for k, path in enumerate(paths):
+        exact = meant.slopes[path]
+        assert np.abs(exact).max() > 0.0
+        apart = np.abs(found.slopes[:, 0, k] - exact).max()
+        assert apart <= 1e-9 * np.abs(exact).max(), path
+
+
+def test_many_directions_are_those_one_by_one(unoptimised):
+    """Forty directions, in chunks; a row of zeros moves nothing."""
+    case = weighted(law_a())
+    seeds = case.directions[:, np.arange(40) % 4] * np.linspace(1.0, 2.0, 40)
+    seeds[:, 17] = 0.0
+    many = case.slopes(seeds).slopes
+    assert many.shape[2] == 40
+    assert (many[:, :, 17] == 0.0).all()
+    for k in (0, 15, 16, 39):
+        assert (many[:, :, k] == case.slopes(seeds[:, [k]]).slopes[:, :, 0]).all()
+
+
+def test_a_seed_in_a_wrong_parameter_is_noticed(unoptimised):
+    case = weighted(law_a())
+    place, other = (case.compiled.paths.index(f"element.law.{n}") for n in ("C_A", "C_M"))
+    wrong = case.directions.copy()
+    wrong[[place, other]] = wrong[[other, place]]
+    assert case.apart(wrong)[0] > 1e-2
+    slightly = case.directions.copy()
+    slightly[place] *= 1.0 + 1e-3
+    assert case.apart(slightly)[0] > TOLERANCE

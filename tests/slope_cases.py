@@ -1,0 +1,198 @@
+"""Runs whose derivatives are known: exact ones in C, and differences of the same run in C.
+
+Every case is marched with so many iterations that its steps are solved to rounding: a run that
+is not has other derivatives than its solution. Differences are taken at several widths, and
+count only where two widths agree: at a kink, and below the noise, they are no derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from builders import chamber, example_system, examples, hanging_wire, label
+
+from martensite.electrical.voltage import VoltageSource
+from martensite.mechanisms.testing_machine import TensileTestingMachine
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.step import Step
+from martensite.signals.triangle import Triangle
+from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.driven import arranged
+from martensite.simulate.grid import Grid, grid_at
+from martensite.simulate.native import march_lanes
+from martensite.simulate.native_slopes import Slopes, march_slopes
+from martensite.system import AbstractSystem
+
+SOLVED = 12
+"""Iterations: all steps of the cases are then solved to rounding, or as far as can be."""
+MISMATCH = 1e-8
+STEPS = {"ribbon": 0.005}
+"""[s]; a ribbon makes a fixed number of sweeps over its wires, enough for short steps."""
+WIDTHS = (1e-5, 1e-4, 1e-6)
+"""Of differences; the others are tried where the first is rough."""
+ROUGH = 2e-6
+"""Disagreement of a width and its half, from which on a difference is none."""
+GROUPS = 4
+"""Directions in which differences are taken; every parameter moves in one of them."""
+KELVINS = 10.0
+"""Size of a temperature parameter [K]: the width of a strip, not the distance from 0 K."""
+INSIDE = {"initial_fraction": 0.7, "initial_oriented": 0.4}
+"""At the ends of its range a fraction has a derivative on one side only."""
+WHOLE = ("heated", "passes")
+"""Whole numbers."""
+LEVELS = {"V": 4.0, "A": 0.9, "W": 3.2, "1": 1.0, "N": 5.0, "Pa": 100e6, "m": 1e-3}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A system and what drives it."""
+
+    name: str
+    system: AbstractSystem
+    waves: dict[str, AbstractWaveform]
+    duration: float = 3.0
+    step: float = 0.02
+    samples: int = 31
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        return compile_system(self.system, SOLVED)
+
+    @cached_property
+    def grid(self) -> Grid:
+        waves = arranged(self.system, self.waves)
+        times = np.linspace(0.0, self.duration, self.samples).tolist()
+        return grid_at(waves, times, self.step, [d.at_end for d in self.system.drives()])
+
+    @cached_property
+    def outputs(self) -> range:
+        return range(len(self.compiled.outputs))
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        return np.array(self.compiled.values(self.system))
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """(parameters,): by how much each of them moves; 0 for what cannot."""
+        units = {leaf.path: leaf.declared.unit for leaf in self.system.leaves()}
+        kelvins = np.array([units[path] == "K" for path in self.compiled.paths])
+        whole = np.array([path.endswith(WHOLE) for path in self.compiled.paths])
+        sizes = np.where(kelvins, KELVINS, self.values)
+        return np.where(np.isfinite(sizes) & ~whole, sizes, 0.0)
+
+    def run(self, values: np.ndarray) -> np.ndarray:
+        """Outputs (samples, outputs) without derivatives."""
+        rows, worst = march_lanes(self.compiled, values.tolist(), self.grid, 1, self.outputs)
+        assert worst[0, 0] <= MISMATCH, "a step is not solved to rounding"
+        return rows[:, :, 0]
+
+    def slopes(self, seeds: np.ndarray) -> Slopes:
+        """Outputs with exact derivatives."""
+        return march_slopes(self.compiled, self.values.tolist(), seeds, self.grid, self.outputs)
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """(parameters, GROUPS): parameters by turns, each as far as has about the same effect."""
+        moving = np.flatnonzero(self.sizes)
+        single = np.zeros((len(self.sizes), len(moving)))
+        single[moving, range(len(moving))] = self.sizes[moving]
+        found = self.slopes(single)
+        shares = np.abs(found.slopes).max(axis=0) / spans(found.rows)[:, None]
+        effects = np.clip(shares.max(axis=0), 0.1, 1e3)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], len(moving))
+        seeds = np.zeros((len(self.sizes), GROUPS))
+        seeds[moving, np.arange(len(moving)) % GROUPS] = self.sizes[moving] * signs / effects
+        return seeds
+
+    def differences(self, seed: np.ndarray, largest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives in one direction, of fourth order, and where they are good."""
+        best = rough = np.full((self.samples, len(self.outputs)), np.inf)
+        for width in WIDTHS:
+            far, back, near, short = (
+                self.run(self.values + s * width * seed) for s in (1.0, -1.0, 0.5, -0.5)
+            )
+            wide, narrow = (far - back) / (2.0 * width), (near - short) / width
+            found, apart = (4.0 * narrow - wide) / 3.0, np.abs(narrow - wide) / largest
+            best, rough = np.where(apart < rough, found, best), np.minimum(apart, rough)
+            if (rough < ROUGH).all():
+                break
+        return best, rough < ROUGH
+
+    def apart(self, seeds: np.ndarray | None = None) -> tuple[float, float]:
+        """Largest error of exact derivatives, as a share of the largest of their output, where
+        differences are good; and in which share of all places they are."""
+        seeds = self.directions if seeds is None else seeds
+        found = self.slopes(seeds)
+        assert np.isfinite(found.slopes).all()
+        errors, goods = [], []
+        for k, seed in enumerate(self.directions.T):
+            slopes = found.slopes[:, :, k]
+            largest = np.maximum(np.abs(slopes).max(axis=0), 1e-4 * spans(found.rows))
+            meant, good = self.differences(seed, largest)
+            errors.append(np.where(good, np.abs(slopes - meant) / largest, 0.0))
+            goods.append(good)
+        return float(np.max(errors)), float(np.mean(goods))
+
+
+def spans(rows: np.ndarray) -> np.ndarray:
+    """(outputs,): ranges of outputs; a share of their size for what hardly moves."""
+    return np.maximum(np.ptp(rows, axis=0), 1e-6 * np.abs(rows).max(axis=0) + 1e-300)
+
+
+def inside(system: AbstractSystem) -> AbstractSystem:
+    """A twin whose phases at the start are inside their ranges, where its law allows it."""
+    for ending, value in INSIDE.items():
+        paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
+        one_way = ending == "initial_oriented" and any(
+            getattr(part, "one_way", False) for part in system.tree()
+        )
+        system = system if one_way else system.with_values(dict.fromkeys(paths, value))
+    return system
+
+
+def weighted(law: Any) -> Case:
+    """A wire of a law under a weight, heated by a pulse of voltage, and cooling."""
+    system = hanging_wire(mass=1.7, source=VoltageSource(), law=law)
+    wave = Step(low=0.0, high=4.5, at=0.1, until=1.4)
+    return Case(f"weight-{label(law)}", inside(system), {"drive": wave}, 4.0)
+
+
+def tested(law: Any) -> Case:
+    """A wire in a testing machine, under a stress and a temperature that both change."""
+    machine = TensileTestingMachine(control="stress", section=1.14e-7)
+    system = chamber(law).with_parts(mechanism=machine)
+    waves: dict[str, AbstractWaveform] = {
+        "drive": Triangle(low=290.0, high=410.0, frequency=0.3),
+        "command": Triangle(low=50e6, high=180e6, frequency=0.35),
+    }
+    return Case(f"machine-{label(law)}", inside(system), waves, 4.0)
+
+
+def exchanged(thing: Any) -> Case:
+    """Problem A with one part exchanged, every other drive switched on for a while."""
+    system, waves = example_system(thing), {}
+    drives = system.drives()
+    for k, drive in enumerate(drives):
+        at, until, share = 0.1 + 0.05 * k, 1.5, 1.0 - 0.06 * k
+        if drive.unit == "K":
+            waves[drive.name] = Step(low=295.0, high=390.0, at=at, until=until)
+        elif k % 2 == 0 or len(drives) < 4:
+            waves[drive.name] = Step(low=0.0, high=share * LEVELS[drive.unit], at=at, until=until)
+    return Case(label(thing), inside(system), waves, step=STEPS.get(thing.registered_name, 0.02))
+
+
+def cases() -> Iterator[Case]:
+    """All laws twice, and all other registered parts of a system that move."""
+    for law in examples("law"):
+        yield weighted(law)
+    plain = {law.registered_name: law for law in reversed(examples("law"))}
+    for law in plain.values():
+        yield tested(law)
+    for kind in ("element", "mechanism", "drive", "cooling"):
+        for thing in examples(kind):
+            yield exchanged(thing)
