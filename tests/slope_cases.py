@@ -155,14 +155,14 @@ def inside(system: AbstractSystem) -> AbstractSystem:
     return system
 
 
-def weighted(law: Any) -> Case:
+def under_weight(law: Any) -> Case:
     """A wire of a law under a weight, heated by a pulse of voltage, and cooling."""
     system = hanging_wire(mass=1.7, source=VoltageSource(), law=law)
     wave = Step(low=0.0, high=4.5, at=0.1, until=1.4)
     return Case(f"weight-{label(law)}", inside(system), {"drive": wave}, 4.0)
 
 
-def tested(law: Any) -> Case:
+def in_machine(law: Any) -> Case:
     """A wire in a testing machine, under a stress and a temperature that both change."""
     machine = TensileTestingMachine(control="stress", section=1.14e-7)
     system = chamber(law).with_parts(mechanism=machine)
@@ -170,7 +170,7 @@ def tested(law: Any) -> Case:
         "drive": Triangle(low=290.0, high=410.0, frequency=0.3),
         "command": Triangle(low=50e6, high=180e6, frequency=0.35),
     }
-    return Case(f"machine-{label(law)}", inside(system), waves, 4.0)
+    return Case(f"machine-{label(law)}", inside(system), waves, 4.0, samples=61)
 
 
 def exchanged(thing: Any) -> Case:
@@ -189,10 +189,10 @@ def exchanged(thing: Any) -> Case:
 def cases() -> Iterator[Case]:
     """All laws twice, and all other registered parts of a system that move."""
     for law in examples("law"):
-        yield weighted(law)
+        yield under_weight(law)
     plain = {law.registered_name: law for law in reversed(examples("law"))}
     for law in plain.values():
-        yield tested(law)
+        yield in_machine(law)
     for kind in ("element", "mechanism", "drive", "cooling"):
         for thing in examples(kind):
             yield exchanged(thing)

@@ -154,7 +154,9 @@ def test_current_does_not_know_another_film() -> None:
     for factor in (0.7, 1.4):
         moved = list(fit.values)
         moved[place] = fit.problem.free[place].share(factor * fit["h"])
-        assert fit.problem.evaluate(moved).cost > 1.5 * fit.cost
+        found = fit.problem.evaluate(moved)
+        assert found is not None
+        assert found.cost > 1.5 * fit.cost
 
 
 def test_films_of_the_camera_close_the_balance() -> None:

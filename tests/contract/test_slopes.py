@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from builders import example, law_a
-from slope_cases import Case, cases, tested, weighted
+from slope_cases import Case, cases, in_machine, under_weight
 
 from martensite.laws.brinson import Brinson
 from martensite.runtimes import c99
@@ -57,7 +57,7 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
 
 
 @pytest.mark.parametrize(
-    "case", [weighted(law_a()), tested(example(Brinson))], ids=lambda case: case.name
+    "case", [under_weight(law_a()), in_machine(example(Brinson))], ids=lambda case: case.name
 )
 def test_slopes_are_those_of_jax(case: Case, c_compiler):
     """Both as for a user: optimised, with the usual iterations."""
@@ -82,7 +82,7 @@ def test_slopes_are_those_of_jax(case: Case, c_compiler):
 
 def test_many_directions_are_those_one_by_one(unoptimised):
     """Forty directions, in chunks; a row of zeros moves nothing."""
-    case = weighted(law_a())
+    case = under_weight(law_a())
     seeds = case.directions[:, np.arange(40) % 4] * np.linspace(1.0, 2.0, 40)
     seeds[:, 17] = 0.0
     many = case.slopes(seeds).slopes
@@ -93,7 +93,7 @@ def test_many_directions_are_those_one_by_one(unoptimised):
 
 
 def test_a_seed_in_a_wrong_parameter_is_noticed(unoptimised):
-    case = weighted(law_a())
+    case = under_weight(law_a())
     place, other = (case.compiled.paths.index(f"element.law.{n}") for n in ("C_A", "C_M"))
     wrong = case.directions.copy()
     wrong[[place, other]] = wrong[[other, place]]

@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ EXPONENTS = {
 def law_of(exponents=(0.95, 0.95, 0.95, 0.95), **changes):
     """The law with the numbers of the actuator material, some of them changed."""
     values = load_material("niti-lagoudas").values
-    numbers = {n: values[n].value for n in Lagoudas.declarations if n in values}
+    numbers: dict[str, Any] = {n: values[n].value for n in Lagoudas.declarations if n in values}
     names = ("n_1", "n_2", "n_3", "n_4")
     return Lagoudas(**(numbers | dict(zip(names, exponents, strict=True)) | changes))
 
@@ -284,7 +285,8 @@ class TestSuperelasticLoop:
 
     def test_the_material_of_the_superelastic_example(self):
         values = load_material("niti-superelastic-lagoudas").values
-        law = Lagoudas(**{n: values[n].value for n in Lagoudas.declarations if n in values})
+        numbers: dict[str, Any] = {n: values[n].value for n in Lagoudas.declarations if n in values}
+        law = Lagoudas(**numbers)
         work, remains, most = self.loop(law, 298.15, 700.0)
         assert most == 1.0
         assert abs(remains) < 1e-15

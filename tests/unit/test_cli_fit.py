@@ -81,9 +81,11 @@ def test_command_may_be_named_and_the_others_still_answer() -> None:
 
 
 def test_profile_brackets_the_truth() -> None:
-    (profile,) = FIT.report(*SMALL, "--profile", "A_f")["profiles"]
+    found = FIT.report(*SMALL, "--profile", "A_f")
+    (profile,), linear = found["profiles"], found["parameters"]["A_f"]
     low, high = profile["interval"]
     assert low < fit_cases.TRUE["A_f"] < high
+    assert high - low == pytest.approx(linear["high"] - linear["low"], rel=0.1)
     assert "A_f" in profile["sentence"]
 
 
@@ -260,6 +262,19 @@ def test_interrupted_search_keeps_the_best_and_is_taken_up_again(
     assert resumed["reason"] == "converged"
     assert resumed["cost"] == pytest.approx(whole["cost"], rel=1e-4)
     assert later[0].cost == pytest.approx(notes[-1].cost)
+
+
+def test_interrupted_profile_does_not_lose_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    from martensite.identify.fitting import profiled
+
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(profiled, "profiled", interrupted)
+    done = FIT(*SMALL, "--profile", "A_s", "--json")
+    assert done.exit_code == 1
+    found = json.loads(done.stdout)
+    assert (found["reason"], found["profiles"]) == ("converged", [])
 
 
 def test_state_of_another_problem_is_refused() -> None:

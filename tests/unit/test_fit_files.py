@@ -491,6 +491,10 @@ def test_fit_file_says_everything() -> None:
     assert [kept.experiment.name for kept in found.kept] == ["second"]
     assert found.problem.noise == pytest.approx({"strain": 5e-4})
     assert found.problem.experiments[0].weights == {"strain": 2.0}
+    other = fit("fit.toml", loss="huber", noise={"strain": "0.1 %"}, each="delay")
+    assert other.loss == "huber"
+    assert other.problem.noise == pytest.approx({"strain": 1e-3})
+    assert other.problem.names[-1] == "delay@first"
 
 
 def test_fit_file_names_its_files_beside_itself(tmp_path: Path) -> None:

@@ -443,6 +443,12 @@ def test_the_search_and_the_profiles_are_drawn_as_they_were(plain: Sample) -> No
     error = plain.fit.uncertainty.errors[0]
     np.testing.assert_allclose(marks.get_xdata(), plain.fit["A_s"] + steps * error - 273.15)
     assert second.get_title("right") == "open above"
+    (curve,) = [line for line in first.lines if line.get_label() == "from the Jacobian"]
+    x, y = curve.get_data()
+    cost = ((x + 273.15 - plain.fit["A_s"]) / error * plain.fit.uncertainty.noise) ** 2
+    seen = np.isfinite(y)
+    assert seen.any()
+    np.testing.assert_allclose(y[seen], cost[seen] / 4.0, rtol=1e-9, atol=1e-12)
     with pytest.raises(InputError, match="no profile likelihood"):
         plot_likelihood([])
 

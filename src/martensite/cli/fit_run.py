@@ -11,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from martensite.cli.options import quantity
 from martensite.cli.waiting import search_bar, spinner
 from martensite.errors import DataError, InputError, UnknownNameError
@@ -51,26 +53,22 @@ class Given:
             InputError: something is missing, or contradicts a fit file.
         """
         from martensite.io.fitting.documents import is_fit_file, read_fit_file
+        from martensite.io.fitting.wishes import split_list
+        from martensite.io.overrides import read_settings
 
         if any(map(is_fit_file, self.logs)):
             self._refuse_beside_fit_file()
             task = read_fit_file(self.logs[0])
-            logs = [replace(one, settings={**one.settings, **self._set()}) for one in task.logs]
         else:
             task = self._own()
-            logs = [
-                replace(one, columns=self._headings(), interval=self._seconds("interval"))
-                for one in task.logs
-            ]
-        return replace(
-            task,
-            logs=tuple(logs),
-            each=self.each or task.each,
-            hold_out=task.hold_out if self.hold_out is None else self.hold_out,
-            columns=self.columns or task.columns,
-            noise={**task.noise, **_pairs(self.noise)},
-            step=task.step if self.step is None else self._seconds("step"),
-            search=replace(task.search, **self._search()),
+        return task.changed(
+            each=split_list(self.each),
+            hold_out=self.hold_out,
+            columns=self.columns,
+            noise=_pairs(self.noise),
+            step=self._seconds("step"),
+            settings=read_settings(self.settings),
+            search={"method": self.method, "loss": self.loss, "starts": self.starts},
         )
 
     def _own(self) -> Task:
@@ -82,7 +80,9 @@ class Given:
             raise InputError(
                 "A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given."
             )
-        return task_of(self.scenarios, self.logs, self.free, each=self.each, overrides=self._set())
+        task, interval = task_of(self.scenarios, self.logs, self.free), self._seconds("interval")
+        logs = (replace(x, columns=self._headings(), interval=interval) for x in task.logs)
+        return replace(task, logs=tuple(logs))
 
     def _refuse_beside_fit_file(self) -> None:
         if len(self.logs) > 1:
@@ -95,21 +95,12 @@ class Given:
         if name is not None:
             raise InputError(f"Option `{name}` has no effect: the fit file says that.")
 
-    def _set(self) -> dict[str, Any]:
-        from martensite.io.overrides import read_settings
-
-        return read_settings(self.settings)
-
     def _headings(self) -> tuple[str, ...] | None:
         return None if self.headings is None else tuple(self.headings.split(","))
 
     def _seconds(self, name: str) -> float | None:
         text = getattr(self, name)
         return None if text is None else quantity(name, text, "s")
-
-    def _search(self) -> dict[str, Any]:
-        given = {"method": self.method, "loss": self.loss, "starts": self.starts}
-        return {name: value for name, value in given.items() if value is not None}
 
 
 def _pairs(texts: Sequence[str]) -> dict[str, str]:
@@ -199,7 +190,7 @@ class Further:
 
 
 def run_fit(task: Task, files: Files, further: Further, json: bool) -> bool:
-    """Do what a task says and show it; False if it was interrupted."""
+    """Do what a task says and show what there is of it; False if it was interrupted."""
     from martensite.cli import fit_show, show
 
     with spinner("reading logs, choosing steps"):
@@ -207,8 +198,10 @@ def run_fit(task: Task, files: Files, further: Further, json: bool) -> bool:
         further.check(arranged)
     with search_bar(lambda note: _words(note, task.noise)) as tell:
         fit = arranged.solved(tell, files.state)
-    profiles = _profiles(fit, further.profiles)
-    draws = None if further.draws is None else _posterior(fit, further.draws)
+    profiles, draws = _profiles(fit, further.profiles), None
+    if further.draws is not None and len(profiles) == len(further.profiles):
+        draws = _posterior(fit, further.draws)
+    whole = len(profiles) == len(further.profiles) and (draws is None) == (further.draws is None)
     with spinner("writing"):
         written = files.write(fit, profiles)
     shown = fit_show.Shown(fit, profiles, draws, written)
@@ -216,22 +209,32 @@ def run_fit(task: Task, files: Files, further: Further, json: bool) -> bool:
         show.as_json(shown.as_dict())
     else:
         shown.show()
-    return fit.reason != "interrupted"
+    if not whole:
+        typer.echo("interrupted: profiles or samples are missing", err=True)
+    return whole and fit.reason != "interrupted"
 
 
-def _posterior(fit: LogFit, draws: int) -> Posterior:
+def _posterior(fit: LogFit, draws: int) -> Posterior | None:
+    """Samples; None if they were interrupted."""
     from martensite.identify.fitting.posterior import posterior
 
-    return posterior(fit, draws=draws, progress=sys.stderr.isatty())
+    try:
+        return posterior(fit, draws=draws, progress=sys.stderr.isatty())
+    except KeyboardInterrupt:
+        return None
 
 
 def _profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
+    """Profiles; fewer if they were interrupted."""
     from martensite.identify.fitting.profiled import profiled
 
     walked: list[Profile] = []
-    for name in names:
-        with spinner(f"profile of {name}"):
-            walked.append(profiled(fit, name))
+    try:
+        for name in names:
+            with spinner(f"profile of {name}"):
+                walked.append(profiled(fit, name))
+    except KeyboardInterrupt:
+        return walked
     return walked
 
 

@@ -88,15 +88,16 @@ def _between(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
 
 
 def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
-    """What the Jacobian at the optimum says of the same."""
-    low, high = fit.uncertainty.interval(one.name, one.level)
-    if not math.isfinite(high - low):
+    """What the Jacobian at the optimum says of the same, in the same units."""
+    unsure = fit.uncertainty
+    error = unsure.errors[unsure.names.index(one.name)]
+    if not 0.0 < error < math.inf:
         return
-    half = 0.5 * (high - low)
     factor, offset = units.conversion(shown.shown, shown.unit)
     first, last = axes.get_xlim()
     at = np.linspace(first, last, 201)
-    curve = ((at * factor + offset - one.value) / half) ** 2
+    moved = (at * factor + offset - one.value) / error
+    curve = (moved * unsure.noise) ** 2 / one.limit
     axes.plot(
         at, np.where(curve <= TOP, curve, np.nan), color=QUIET, linewidth=1.0,
         linestyle=(0, (1, 1.4)), zorder=1.8, label="from the Jacobian",

@@ -19,6 +19,8 @@ from martensite.identify.fitting.free import Free, Wish, free_parameters
 OFFSET, DELAY = "offset", "delay"
 LATE = 0.05
 """Longest delay either way, as a share of the record."""
+FARTHEST = 2.0
+"""Largest offset either way, in measured ranges."""
 
 
 def own_parameters(wishes: Sequence[Wish], experiments: Sequence[Experiment]) -> list[Free]:
@@ -53,7 +55,7 @@ def _offset(wish: Wish, output: str, experiment: Experiment) -> Free:
     if output not in experiment.outputs:
         raise UnknownNameError("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
-    reach = float(np.nanmax(column) - np.nanmin(column))
+    reach = FARTHEST * float(np.nanmax(column) - np.nanmin(column))
     unit = experiment.system.outputs()[output].unit
     return _free(wish, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}")
 

@@ -35,6 +35,7 @@ SPREAD = 32
 """Sobol' points tried for each start."""
 SETTLED = 1e-8
 """Relative change of cost, parameters and gradient at which trf stops."""
+RESUMED = "best so far"
 MOST = 200
 """Evaluations of one local search."""
 
@@ -134,7 +135,7 @@ def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most:
         begins = [("best of evolution", np.array(evolve(watch.costs, low, high, seed=seed).values))]
         watch.finished("evolution")
     if watch.best is not None:
-        begins = [("best so far", np.array(watch.best))]
+        begins = [(RESUMED, np.array(watch.best))]
     if starts:
         watch.stage = f"{SPREAD * starts} points"
         spread = multistart(watch.costs, low, high, count=SPREAD * starts, keep=starts, seed=seed)
@@ -150,7 +151,8 @@ def _locals(watch: Watch, begins: Sequence[tuple[str, Any]], loss: Loss, most: i
             continue
         watch.stage, watch.share = stage, k / len(begins)
         ended = local(watch, begin, loss, most)
-        watch.finished(stage)
+        if stage != RESUMED:  # which is never far from its end
+            watch.finished(stage)
         if watch.cost < least:
             least, reason = watch.cost, ended
     return reason

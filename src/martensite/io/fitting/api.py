@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,9 @@ from martensite.errors import InputError
 from martensite.identify.fitting.free import Wish
 from martensite.identify.fitting.problem import Problem
 from martensite.identify.fitting.watch import Tell
-from martensite.io.fitting.hold_out import AUTO
-from martensite.io.fitting.task import Log, LogFit, Model, Search, Source, Task, check_matching
+from martensite.io.fitting.documents import read_fit_file
+from martensite.io.fitting.logs import Log, Model, Source, check_matching
+from martensite.io.fitting.task import Columns, LogFit, Task
 from martensite.io.fitting.wishes import split_list
 from martensite.io.scenario import Scenario
 from martensite.signals.records import Record
@@ -26,8 +26,8 @@ def read_problem(
     free: Wishes,
     *,
     each: Wishes = (),
-    hold_out: str | Sequence[str] = AUTO,
-    columns: str | Sequence[str] | Mapping[str, str] | None = None,
+    hold_out: str | Sequence[str] | None = None,
+    columns: Columns | None = None,
     noise: Mapping[str, str | float] | None = None,
     step: float | None = None,
     overrides: Mapping[str, Any] | None = None,
@@ -39,7 +39,8 @@ def read_problem(
         logs: files with headings, `data:<data set>/<file>`, or records; missing samples are NaN.
         free: parameters common to all logs: `A_s`, `A_s=40..90 degC`, `A_s=40..90 degC@60 degC`.
         each: what every log has for itself: such parameters, `offset`, `offset.OUTPUT`, `delay`.
-        hold_out: what is kept back from the fit: auto, none, names of records, or `25 %`.
+        hold_out: what is kept back from the fit: auto (if left out), none, names of records, or
+            `25 %`.
         columns: outputs that are compared, `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`;
             all that logs and system share if left out, but for what drives.
         noise: output -> standard deviation of its measurement, with unit or in SI.
@@ -50,9 +51,9 @@ def read_problem(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: a run at the start values fails.
     """
-    task = task_of(
-        scenario, logs, free, each=each, hold_out=hold_out, columns=columns, noise=noise,
-        step=step, overrides=overrides,
+    task = task_of(scenario, logs, free).changed(
+        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        settings=overrides,
     )  # fmt: skip
     return task.arranged().problem
 
@@ -63,22 +64,22 @@ def fit(
     free: Wishes | None = None,
     *,
     each: Wishes = (),
-    hold_out: str | Sequence[str] = AUTO,
-    columns: str | Sequence[str] | Mapping[str, str] | None = None,
+    hold_out: str | Sequence[str] | None = None,
+    columns: Columns | None = None,
     noise: Mapping[str, str | float] | None = None,
     step: float | None = None,
     overrides: Mapping[str, Any] | None = None,
-    method: str = "trf",
-    loss: str = "linear",
-    starts: int = 0,
-    seed: int = 0,
+    method: str | None = None,
+    loss: str | None = None,
+    starts: int | None = None,
+    seed: int | None = None,
     tell: Tell | None = None,
     state: str | Path | None = None,
 ) -> LogFit:
     """Fit parameters of scenarios to logs.
 
-    With the path of a fit file as its only argument it does what that says; see
-    `martensite.io.fitting.documents`.
+    With the path of a fit file in place of all three it does what that says, but for what is
+    given beside it; see `martensite.io.fitting.documents`.
 
     Args:
         scenario: as in `read_problem`, or a fit file.
@@ -89,9 +90,9 @@ def fit(
         columns: as in `read_problem`.
         noise: as in `read_problem`.
         step: as in `read_problem`.
-        overrides: as in `read_problem`, also for a fit file.
-        method: trf, coordinate, or evolution; see `solve`.
-        loss: linear, soft-l1, huber, or cauchy.
+        overrides: as in `read_problem`.
+        method: trf (if left out), coordinate, or evolution; see `solve`.
+        loss: linear (if left out), soft-l1, huber, or cauchy.
         starts: further local searches, from the best of many points within the bounds.
         seed: of those points.
         tell: called after every evaluation.
@@ -101,37 +102,27 @@ def fit(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: the runs fail at the start, and at every point tried.
     """
-    if logs is None or free is None:
-        task = _of_file(scenario, overrides or {})
-    else:
-        task = task_of(
-            scenario, logs, free, each=each, hold_out=hold_out, columns=columns, noise=noise,
-            step=step, overrides=overrides, search=Search(method, loss, starts, seed),
-        )  # fmt: skip
+    task = _of_file(scenario) if logs is None or free is None else task_of(scenario, logs, free)
+    task = task.changed(
+        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        settings=overrides,
+        search={"method": method, "loss": loss, "starts": starts, "seed": seed},
+    )  # fmt: skip
     return task.arranged().solved(tell, None if state is None else Path(state))
 
 
 def task_of(
-    scenario: Model | Sequence[Model],
-    logs: Source | Sequence[Source],
-    free: Wishes,
-    *,
-    each: Wishes = (),
-    hold_out: str | Sequence[str] = AUTO,
-    columns: str | Sequence[str] | Mapping[str, str] | None = None,
-    noise: Mapping[str, str | float] | None = None,
-    step: float | None = None,
-    overrides: Mapping[str, Any] | None = None,
-    search: Search | None = None,
+    scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Wishes
 ) -> Task:
-    """The task that the arguments of `fit` describe."""
+    """The task of some logs, one scenario or one for each, and free parameters.
+
+    Raises:
+        DataError: scenarios are neither one nor as many as logs.
+    """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     models = [scenario] if isinstance(scenario, (str, Path, Scenario)) else list(scenario)
     pairs = zip(sources, check_matching(sources, models), strict=True)
-    return Task(
-        tuple(Log(source, model, settings=overrides or {}) for source, model in pairs),
-        _wishes(free), _wishes(each), hold_out, columns, noise or {}, step, search or Search(),
-    )  # fmt: skip
+    return Task(tuple(Log(source, model) for source, model in pairs), _wishes(free))
 
 
 def _wishes(given: Wishes) -> list[str | Wish]:
@@ -141,11 +132,7 @@ def _wishes(given: Wishes) -> list[str | Wish]:
     return [one for x in given for one in (split_list(x) if isinstance(x, str) else [x])]
 
 
-def _of_file(path: Model | Sequence[Model], overrides: Mapping[str, Any]) -> Task:
-    from martensite.io.fitting.documents import read_fit_file
-
+def _of_file(path: Model | Sequence[Model]) -> Task:
     if not isinstance(path, (str, Path)):
         raise InputError("A fit needs `logs` and `free`; only a fit file stands alone.")
-    task = read_fit_file(path)
-    logs = (replace(one, settings={**one.settings, **overrides}) for one in task.logs)
-    return replace(task, logs=tuple(logs))
+    return read_fit_file(path)

@@ -26,7 +26,8 @@ from martensite import units
 from martensite.errors import DataError, ParameterError, UnitError, suggestion
 from martensite.io.build import as_table, refuse_unknown
 from martensite.io.fitting.hold_out import AUTO
-from martensite.io.fitting.task import Log, Search, Task
+from martensite.io.fitting.logs import Log
+from martensite.io.fitting.task import Search, Task
 from martensite.io.tables import PREFIX
 
 KEYS = (

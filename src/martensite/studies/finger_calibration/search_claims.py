@@ -49,7 +49,7 @@ def _of(data: Data, printed: Printed, starts: tuple[int, ...]) -> list[Claim]:
             f'{METHOD}, "avoiding local minima"', 0.0, max(one.rms for one in walked) - least.rms,
             "deg", NEAR_ENOUGH,
             f"the least is {least.rms:.3f}°; coordinate search ends in {_ends(walked, starts)}: "
-            "between the axes leads a narrow valley, in which no step along one axis is better",
+            "a narrow valley leads across the axes, where no short step along one axis is better",
         ),
         Claim.reported(
             f"coordinate-runs-{data.key}", f"runs of a coordinate search, {data.name}", METHOD,
@@ -89,7 +89,7 @@ def _still(printed: Printed) -> list[Claim]:
         Claim.reported(
             "still", "rms of least squares from a start at which the finger does not move", METHOD,
             caught.rms, "deg",
-            f"the power never reaches that wire's threshold, all derivatives are exactly 0, and "
+            f"the power never reaches that wire's threshold, all derivatives are 0, and "
             f"the search ends after {caught.runs} runs; coordinate search gets away, "
             f"and ends at {walked.rms:.2f}° after {walked.runs} runs",
         ),
