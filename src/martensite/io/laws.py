@@ -101,10 +101,13 @@ def _needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
 
 
 def _first(needed: Sequence[str]) -> Material | None:
-    """The first shipped material that holds all these numbers."""
+    """The first shipped material that holds all these numbers.
+
+    One that was fitted with certain options of a law is taken only by its name.
+    """
     for name in material_names():
         material = load_material(name)
-        if all(number in material.values for number in needed):
+        if material.law is None and all(number in material.values for number in needed):
             return material
     return None
 
