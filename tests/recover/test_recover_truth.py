@@ -1,0 +1,189 @@
+"""Fits find the truth again, for laws, mechanisms and noise; intervals hold it at their rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from martensite.identify.fitting.experiment import Experiment
+from martensite.identify.fitting.fit import Fit
+from martensite.identify.fitting.free import Wish
+from martensite.identify.fitting.problem import problem
+from martensite.identify.fitting.runner import Runner
+from martensite.identify.fitting.solve import solve
+from martensite.io.scenario import Scenario, read
+from martensite.signals.records import Record
+
+REPETITIONS = 200
+FEWEST, MOST = 178, 199
+"""99.9 % of binomial numbers with rate 0.95 lie between."""
+WIRE = """
+[element]
+kind = "wire"
+material = "{material}"
+law = {{ {law} }}
+diameter = "0.381 mm"
+length = "100 mm"
+resistance = {{ kind = "mixture", rho_A = "8.4e-7 ohm*m", rho_M = "9.2e-7 ohm*m" }}
+"""
+HEATED = """
+[environment]
+temperature = "25 degC"
+cooling = { kind = "constant", h = "70 W/m^2/K" }
+
+[drive]
+kind = "current"
+waveform = { kind = "triangle", low = "0 A", high = "2.2 A", frequency = "0.02 Hz" }
+
+[run]
+duration = "100 s"
+"""
+CHAMBER = """
+[drive]
+kind = "temperature"
+waveform = {{ kind = "triangle", low = "{low}", high = "{high}", frequency = "0.01 Hz" }}
+
+[run]
+duration = "100 s"
+"""
+WEIGHT = '[mechanism]\nkind = "dead-weight"\nmass = "1 kg"\n'
+SPRING = '[mechanism]\nkind = "bias-spring"\nstiffness = "2 N/mm"\npreload = "6 N"\n'
+MACHINE = """
+[mechanism]
+kind = "testing-machine"
+control = "stress"
+section = "0.114 mm^2"
+
+[signals.command]
+kind = "sine"
+low = "80 MPa"
+high = "120 MPa"
+frequency = "0.03 Hz"
+"""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A law at a mechanism, what is measured, and what is to be found."""
+
+    name: str
+    text: str
+    output: str
+    unit: str
+    free: tuple[Wish, ...]
+    rows: int = 101
+    step: float = 0.5
+
+
+def wire(material: str, law: str) -> str:
+    return WIRE.format(material=material, law=law)
+
+
+CELLS = (
+    Cell(
+        "liang-rogers, dead weight, heated by current",
+        wire("flexinol-90", 'kind = "liang-rogers", modulus = "mixture"') + WEIGHT + HEATED,
+        "position", "m",
+        (Wish("A_s", 330.0, 352.0), Wish("eps_L", 0.03, 0.05), Wish("cooling.h", 55.0, 90.0)),
+    ),
+    Cell(
+        "brinson, bias spring, heated by current",
+        wire("flexinol-90", 'kind = "brinson", sigma_s = "50 MPa", sigma_f = "90 MPa"')
+        + SPRING + HEATED,
+        "position", "m",
+        (Wish("A_f", 343.0, 357.0), Wish("M_s", 316.0, 328.0), Wish("eps_L", 0.03, 0.05)),
+    ),
+    Cell(
+        "lagoudas, testing machine, in a chamber",
+        wire("niti-lagoudas", 'kind = "lagoudas"') + MACHINE
+        + CHAMBER.format(low="-20 degC", high="110 degC"),
+        "strain", "1",
+        (Wish("A_f", 320.0, 342.0), Wish("M_s", 298.0, 314.0), Wish("H_sat", 0.04, 0.07)),
+        step=1.0,
+    ),
+    Cell(
+        "tanaka, dead weight, in a chamber",
+        wire("flexinol-90", 'kind = "tanaka"') + WEIGHT
+        + CHAMBER.format(low="20 degC", high="130 degC"),
+        "strain", "1",
+        (Wish("A_s", 330.0, 348.0), Wish("M_f", 305.0, 318.0), Wish("eps_L", 0.03, 0.05)),
+        step=1.0,
+    ),
+)  # fmt: skip
+NOISES = (0.001, 0.01)
+"""Standard deviation of the measurement, as a share of its range."""
+
+
+@cache
+def scenario(cell: Cell) -> Scenario:
+    return read(cell.text)
+
+
+@cache
+def truth(cell: Cell) -> dict[str, float]:
+    return {wish.name: scenario(cell).system.value_of(wish.name) for wish in cell.free}
+
+
+def experiment(cell: Cell, values: np.ndarray) -> Experiment:
+    times = np.linspace(0.0, 100.0, cell.rows)
+    columns = {"time": times.tolist(), cell.output: values.tolist()}
+    record = Record("test", columns, {"time": "s", cell.output: cell.unit})
+    made = scenario(cell)
+    columns = {cell.output: cell.output}
+    return Experiment("test", made.system, made.waveform, record, columns, step=cell.step)
+
+
+@cache
+def exact(cell: Cell) -> np.ndarray:
+    """What a perfect sensor measures."""
+    runner = Runner(experiment(cell, np.arange(float(cell.rows))))
+    seen = runner.run(runner.compiled.values(scenario(cell).system))
+    assert seen.solved
+    return seen.values[:, 0]
+
+
+def fitted(cell: Cell, noise: float, seed: int) -> Fit:
+    """From a tenth of the search range beside the truth."""
+    true = exact(cell)
+    random = np.random.default_rng(seed)
+    measured = true + noise * np.ptp(true) * random.standard_normal(true.size)
+    wishes: list[Wish] = []
+    for wish in cell.free:
+        assert wish.low is not None
+        assert wish.high is not None
+        beside = truth(cell)[wish.name] + 0.1 * (wish.high - wish.low)
+        wishes.append(replace(wish, start=beside))
+    return solve(problem([experiment(cell, measured)], wishes))
+
+
+def covered(cell: Cell, noise: float, share: float = 1.0) -> dict[str, int]:
+    """In how many repetitions the interval, or a share of it, holds the truth."""
+    held = dict.fromkeys(truth(cell), 0)
+    for seed in range(REPETITIONS):
+        fit = fitted(cell, noise, seed)
+        for name, value in truth(cell).items():
+            low, high = fit.uncertainty.interval(name)
+            held[name] += abs(value - fit[name]) <= 0.5 * share * (high - low)
+    return held
+
+
+@pytest.mark.usefixtures("c_compiler")
+class TestRecovery:
+    @pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
+    def test_without_noise_the_truth_is_found(self, cell: Cell) -> None:
+        fit = fitted(cell, 0.0, 0)
+        for name, value in truth(cell).items():
+            assert fit[name] == pytest.approx(value, rel=1e-6), name
+
+    @pytest.mark.parametrize("noise", [pytest.param(NOISES[0], marks=pytest.mark.slow), NOISES[1]])
+    @pytest.mark.parametrize("cell", CELLS, ids=lambda cell: cell.name)
+    def test_intervals_hold_the_truth_at_their_rate(self, cell: Cell, noise: float) -> None:
+        held = covered(cell, noise)
+        assert all(FEWEST <= count <= MOST for count in held.values()), held
+
+    def test_half_the_interval_would_not(self) -> None:
+        held = covered(CELLS[3], NOISES[0], share=0.5)
+        assert all(count < FEWEST for count in held.values()), held
