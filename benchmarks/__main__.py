@@ -15,6 +15,7 @@ from rich.console import Console
 
 from benchmarks import (  # noqa: F401  (enter theirs)
     sections_elements,
+    sections_fit,
     sections_laws,
     sections_machines,
     sections_mas,

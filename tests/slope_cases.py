@@ -167,7 +167,7 @@ def in_machine(law: Any) -> Case:
     machine = TensileTestingMachine(control="stress", section=1.14e-7)
     system = chamber(law).with_parts(mechanism=machine)
     waves: dict[str, AbstractWaveform] = {
-        "drive": Triangle(low=290.0, high=410.0, frequency=0.3),
+        "drive": Triangle(low=275.0, high=410.0, frequency=0.3),
         "command": Triangle(low=50e6, high=180e6, frequency=0.35),
     }
     return Case(f"machine-{label(law)}", inside(system), waves, 4.0, samples=61)
@@ -186,13 +186,23 @@ def exchanged(thing: Any) -> Case:
     return Case(label(thing), inside(system), waves, step=STEPS.get(thing.registered_name, 0.02))
 
 
-def cases() -> Iterator[Case]:
-    """All laws twice, and all other registered parts of a system that move."""
-    for law in examples("law"):
-        yield under_weight(law)
-    plain = {law.registered_name: law for law in reversed(examples("law"))}
-    for law in plain.values():
-        yield in_machine(law)
-    for kind in ("element", "mechanism", "drive", "cooling"):
+HEAVY = ("axial-wire", "ribbon", "hand", "parallel-platform", "mas-polycrystal")
+"""Parts of which a case takes many seconds."""
+SIMPLE = ("current", "power", "voltage", "constant", "polynomial", "morgan", "lefevre-ede")
+"""Parts that others of their kind cover."""
+
+
+def cases() -> Iterator[tuple[Case, bool]]:
+    """All laws twice, all other registered parts of a system; and whether to try them always."""
+    known: set[str] = set()
+    for make, kind in (
+        (under_weight, "law"), (exchanged, "element"), (exchanged, "mechanism"),
+        (exchanged, "drive"), (exchanged, "cooling"),
+    ):  # fmt: skip
         for thing in examples(kind):
-            yield exchanged(thing)
+            name = thing.registered_name
+            usual = name not in known and name not in HEAVY and name not in SIMPLE
+            yield make(thing), usual
+            if kind == "law" and name not in known:
+                yield in_machine(thing), usual
+            known.add(name)

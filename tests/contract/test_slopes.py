@@ -22,15 +22,6 @@ from martensite.simulate.native_slopes import march_slopes
 TOLERANCE = 1e-5
 GOOD = 0.99
 """Share of places at which differences must be good."""
-SLOW = (
-    "axial-wire", "ribbon", "hand", "parallel-platform", "weight-mas-polycrystal",
-    "machine-mas-polycrystal", "weight-mas-stress", "weight-mas-free-energy",
-    "weight-mas-constant-well", "weight-mas-constant-edge", "weight-lagoudas-waisted",
-    "coil-spring-outer", "coil-spring-mean-small-bergstraesser", "coil-spring-mean-small-wahl",
-    "coil-spring-mean-small-exact", "coil-spring-mean-small-none-ancker",
-    "coil-spring-mean-large",
-)  # fmt: skip
-"""Cases that take seconds, most of them other options of what the rest covers."""
 EXACT = ["A_s", "C_A", "C_M", "diameter", "initial_fraction"]
 
 
@@ -41,12 +32,11 @@ def unoptimised(c_compiler, monkeypatch):
     monkeypatch.setattr(c99, "FLAGS", quick)
 
 
-def marked(case: Case):
-    marks = [pytest.mark.slow] if case.name.startswith(SLOW) else []
-    return pytest.param(case, id=case.name, marks=marks)
+def listed(case: Case, usual: bool):
+    return pytest.param(case, id=case.name, marks=[] if usual else [pytest.mark.slow])
 
 
-@pytest.mark.parametrize("case", [marked(case) for case in cases()])
+@pytest.mark.parametrize("case", [listed(*row) for row in cases()])
 def test_slopes_are_those_of_differences(case: Case, unoptimised):
     error, good = case.apart()
     assert good >= GOOD
@@ -57,7 +47,7 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
 
 
 @pytest.mark.parametrize(
-    "case", [under_weight(law_a()), in_machine(example(Brinson))], ids=lambda case: case.name
+    "case", [listed(under_weight(law_a()), False), listed(in_machine(example(Brinson)), True)]
 )
 def test_slopes_are_those_of_jax(case: Case, c_compiler):
     """Both as for a user: optimised, with the usual iterations."""

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from martensite.laws.coupling import Report
 from martensite.parameters import structure
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import Shape, flatten
+from martensite.runtimes.once import once
 from martensite.runtimes.program import Program
 from martensite.system import PROFILES, AbstractSystem
 
@@ -60,7 +60,7 @@ class _Keyed:
         return isinstance(other, _Keyed) and self.key == other.key
 
 
-@lru_cache(maxsize=64)
+@once(64)
 def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.system.leaves())

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from martensite.laws.base import AbstractLaw, Fractions
@@ -25,6 +24,7 @@ from martensite.parameters import structure
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
+from martensite.runtimes.once import once
 from martensite.runtimes.program import Program
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
@@ -73,7 +73,7 @@ class _Keyed:
         return isinstance(other, _Keyed) and self.key == other.key
 
 
-@lru_cache(maxsize=64)
+@once(64)
 def _compile(keyed: _Keyed, iterations: int, tension_only: bool) -> CompiledLaw:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.law.leaves())

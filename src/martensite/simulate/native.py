@@ -8,12 +8,12 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.once import once
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import SOLVED, Track, classify, track
@@ -95,12 +95,12 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
     return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
 
 
-@lru_cache(maxsize=64)
+@once(64)
 def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...]) -> Any:
     return load_library(march_source(compiled, lanes, outputs))
 
 
-@lru_cache(maxsize=16)
+@once(16)
 def _patient(compiled: Compiled, lanes: int) -> Any:
     """A library that makes single steps."""
     constants = max(1, len(compiled.program.hoisted))

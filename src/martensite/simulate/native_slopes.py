@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from martensite.runtimes.c99 import load_library
 from martensite.runtimes.c99_slopes import WIDTHS, constants, slopes_source
+from martensite.runtimes.once import once
 from martensite.runtimes.tangent import differentiated
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
@@ -106,7 +106,7 @@ def _march(
     return Slopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
-@lru_cache(maxsize=64)
+@once(64)
 def _library(
     compiled: Compiled, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
 ) -> Any:

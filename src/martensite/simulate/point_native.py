@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from martensite.laws.base import AbstractLaw
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.once import once
 from martensite.simulate.compiled_law import ROW, CompiledLaw
 from martensite.simulate.march import SOLVED
 from martensite.simulate.point_march import Ramp, Ridden
@@ -47,7 +47,7 @@ void ride(long samples, long finer, const double *restrict p, const double *rest
 """
 
 
-@lru_cache(maxsize=16)
+@once(16)
 def _library(compiled: CompiledLaw, step: str) -> Any:
     """One library per kind of step: compiling what is not used takes seconds."""
     program = compiled.program

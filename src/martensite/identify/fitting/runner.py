@@ -55,9 +55,11 @@ class Runner:
         if not self.native:
             return self._floats(values, seeds)
         found = self._run(self.compiled, values, seeds)
-        if not found.solved:  # once more, with patience
-            found = self._run(self._thorough, values, seeds)
-        return found
+        if found.solved:
+            return found
+        if seeds is None:  # steps that stayed unsolved once more, with patience
+            return self._run(self.compiled, values, None, self._thorough)
+        return self._run(self._thorough, values, seeds)
 
     def batch(self, variants: Any) -> Any:
         """Outputs (variants, rows, outputs) of many sets of values (variants, parameters).
@@ -76,12 +78,15 @@ class Runner:
     def _thorough(self) -> Compiled:
         return compile_system(self.experiment.system, THOROUGH)
 
-    def _run(self, compiled: Compiled, values: Sequence[float], seeds: Any) -> Seen:
+    def _run(
+        self, compiled: Compiled, values: Sequence[float], seeds: Any,
+        thorough: Compiled | None = None,
+    ) -> Seen:  # fmt: skip
         from martensite.simulate.native import march_lanes
         from martensite.simulate.native_slopes import march_slopes
 
         if seeds is None:
-            rows, worst = march_lanes(compiled, values, self.grid, 1, self.places)
+            rows, worst = march_lanes(compiled, values, self.grid, 1, self.places, thorough)
             rows, residual = rows[self.first :, :, 0], float(worst[0, 0])
             slopes = np.zeros((*rows.shape, 0))
         else:

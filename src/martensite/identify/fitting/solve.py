@@ -160,9 +160,11 @@ def _locals(watch: Watch, begins: Sequence[tuple[str, Any]], loss: Loss, most: i
 
 def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
     """One trust-region search; its points and costs are kept by the watch."""
-    first = watch.evaluate(begin)
+    first = watch.evaluate(begin, slopes=True)
     if first is None:
         return "failed at the start"
+    if not first.jacobian.any():
+        return "no derivative at the start"
     penalty = 10.0 * (1.0 + np.abs(first.residuals).max())
     scale = 1.0
     if loss.name != "linear":
