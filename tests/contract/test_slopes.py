@@ -22,7 +22,7 @@ from martensite.simulate.native_slopes import march_slopes
 TOLERANCE = 1e-5
 GOOD = 0.99
 """Share of places at which differences must be good."""
-EXACT = ["A_s", "C_A", "C_M", "diameter", "initial_fraction"]
+EXACT = ["A_s", "C_A", "E_M", "diameter", "initial_fraction"]
 
 
 @pytest.fixture

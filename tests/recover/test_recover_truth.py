@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from martensite.errors import ParameterError
 from martensite.identify.fitting.experiment import Experiment
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.free import Wish
@@ -187,3 +188,15 @@ class TestRecovery:
     def test_half_the_interval_would_not(self) -> None:
         held = covered(CELLS[3], NOISES[0], share=0.5)
         assert all(count < FEWEST for count in held.values()), held
+
+
+def test_two_movers_of_one_number_are_refused() -> None:
+    one = experiment(CELLS[0], np.arange(101.0))
+    with pytest.raises(ParameterError, match=r"both move `element\.law\.A_s`"):
+        problem([one], ["A_s", "element.law.A_s"])
+
+
+def test_a_shared_and_an_own_mover_are_refused() -> None:
+    one = experiment(CELLS[0], np.arange(101.0))
+    with pytest.raises(ParameterError, match=r"both move `element\.law\.A_s`"):
+        problem([one], ["A_s"], each=["law.A_s"])

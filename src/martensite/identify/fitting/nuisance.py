@@ -9,6 +9,7 @@ Any parameter of the system may be free for each record as well, such as `initia
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -70,3 +71,19 @@ def _free(wish: Wish, ending: str, unit: str, reach: float, record: str, doc: st
 def is_nuisance(free: Free) -> bool:
     """True for what belongs to the record and not to the system."""
     return free.ending == DELAY or free.ending.startswith(OFFSET + ".")
+
+
+def delayed(
+    times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int
+) -> tuple[Any, Any]:
+    """What is seen `delay` [s] late, and its derivatives."""
+    at = times - delay
+    if slopes is not None:
+        turned = np.apply_along_axis(lambda column: np.interp(at, times, column), 0, slopes)
+        speed = np.apply_along_axis(
+            lambda column: np.interp(at, times, np.gradient(column, times)), 0, model
+        )
+        turned[:, :, place] -= slope * speed
+        slopes = turned
+    model = np.apply_along_axis(lambda column: np.interp(at, times, column), 0, model)
+    return model, slopes

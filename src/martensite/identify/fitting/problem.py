@@ -19,10 +19,17 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import InputError, ParameterError
+from martensite.errors import InputError
 from martensite.identify.fitting.experiment import Experiment
 from martensite.identify.fitting.free import Free, Wish, free_parameters
-from martensite.identify.fitting.nuisance import DELAY, OFFSET, is_nuisance, own_parameters
+from martensite.identify.fitting.nuisance import (
+    DELAY,
+    OFFSET,
+    delayed,
+    is_nuisance,
+    own_parameters,
+)
+from martensite.identify.fitting.problem_checks import check_problem
 from martensite.identify.fitting.runner import Runner, Seen
 
 
@@ -69,7 +76,7 @@ class Problem:
     """What records that are kept back have for themselves: fitted to them afterwards."""
 
     def __post_init__(self) -> None:
-        _check(self)
+        check_problem(self)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -224,7 +231,7 @@ class Problem:
             if free.record == one.name and is_nuisance(free):
                 value, slope = free.value(float(u[i])), free.slope(float(u[i]))
                 if free.ending == DELAY:
-                    model, slopes = _delayed(one.times, model, slopes, value, slope, i)
+                    model, slopes = delayed(one.times, model, slopes, value, slope, i)
                 else:
                     place = one.outputs.index(free.ending.removeprefix(OFFSET + "."))
                     model = model.copy()
@@ -237,22 +244,6 @@ class Problem:
         residuals = (model - one.measured) * sizes
         jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
         return Fitted(model, residuals, jacobian)
-
-
-def _delayed(
-    times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int
-) -> tuple[Any, Any]:
-    """What is seen `delay` [s] late, and its derivatives."""
-    at = times - delay
-    if slopes is not None:
-        turned = np.apply_along_axis(lambda column: np.interp(at, times, column), 0, slopes)
-        speed = np.apply_along_axis(
-            lambda column: np.interp(at, times, np.gradient(column, times)), 0, model
-        )
-        turned[:, :, place] -= slope * speed
-        slopes = turned
-    model = np.apply_along_axis(lambda column: np.interp(at, times, column), 0, model)
-    return model, slopes
 
 
 def problem(
@@ -285,19 +276,3 @@ def problem(
 
 def _wish(name: Wish | str) -> Wish:
     return Wish(name) if isinstance(name, str) else name
-
-
-def _check(problem: Problem) -> None:
-    if not problem.experiments:
-        raise ParameterError("A fit needs at least one record; none given.")
-    if not problem.free:
-        raise ParameterError("A fit needs at least one free parameter; none given.")
-    for kind, names in (
-        ("record", [one.name for one in problem.experiments]),
-        ("free parameter", list(problem.names)),
-    ):
-        double = next((name for name in names if names.count(name) > 1), None)
-        if double is not None:
-            raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
-    if all(one.held_out for one in problem.experiments):
-        raise ParameterError("All records are kept back, and none is left to be fitted.")
