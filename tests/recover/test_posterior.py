@@ -57,6 +57,7 @@ def sampled(fit: Fit) -> Posterior:
     return posterior(fit, draws=150, warmup=100, chains=2)
 
 
+@pytest.mark.slow
 def test_draws_and_intervals_agree(fit: Fit, sampled: Posterior) -> None:
     assert sampled.settled, sampled.sentence
     for name in fit.problem.names:
@@ -65,6 +66,7 @@ def test_draws_and_intervals_agree(fit: Fit, sampled: Posterior) -> None:
         assert np.allclose(sampled.interval(name), (low, high), atol=0.2 * width), name
 
 
+@pytest.mark.slow
 def test_half_the_interval_would_not_agree(fit: Fit, sampled: Posterior) -> None:
     low, high = fit.uncertainty.widened("eps_L")
     middle, quarter = 0.5 * (low + high), 0.25 * (high - low)
@@ -72,8 +74,15 @@ def test_half_the_interval_would_not_agree(fit: Fit, sampled: Posterior) -> None
     assert not np.allclose(sampled.interval("eps_L"), half, atol=0.15 * (high - low))
 
 
-def test_chains_that_have_not_met_are_told(sampled: Posterior) -> None:
-    apart = Posterior(sampled.samples, 2, {"eps_L": SPLIT + 0.1}, {"eps_L": 3.0}, 0)
+def test_a_few_draws_are_drawn(fit: Fit) -> None:
+    found = posterior(fit, draws=4, warmup=4, chains=1)
+    assert all(len(draws) == 4 for draws in found.samples.values())
+    low, high = fit.problem.free[0].low, fit.problem.free[0].high
+    assert all(low < value < high for value in found.samples["eps_L"])
+
+
+def test_chains_that_have_not_met_are_told() -> None:
+    apart = Posterior({"eps_L": np.zeros(4)}, 2, {"eps_L": SPLIT + 0.1}, {"eps_L": 3.0}, 0)
     assert not apart.settled
     assert "Not settled" in apart.sentence
 

@@ -105,7 +105,8 @@ class Namespace(Protocol):
         """`root`, with the derivatives of `newton`: a step of Newton's method from that root.
 
         The step must start at `detach(root)`. Only derivatives evaluate it, and they need not
-        follow the iterations that led to the root.
+        follow the iterations that led to the root. First derivatives are those of the root;
+        further ones are those of the step.
         """
         ...
 

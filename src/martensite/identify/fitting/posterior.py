@@ -173,7 +173,8 @@ def _posterior(fit: Fit, sampler: Any, chains: int) -> Posterior:
     for k, free in enumerate(fit.problem.free):
         numbers = np.vectorize(free.value)(u[:, :, k])
         samples[free.name] = numbers.ravel()
-        r_hat[free.name] = float(diagnostics.split_gelman_rubin(numbers))
-        effective[free.name] = float(diagnostics.effective_sample_size(numbers))
+        with np.errstate(invalid="ignore", divide="ignore"):  # NaN of draws that are all equal
+            r_hat[free.name] = float(diagnostics.split_gelman_rubin(numbers))
+            effective[free.name] = float(diagnostics.effective_sample_size(numbers))
     diverging = np.asarray(sampler.get_extra_fields()["diverging"])
     return Posterior(samples, chains, r_hat, effective, int(diverging.sum()))
