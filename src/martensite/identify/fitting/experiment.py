@@ -64,13 +64,13 @@ class Experiment:
 
     @cached_property
     def measured(self) -> Any:
-        """(rows, outputs) in SI; NaN where nothing was measured."""
+        """What was measured in SI, rows by outputs; NaN where nothing was."""
         columns = [np.asarray(self.record[name])[self.rows] for name in self.columns.values()]
         return np.stack(columns, axis=1)
 
     @cached_property
     def kept_back(self) -> Any:
-        """(rows,): True for those that the fit does not see."""
+        """True for the rows that the fit does not see."""
         flags = np.zeros(len(self.times), bool)
         for first, last in self.held:
             flags |= (self.times >= first) & (self.times <= last)

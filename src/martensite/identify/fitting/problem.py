@@ -85,7 +85,7 @@ class Problem:
 
     @property
     def start(self) -> Any:
-        """(free,): where the search begins, from 0 to 1."""
+        """Where the search begins: a number from 0 to 1 for every free parameter."""
         return np.array([free.share(free.start) for free in self.free])
 
     @property
