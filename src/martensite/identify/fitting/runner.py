@@ -23,7 +23,7 @@ from martensite.simulate.patient import THOROUGH, patient
 LANES = 8
 """Variants that are marched together in a batch."""
 SHIFT = 1e-6
-"""Step of a difference, as a share of the size of the parameter."""
+"""Step of a difference, as a share of a direction."""
 
 
 @dataclass(frozen=True)
@@ -108,23 +108,23 @@ class Runner:
         return rows[:count]
 
     def _floats(self, values: Sequence[float], seeds: Any) -> Seen:
-        system = self.experiment.system.rebuilt(dict(zip(self.paths, values, strict=True)))
+        found = self._march(values)
+        if seeds is None or not found.solved:
+            return found
+        slopes = np.zeros((*found.values.shape, seeds.shape[1]))
+        for k, seed in enumerate(np.asarray(seeds).T):
+            ends = [self._march(np.asarray(values) + s * SHIFT * seed) for s in (1.0, -1.0)]
+            if not all(end.solved for end in ends):
+                return Seen(found.values, slopes, False)
+            slopes[:, :, k] = (ends[0].values - ends[1].values) / (2.0 * SHIFT)
+        return Seen(found.values, slopes, True)
+
+    def _march(self, values: Any) -> Seen:
+        """One run on plain floats."""
+        system = self.experiment.system.rebuilt(
+            dict(zip(self.paths, map(float, values), strict=True))
+        )
         track = march_floats(*patient(system), self.grid)
         rows = np.asarray(track.rows)[self.first :, list(self.places)]
         solved = not track.status.failed and len(track.rows) == len(self.grid.times)
-        if seeds is None or not solved:
-            return Seen(
-                rows, np.zeros((*rows.shape, 0 if seeds is None else seeds.shape[1])), solved
-            )
-        slopes = [self._difference(np.asarray(values), seed) for seed in np.asarray(seeds).T]
-        return Seen(rows, np.stack(slopes, axis=-1), solved)
-
-    def _difference(self, values: Any, seed: Any) -> Any:
-        """Central difference along a direction."""
-        moving = np.abs(seed) > 0.0
-        size = SHIFT * float(np.min(np.maximum(np.abs(values[moving]), 1e-12)
-                                    / np.abs(seed[moving]))) if moving.any() else 0.0  # fmt: skip
-        if size == 0.0:
-            return np.zeros((len(self.experiment.times), len(self.places)))
-        above, below = (self._floats(list(values + s * size * seed), None) for s in (1.0, -1.0))
-        return (above.values - below.values) / (2.0 * size)
+        return Seen(rows, np.zeros((*rows.shape, 0)), solved)
