@@ -56,10 +56,8 @@ class Runner:
             return self._floats(values, seeds)
         found = self._run(self.compiled, values, seeds)
         if found.solved:
-            return found
-        if seeds is None:  # steps that stayed unsolved once more, with patience
-            return self._run(self.compiled, values, None, self._thorough)
-        return self._run(self._thorough, values, seeds)
+            return found  # else the steps that stayed unsolved once more, with patience
+        return self._run(self.compiled, values, seeds, self._thorough)
 
     def batch(self, variants: Any) -> Any:
         """Outputs (variants, rows, outputs) of many sets of values (variants, parameters).
@@ -90,7 +88,7 @@ class Runner:
             rows, residual = rows[self.first :, :, 0], float(worst[0, 0])
             slopes = np.zeros((*rows.shape, 0))
         else:
-            found = march_slopes(compiled, values, seeds, self.grid, self.places)
+            found = march_slopes(compiled, values, seeds, self.grid, self.places, thorough)
             rows, slopes = found.rows[self.first :], found.slopes[self.first :]
             residual = found.residual
         finite = bool(np.isfinite(rows).all() and np.isfinite(slopes).all())
