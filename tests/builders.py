@@ -327,10 +327,14 @@ BY_UNIT = {
 
 @cache
 def materials_by_preference() -> list[dict[str, float]]:
-    """Numbers of all materials, the classical set and the benchmark set first."""
+    """Numbers of all materials, the classical set and the benchmark set first.
+
+    Those fitted with certain options of a law are left out, as `io.laws` passes over them.
+    """
     first = ["niti-brinson-1993", "benchmark-liang-rogers", "finger-mas"]
     names = [*first, *(n for n in material_names() if n not in first)]
-    return [{k: n.value for k, n in load_material(name).values.items()} for name in names]
+    found = [one for one in map(load_material, names) if one.law is None]
+    return [{k: n.value for k, n in one.values.items()} for one in found]
 
 
 def guess(name: str, declared: Declared) -> float:

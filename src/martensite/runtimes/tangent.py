@@ -18,6 +18,9 @@ from martensite.runtimes.program import Function, Program
 
 ZERO = "ZERO"
 """Input that stands for no slope in any direction."""
+TINY = 1e-300
+"""Added to a divisor before its reciprocal, which changes none above 1e-284: smaller ones, such
+as rates that underflow, would have an infinite one."""
 _OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add, "sub": operator.sub, "mul": operator.mul, "neg": operator.neg,
     "lt": operator.lt, "le": operator.le, "gt": operator.gt, "ge": operator.ge,
@@ -158,7 +161,7 @@ class Walk:
     def _quotient(self, top: Any, bottom: Any) -> Any:
         """a/b with one division for all directions."""
         (a, da), (b, db) = self._duals.parts(top), self._duals.parts(bottom)
-        ratio, share = a / b, 1.0 / b
+        ratio, share = a / b, 1.0 / (b + TINY)
         change = da
         if db is not None:
             change = -(db * ratio) if da is None else da - db * ratio
