@@ -49,14 +49,17 @@ class Runner:
         names = self.compiled.outputs
         self.places = tuple(names.index(output) for output in experiment.outputs)
         self.native = compiler() is not None
+        self._hard = False
 
     def run(self, values: Sequence[float], seeds: Any = None) -> Seen:
         """One run; `seeds` (parameters, directions) say in which directions to differentiate."""
         if not self.native:
             return self._floats(values, seeds)
-        found = self._run(self.compiled, values, seeds)
-        if found.solved:
-            return found  # else the steps that stayed unsolved once more, with patience
+        if not self._hard:
+            found = self._run(self.compiled, values, seeds)
+            if found.solved:
+                return found
+            self._hard = True  # from now on, steps that stay unsolved are made once more
         return self._run(self.compiled, values, seeds, self._thorough)
 
     def batch(self, variants: Any) -> Any:
