@@ -126,16 +126,23 @@ C_DIALECT = Dialect(
 )
 
 
-def c_source(program: Program, functions: Iterable[Function]) -> str:
-    """C of `prepare` and of some traced functions of a program, over lanes."""
+def c_source(program: Program, functions: Iterable[Function], *, alike: bool = False) -> str:
+    """C of `prepare` and of some traced functions of a program, over lanes.
+
+    Lanes that are `alike` share their parameters; `prepare` is then called for one lane.
+    """
     printer = Printer(program.graph, C_DIALECT)
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
     parts = [prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
-    printer.share(
-        program.hoisted, lambda i: f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
-    )
+    lane = "{}" if alike else "{} * n + l"
+
+    def constant(i: int) -> str:
+        text = f"c[{lane.format(i)}]"
+        return f"({text} != 0.0)" if flags[i] else text
+
+    printer.share(program.hoisted, constant)
     parts += [_traced(printer, function) for function in functions]
     return "\n".join(parts)
 

@@ -1,0 +1,1 @@
+"""Blocks of dynamic models: static nonlinearities, linear systems, hysteresis operators."""

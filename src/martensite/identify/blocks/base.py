@@ -1,0 +1,151 @@
+"""The contract of every block of a dynamic model: signals in, signals out, sample by sample.
+
+A block has a structure (orders, numbers of units), fixed numbers (the range of its input, set
+from a record before any fit) and free numbers θ, which a fit moves without bounds: a time
+constant is held as its logarithm, weights that must be positive as a softmax, so that whatever
+a fit proposes is a model that can be simulated. `step` is a straight-line kernel: it runs on
+plain floats, traced in C with all its partial derivatives, and in JAX.
+
+A block is one file: what it computes, its free numbers, and values to start from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.parameters import Parametrised, option, param
+from martensite.registry import Registry
+from martensite.runtimes.namespace import Namespace, Scalar
+
+BLOCKS: Registry[AbstractBlock] = Registry("block", "martensite.identify.blocks")
+Column = Sequence[Scalar]
+Numbers: TypeAlias = NDArray[Any]
+"""Arrays of floats, or of what counts them."""
+
+
+class AbstractBlock(Parametrised):
+    """Interface of a block. Its declared parameters are structure, unless named in `fixed`."""
+
+    short: ClassVar[str] = ""
+    """Its name in the text of a chain, such as `poly` in `poly2`."""
+    shape: ClassVar[tuple[str, ...]] = ()
+    """The declared parameters that are written in brackets, in their order."""
+    fixed: ClassVar[tuple[str, ...]] = ()
+    """The declared parameters that `adapted` sets from a record."""
+    linear: ClassVar[bool] = False
+    """True if it is a linear dynamic system."""
+
+    @property
+    def inputs(self) -> int:
+        """Number of signals it takes."""
+        return 1
+
+    @property
+    def outputs(self) -> int:
+        """Number of signals it gives."""
+        return 1
+
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the free numbers θ."""
+        return ()
+
+    def states(self) -> int:
+        """How many numbers it remembers from one sample to the next."""
+        return 0
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """The state at rest under a constant input."""
+        return ()
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Outputs of this sample and the state for the next, `dt` [s] later."""
+        raise NotImplementedError
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """The block with its fixed numbers set for an input of shape (samples, inputs)."""
+        return self
+
+    def start(self) -> Numbers:
+        """Values of the free numbers to begin with: the plainest behaviour."""
+        return np.zeros(len(self.numbers()))
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Random values to begin with, for records of some duration [s]."""
+        return self.start()
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Name, value and unit of what the free numbers mean, for people to read."""
+        return [
+            (name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)
+        ]
+
+    def text(self) -> str:
+        """The block as it is written in the text of a chain."""
+        inner = ",".join(f"{getattr(self, name):g}" for name in self.shape)
+        return f"{self.short}({inner})" if inner else self.short
+
+    def given(self) -> tuple[float, ...]:
+        """The fixed numbers, in the order of `fixed`."""
+        return tuple(getattr(self, name) for name in self.fixed)
+
+    def with_given(self, values: Sequence[Any]) -> Self:
+        """A twin with other fixed numbers, unchecked: for tracing kernels."""
+        return self.rebuilt(dict(zip(self.fixed, values, strict=True)))
+
+    def structure(self) -> tuple[Any, ...]:
+        """All that makes it another program: everything but the fixed and the free numbers."""
+        kept = (n for n in self.declarations if n not in self.fixed)
+        return type(self), tuple((name, getattr(self, name)) for name in kept)
+
+
+class AbstractStatic(AbstractBlock):
+    """A block without memory: one signal in, one out. Scaled by the range of its input."""
+
+    fixed = ("low", "high")
+
+    low: float = param("1", "lower end of the range of the input", default=-1.0)
+    high: float = param("1", "upper end of the range of the input", default=1.0)
+    offset: str = option(
+        "whether the output at zero input is free; else it is 0", "yes", "no", default="yes"
+    )
+
+    def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
+        """The output."""
+        raise NotImplementedError
+
+    def line(self, slope: float, offset: float) -> Numbers:
+        """Free numbers that make it a straight line, as well as it can be one."""
+        raise NotImplementedError
+
+    def scaled(self, departure: Numbers, factor: float) -> Numbers:
+        """A departure from a line with its outputs times a factor.
+
+        All numbers unless the block says otherwise: those of position and width do not scale.
+        """
+        return departure * factor
+
+    def start(self) -> Numbers:
+        """The identity."""
+        return self.line(1.0, 0.0)
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """The output of this sample."""
+        return (self.value(xp, theta, x[0]),), ()
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Takes the range of the input."""
+        low, high = float(np.min(x)), float(np.max(x))
+        spread = high - low if high > low else max(abs(high), 1.0)
+        return self.with_parts(low=low, high=low + spread)
+
+    def unit(self, x: Scalar) -> Scalar:
+        """The input on a scale where its range is -1 to 1."""
+        return (2.0 * x - self.low - self.high) / (self.high - self.low)

@@ -1,0 +1,93 @@
+"""Linear system of orders (nb, nf, nk): the output-error block, with unit gain at rest.
+
+    y = B(q)/F(q) w,   B = b_1 q^-nk + … + b_nb q^-(nk+nb-1),   F = 1 + f_1 q^-1 + … + f_nf q^-nf
+
+The poles are sections in series (`shared.sections`), the numerator is a weighted sum of their
+signals: the first nb of them, from the last section back, span exactly the numerators of nb
+coefficients; beyond nf, samples of the input itself follow. The delay of nk samples comes first.
+The gain at rest is 1, because the static blocks around it have gains of their own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared import sections
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@BLOCKS.register("transfer-function")
+class TransferFunction(AbstractBlock):
+    """One input, one output; stable whatever its free numbers are."""
+
+    short = "oe"
+    shape = ("nb", "nf", "nk")
+    linear = True
+
+    nb: float = param("1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0)
+    nf: float = param("1", "number of poles", low=0.0, default=1.0)
+    nk: float = param("1", "delay in samples", low=0.0, default=1.0)
+
+    def numbers(self) -> tuple[str, ...]:
+        """Poles, then weights of all signals but the one that carries the gain."""
+        return (*sections.names(int(self.nf)), *(f"weight{k}" for k in range(2, int(self.nb) + 1)))
+
+    def states(self) -> int:
+        """Delayed inputs, sections, and inputs of the numerator beyond nf."""
+        return int(self.nk) + int(self.nf) + self._taps
+
+    @property
+    def _taps(self) -> int:
+        return max(int(self.nb) - int(self.nf) - 1, 0)
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """Everything has followed the input."""
+        w = x[0]
+        return [w] * int(self.nk) + sections.resting(int(self.nf), w) + [w] * self._taps
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Delay, sections, weighted sum."""
+        nk, nf = int(self.nk), int(self.nf)
+        line = [x[0], *state[:nk]]
+        w, poles, past = line[-1], list(theta[:nf]), list(state[nk + nf :])
+        made = sections.cascade(xp, nf, poles, list(state[nk : nk + nf]), w, dt)
+        signals = [*made.signals, w, *past][: int(self.nb)]
+        gains = [*made.unit_gain, True, *(True for _ in past)][: int(self.nb)]
+        y, rest = 0.0, 1.0
+        for weight, signal, gain in zip(theta[nf:], signals[1:], gains[1:], strict=True):
+            y = y + weight * signal
+            rest = rest - weight if gain else rest
+        return (y + rest * signals[0],), (*line[:-1], *made.state, *[w, *past][: self._taps])
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Time constants spread over a thousandth to a quarter of the record; zeros anywhere."""
+        nf = int(self.nf)
+        short, long = np.log(max(5.0 * dt, 1e-3 * duration)), np.log(0.25 * duration)
+        made = rng.uniform(-0.3, 1.3, len(self.numbers()))
+        first = nf % 2
+        made[:first] = rng.uniform(short, long, first)
+        made[first:nf:2] = -rng.uniform(short, long, nf // 2)
+        made[first + 1 : nf : 2] = rng.uniform(np.log(0.5), np.log(2.0), nf // 2)
+        return made
+
+    def start(self) -> Numbers:
+        """Poles about one second apart in scale, and no zeros that matter."""
+        nf = int(self.nf)
+        made = np.zeros(len(self.numbers()))
+        made[nf % 2 + 1 : nf : 2] = np.log(1.2)
+        return made
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Time constants, frequencies, damping ratios and weights."""
+        units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
+        rows: list[tuple[str, float, str]] = []
+        for name, value in zip(self.numbers(), theta, strict=True):
+            plain = name.removeprefix("log_")
+            log = plain != name
+            unit = units[plain.rstrip("0123456789")] if log else "1"
+            rows.append((plain, float(np.exp(value) if log else value), unit))
+        return rows

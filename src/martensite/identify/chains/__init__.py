@@ -1,0 +1,1 @@
+"""Dynamic models from records: blocks in series, estimated, validated, used."""

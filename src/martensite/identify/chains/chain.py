@@ -1,0 +1,145 @@
+"""A dynamic model: blocks in series with their numbers, ready to simulate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from martensite.errors import InputError, ParameterError
+from martensite.identify.blocks.base import AbstractBlock, Numbers
+from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.native import Taps
+from martensite.signals.sampled import Sampled
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Blocks in series, each with values of its free numbers, at one sample time.
+
+    A Hammerstein model is static | linear, a Wiener model linear | static, and any other order
+    is as good. Every model is stable: its linear blocks are, by their parameters.
+    """
+
+    blocks: tuple[AbstractBlock, ...]
+    theta: Numbers
+    """Free numbers of all blocks, in their order."""
+    interval: float
+    """Sample time [s]."""
+    input_names: tuple[str, ...] = ("u",)
+    output_names: tuple[str, ...] = ("y",)
+    units: dict[str, str] = field(default_factory=dict[str, str])
+    """Unit of every signal."""
+    taps: Taps | None = None
+    """Outputs as (block, its output); by default those of the last block."""
+    name: str = "model"
+
+    def __post_init__(self) -> None:
+        if not self.blocks:
+            raise ParameterError("A chain needs at least one block.")
+        for before, after in zip(self.blocks, self.blocks[1:], strict=False):
+            if before.outputs != after.inputs:
+                raise ParameterError(
+                    f"Block `{before.text()}` gives {before.outputs} signals, but `{after.text()}` "
+                    f"after it takes {after.inputs}."
+                )
+        count = sum(len(block.numbers()) for block in self.blocks)
+        if len(self.theta) != count:
+            raise ParameterError(
+                f"Chain `{self.text()}` has {count} free numbers, but {len(self.theta)} are given."
+            )
+
+    def text(self) -> str:
+        """The chain as it is written: `poly2 | oe(3,3,1) | pwl10`."""
+        return " | ".join(block.text() for block in self.blocks)
+
+    @cached_property
+    def engine(self) -> Engine:
+        """What runs it."""
+        return Engine(self.blocks, self.interval, self.taps)
+
+    @property
+    def inputs(self) -> int:
+        """Number of its inputs."""
+        return self.blocks[0].inputs
+
+    def names(self) -> list[str]:
+        """Names of all free numbers, with the number of their block."""
+        return [f"{i + 1}.{n}" for i, block in enumerate(self.blocks) for n in block.numbers()]
+
+    def split(self, theta: Numbers | None = None) -> list[Numbers]:
+        """Free numbers block by block."""
+        counts = [len(block.numbers()) for block in self.blocks]
+        values = self.theta if theta is None else theta
+        return np.split(values, np.cumsum(counts)[:-1])
+
+    def with_theta(self, theta: Numbers) -> Chain:
+        """The same blocks with other numbers."""
+        return replace(self, theta=np.array(theta, dtype=float))
+
+    def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
+        """Outputs (samples, outputs) of a free run; from rest under the first input.
+
+        Raises:
+            InputError: the inputs do not fit, in number or in sample time.
+        """
+        u = self._checked(inputs)
+        return self.engine.simulate(self.theta, u, None if state is None else state.copy())
+
+    def _checked(self, inputs: Numbers | Sampled) -> Numbers:
+        if isinstance(inputs, Sampled):
+            if abs(inputs.interval / self.interval - 1.0) > 1e-6:
+                raise InputError(
+                    f"Model `{self.name}` has the sample time {self.interval:.6g} s, but record "
+                    f"`{inputs.name}` {inputs.interval:.6g} s; resample one of them."
+                )
+            inputs = inputs.inputs
+        u = np.asarray(inputs, dtype=float)
+        u = u[:, None] if u.ndim == 1 else u
+        if u.shape[1] != self.inputs:
+            raise InputError(f"Model `{self.name}` takes {self.inputs} inputs, not {u.shape[1]}.")
+        return u
+
+    def before(self, block: int, inputs: Numbers | Sampled) -> Numbers:
+        """What enters a block, shape (samples, inputs of the block)."""
+        u = self._checked(inputs)
+        if block == 0:
+            return u
+        theta = np.concatenate([np.zeros(0), *self.split()[:block]])
+        return Engine(self.blocks[:block], self.interval).simulate(theta, u)
+
+    def then(self, other: Chain) -> Chain:
+        """This model in series with another, whose input is its output.
+
+        Raises:
+            InputError: the sample times differ.
+        """
+        if abs(other.interval / self.interval - 1.0) > 1e-6:
+            raise InputError(
+                f"Models in series need one sample time, but `{self.name}` has "
+                f"{self.interval:.6g} s and `{other.name}` {other.interval:.6g} s."
+            )
+        taps = other.taps and tuple((k + len(self.blocks), i) for k, i in other.taps)
+        return Chain(
+            self.blocks + other.blocks, np.concatenate([self.theta, other.theta]), self.interval,
+            self.input_names, other.output_names, {**self.units, **other.units}, taps,
+            f"{self.name} | {other.name}",
+        )  # fmt: skip
+
+
+def untrained(blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None) -> Chain:
+    """A chain for a record, its blocks one by one adapted to what reaches them from the start."""
+    made: list[AbstractBlock] = []
+    x, theta = record.inputs, np.zeros(0)
+    for block in blocks:
+        block = block.adapted(x, record.interval)
+        made.append(block)
+        own = block.start()
+        x = Engine([block], record.interval).simulate(own, x)
+        theta = np.concatenate([theta, own])
+    return Chain(
+        tuple(made), theta, record.interval, record.input_names, record.output_names,
+        dict(record.units), taps, record.name,
+    )  # fmt: skip

@@ -1,0 +1,113 @@
+"""Running a chain of blocks: simulation, and exact derivatives beside it, in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from martensite.identify.blocks.base import AbstractBlock, Numbers
+from martensite.identify.chains.native import Native, Taps
+from martensite.identify.chains.plain import Plain
+from martensite.identify.chains.plan import Plan, plan
+from martensite.runtimes.c99 import compiler
+
+CHUNK = 4096
+"""Samples whose derivatives are held at a time."""
+
+
+class Start(NamedTuple):
+    """State of a chain at the first sample."""
+
+    state: Numbers
+    """Shape (states,)."""
+    slopes: Numbers
+    """Its derivatives, shape (states, extra + columns)."""
+
+
+class Chunk(NamedTuple):
+    """Some samples of a run: where they are, outputs, and derivatives of these."""
+
+    rows: slice
+    outputs: Numbers
+    """Shape (samples, outputs)."""
+    slopes: Numbers
+    """Shape (samples, outputs, extra + columns)."""
+
+
+class Engine:
+    """Blocks in series at one sample time.
+
+    Args:
+        blocks: the blocks, with their fixed numbers.
+        interval: sample time [s].
+        taps: outputs as (number of the block, number of its output); by default all outputs of
+            the last block.
+        compiled: whether to run in C; by default if there is a compiler.
+    """
+
+    def __init__(
+        self, blocks: Sequence[AbstractBlock], interval: float, taps: Taps | None = None,
+        compiled: bool | None = None,
+    ) -> None:  # fmt: skip
+        self.blocks, self.interval = tuple(blocks), interval
+        last = len(self.blocks) - 1
+        self.taps: Taps = taps or tuple((last, i) for i in range(self.blocks[last].outputs))
+        native = compiler() is not None if compiled is None else compiled
+        self._runner = (Native if native else Plain)(self.plan, self.taps)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The traced blocks."""
+        return plan(self.blocks)
+
+    def _numbers(self, theta: Numbers) -> Numbers:
+        given = [value for block in self.blocks for value in block.given()]
+        return np.array([*theta, *given, self.interval], dtype=float)
+
+    def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> Start:
+        """The state at rest under a constant input.
+
+        With a `deviation` of the state from rest, the first columns are derivatives with
+        respect to it.
+        """
+        count, columns = self.plan.states, self.plan.columns
+        state, slopes = np.zeros(count), np.zeros((count, columns))
+        self._runner.rest(self._numbers(theta), np.ascontiguousarray(x, dtype=float), state, slopes)
+        if deviation is None:
+            return Start(state, slopes)
+        return Start(state + deviation, np.hstack([np.eye(count), slopes]))
+
+    def simulate(self, theta: Numbers, u: Numbers, state: Numbers | None = None) -> Numbers:
+        """Outputs (samples, outputs) for inputs (samples, inputs); from rest if no state is given.
+
+        The given state becomes that after the last sample.
+        """
+        u = np.ascontiguousarray(u, dtype=float)
+        state = self.rest(theta, u[0]).state if state is None else state
+        y = np.empty((len(u), len(self.taps)))
+        self._runner.run(self._numbers(theta), u, state, y)
+        return y
+
+    def sensitivities(
+        self, theta: Numbers, u: Numbers, start: Start | None = None, chunk: int = CHUNK
+    ) -> Iterator[Chunk]:
+        """Outputs and their derivatives, some thousand samples at a time."""
+        u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
+        start = self.rest(theta, u[0]) if start is None else start
+        state, slopes = start.state.copy(), np.ascontiguousarray(start.slopes)
+        for first in range(0, len(u), chunk):
+            part = u[first : first + chunk]
+            y = np.empty((len(part), len(self.taps)))
+            dy = np.empty((*y.shape, slopes.shape[1]))
+            self._runner.slopes(numbers, part, state, slopes, y, dy)
+            yield Chunk(slice(first, first + len(part)), y, dy)
+
+    def jacobian(
+        self, theta: Numbers, u: Numbers, start: Start | None = None
+    ) -> tuple[Numbers, Numbers]:
+        """Outputs and derivatives of a whole record at once."""
+        chunks = list(self.sensitivities(theta, u, start, max(len(u), 1)))
+        return chunks[0].outputs, chunks[0].slopes

@@ -1,0 +1,112 @@
+"""Levenberg–Marquardt on normal equations, for sums of squares over any number of samples.
+
+    (H + λ D²) step = -g,    D = max(√diag H, 10⁻³ median √diag H)
+
+The floor on D is essential for networks: idle units have tiny gradients and would otherwise take
+huge steps. Plateaus are common, so it ends only after several steps in a row that gain little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from martensite.identify.blocks.base import Numbers
+
+FLOOR = 1e-3
+"""Least scale of a number, over the median of all."""
+TRIES = 18
+"""Dampings that are tried before a step is given up."""
+
+
+class Normal(NamedTuple):
+    """A sum of squares V with its gradient g = ½ dV/dθ and H = JᵀJ."""
+
+    value: float
+    gradient: Numbers
+    hessian: Numbers
+
+
+class Cost(Protocol):
+    """What is minimised."""
+
+    def value(self, theta: Numbers) -> float:
+        """The sum of squares; not finite where there is none."""
+        ...
+
+    def normal(self, theta: Numbers) -> Normal:
+        """The same with its derivatives."""
+        ...
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search ended."""
+
+    theta: Numbers
+    value: float
+    iterations: int
+    converged: bool
+    """False if it was stopped by its limit of iterations."""
+
+
+def minimise(
+    cost: Cost, theta: Numbers, iterations: int = 100, tolerance: float = 1e-7, patience: int = 4,
+    free: Numbers | None = None, watch: Callable[[int, float, Numbers], None] | None = None,
+) -> Found:  # fmt: skip
+    """The nearest minimum from a start.
+
+    Args:
+        cost: the sum of squares.
+        theta: where to start.
+        iterations: most steps.
+        tolerance: relative gain of a step that counts as little.
+        patience: how many such steps in a row end the search.
+        free: True for every number that may change; by default all.
+        watch: called after every step with its number, the value and θ.
+    """
+    theta = np.array(theta, dtype=float)
+    moving = np.flatnonzero(np.ones(len(theta), bool) if free is None else free)
+    normal = cost.normal(theta)
+    damping, little = 1e-3, 0
+    for count in range(iterations):
+        step = _step(cost, theta, normal, damping, moving)
+        if step is None or not len(moving):
+            return Found(theta, normal.value, count, True)
+        theta, damping = step
+        before, normal = normal.value, cost.normal(theta)
+        if watch is not None:
+            watch(count + 1, normal.value, theta)
+        little = little + 1 if before - normal.value <= tolerance * before else 0
+        if little >= patience:
+            return Found(theta, normal.value, count + 1, True)
+    return Found(theta, normal.value, iterations, False)
+
+
+def _step(
+    cost: Cost, theta: Numbers, normal: Normal, damping: float, moving: Numbers
+) -> tuple[Numbers, float] | None:
+    """The next point and damping, or None if no step makes it better."""
+    gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]
+    scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
+    positive = scale[scale > 0.0]
+    if not len(positive):
+        return None
+    scale = np.maximum(scale, FLOOR * float(np.median(positive)))
+    scaled = hessian / np.outer(scale, scale)
+    for _ in range(TRIES):
+        try:
+            change = np.linalg.solve(scaled + damping * np.eye(len(scale)), gradient / scale)
+        except np.linalg.LinAlgError:
+            change = np.full(len(scale), np.nan)
+        trial = theta.copy()
+        trial[moving] -= change / scale
+        if np.all(np.isfinite(trial)):
+            value = cost.value(trial)
+            if np.isfinite(value) and value < normal.value:
+                return trial, max(damping / 5.0, 1e-15)
+        damping *= 4.0
+    return None

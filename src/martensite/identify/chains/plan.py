@@ -1,0 +1,156 @@
+"""Blocks in series as programs: every block traced once, with all its partial derivatives.
+
+The derivatives of a chain with respect to its free numbers go from block to block. A block takes
+signals x with derivatives S_x (one column per number of itself and of the blocks before it) and
+its state s with S_s; from its partial derivatives
+
+    S_y = y_x S_x + y_s S_s + y_θ,    S_s⁺ = s_x S_x + s_s S_s + s_θ
+
+in one pass with the simulation. Only the entries that are not zero are computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.identify.blocks.base import AbstractBlock
+from martensite.runtimes.graph import VARYING
+from martensite.runtimes.once import once
+from martensite.runtimes.partials import partials
+from martensite.runtimes.program import Function, Program
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A partial derivative that is not zero: d row / d column, and where its value is found."""
+
+    row: int
+    column: int
+    place: int
+
+
+@dataclass(frozen=True)
+class Traced:
+    """One function of a block: rows are its results, columns what it depends on."""
+
+    name: str
+    """Of the function with derivatives; that of values alone is `v` + name."""
+    rows: int
+    entries: tuple[Entry, ...]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A block in the plan of a chain."""
+
+    block: AbstractBlock
+    first: int
+    """Column of its first free number, after those of the initial state."""
+    step: Traced
+    """Rows: outputs, then states. Columns: inputs, states, free numbers."""
+    rest: Traced
+    """Rows: states. Columns: inputs, free numbers."""
+
+    @property
+    def count(self) -> int:
+        """How many free numbers it has."""
+        return len(self.block.numbers())
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A chain as programs. Parameters: all free numbers, all fixed numbers, then dt."""
+
+    program: Program
+    pieces: tuple[Piece, ...]
+
+    @property
+    def columns(self) -> int:
+        """Number of free numbers."""
+        return sum(piece.count for piece in self.pieces)
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return sum(piece.block.states() for piece in self.pieces)
+
+    @property
+    def width(self) -> int:
+        """The most signals between two blocks."""
+        return max(max(p.block.inputs, p.block.outputs) for p in self.pieces)
+
+
+def plan(blocks: Sequence[AbstractBlock]) -> Plan:
+    """The plan of some blocks in series, traced once per structure."""
+    return _planned(tuple(_Shaped(block) for block in blocks))
+
+
+class _Shaped:
+    """A block that equals every other of its structure."""
+
+    def __init__(self, block: AbstractBlock) -> None:
+        self.block, self.key = block, block.structure()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Shaped) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+
+@once(64)
+def _planned(shaped: tuple[_Shaped, ...]) -> Plan:
+    program = Program()
+    blocks = [one.block for one in shaped]
+    theta = [[program.parameter(n) for n in block.numbers()] for block in blocks]
+    given = [[program.parameter(n) for n in block.fixed] for block in blocks]
+    dt = program.parameter("dt")
+    pieces: list[Piece] = []
+    first = 0
+    for k, block in enumerate(blocks):
+        twin = block.with_given(given[k])
+        pieces.append(_piece(program, twin, k, first, theta[k], dt))
+        first += len(theta[k])
+    return Plan(program, tuple(pieces))
+
+
+def _piece(
+    program: Program, block: AbstractBlock, k: int, first: int, theta: list[Any], dt: Any
+) -> Piece:
+    x = [f"x{i}" for i in range(block.inputs)]
+    s = [f"s{i}" for i in range(block.states())]
+    inputs, states = len(x), len(s)
+
+    def step(xp: Any, moving: Sequence[Any]) -> Sequence[Any]:
+        own = moving[inputs + states :]
+        y, after = block.step(xp, own, moving[inputs : inputs + states], moving[:inputs], dt)
+        return [*y, *after]
+
+    def rest(xp: Any, moving: Sequence[Any]) -> Sequence[Any]:
+        return list(block.rest(xp, moving[inputs:], moving[:inputs], dt))
+
+    return Piece(
+        block, first,
+        _traced(program, f"b{k}", [*x, *s], theta, step),
+        _traced(program, f"r{k}", x, theta, rest),
+    )  # fmt: skip
+
+
+def _traced(
+    program: Program, name: str, inputs: list[str], theta: list[Any],
+    kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
+) -> Traced:  # fmt: skip
+    """Add a kernel to the program with its derivatives, and once more without."""
+    moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
+    values, rows = partials(program.xp, kernel, moving)
+    entries: list[Entry] = []
+    slopes: list[Any] = []
+    for row, found in enumerate(rows):
+        for column, slope in found.items():
+            entries.append(Entry(row, column, len(values) + len(slopes)))
+            slopes.append(slope)
+    program.functions[name] = Function(name, tuple(inputs), (*values, *slopes))
+    program.functions[f"v{name}"] = Function(f"v{name}", tuple(inputs), tuple(values))
+    return Traced(name, len(values), tuple(entries))

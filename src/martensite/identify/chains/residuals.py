@@ -1,0 +1,219 @@
+"""Sums of squared residuals of a chain over records, in bounded memory.
+
+    V = Σ_records Σ_t w² |L(q) (y - ŷ)|² + ρ N |θ - θ_ref|²
+
+Missing and skipped samples do not count. L(q) = 1 is the simulation error; a monic filter L
+makes it the prediction error under coloured noise v = e/L.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from martensite.errors import ParameterError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.engine import Engine, Start
+from martensite.identify.chains.levenberg import Normal
+from martensite.signals.sampled import Sampled
+
+STARTS = ("rest", "zero", "estimate")
+"""How the state at the first sample of a record is chosen."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """A record, and how its residuals count."""
+
+    record: Sampled
+    skip: int = 0
+    """Samples at the start that do not count."""
+    weights: Numbers | None = None
+    """Of the outputs, 1/σ each; by default 1 over the standard deviation of each."""
+    start: str = "rest"
+    """State at the first sample: at rest under the first input, zero, or estimated."""
+    whitening: Numbers = field(default_factory=lambda: np.ones(1))
+    """Coefficients 1, l_1, … of L(q)."""
+
+    def __post_init__(self) -> None:
+        if self.start not in STARTS:
+            raise ParameterError(
+                f"The state at the start is {', '.join(STARTS[:-1])} or {STARTS[-1]}, "
+                f"not `{self.start}`."
+            )
+
+    def scale(self) -> Numbers:
+        """Weights of the outputs."""
+        if self.weights is not None:
+            return np.asarray(self.weights, dtype=float)
+        spread = np.nanstd(self.record.outputs, axis=0)
+        return 1.0 / np.where(spread > 0.0, spread, 1.0)
+
+    def counted(self) -> int:
+        """Number of outputs that count."""
+        return int(np.isfinite(self.record.outputs[self.skip :]).sum())
+
+
+class Part(NamedTuple):
+    """Weighted residuals of some samples, and their derivatives with respect to θ."""
+
+    rows: slice
+    residuals: Numbers
+    """Shape (samples, outputs); 0 where nothing counts."""
+    slopes: Numbers
+    """Of ŷ, shape (samples, outputs, columns)."""
+
+
+Memory = tuple[Numbers, Numbers]
+"""What the filter remembers of residuals and of slopes."""
+
+
+class Squares:
+    """The sum of squares of a chain over records: what `levenberg.minimise` minimises.
+
+    The numbers are θ of the chain, then the initial states of those records that estimate them,
+    as deviations from rest.
+    """
+
+    def __init__(
+        self, engine: Engine, aims: Sequence[Aim], ridge: float = 0.0,
+        reference: Numbers | None = None, priors: Numbers | None = None,
+    ) -> None:  # fmt: skip
+        """Take a chain and records.
+
+        Args:
+            engine: the chain.
+            aims: the records.
+            ridge: ρ, the pull towards the reference per sample.
+            reference: θ_ref, of the chain alone.
+            priors: 1/σ of every free number around the reference, in units of one residual.
+        """
+        self.engine, self.aims = engine, tuple(aims)
+        self.columns, self.states = engine.plan.columns, engine.plan.states
+        self.count = sum(aim.counted() for aim in self.aims)
+        self.reference = np.zeros(self.columns) if reference is None else reference
+        pull = np.full(self.columns, ridge * self.count)
+        self.pull = pull if priors is None else pull + priors**2
+
+    @property
+    def size(self) -> int:
+        """Number of all numbers, initial states included."""
+        return self.columns + self.states * sum(aim.start == "estimate" for aim in self.aims)
+
+    def extended(self, theta: Numbers) -> Numbers:
+        """θ of the chain with initial states at rest."""
+        return np.concatenate([theta, np.zeros(self.size - len(theta))])
+
+    def value(self, theta: Numbers) -> float:
+        """The sum of squares; infinite where the run is not finite."""
+        total = float(self.pull @ (theta[: self.columns] - self.reference) ** 2)
+        with np.errstate(all="ignore"):
+            for aim, place in self._placed():
+                start = self._start(aim, theta, place, slopes=False)
+                y = self.engine.simulate(
+                    theta[: self.columns], aim.record.inputs, start.state.copy()
+                )
+                total += float(np.sum(_filtered(aim, _weighed(aim, y, slice(None))) ** 2))
+        return total if np.isfinite(total) else np.inf
+
+    def normal(self, theta: Numbers) -> Normal:
+        """The sum of squares with gradient and JᵀJ."""
+        away = theta[: self.columns] - self.reference
+        value = float(self.pull @ away**2)
+        gradient, hessian = np.zeros(self.size), np.zeros((self.size, self.size))
+        gradient[: self.columns] += self.pull * away
+        hessian[range(self.columns), range(self.columns)] += self.pull
+        for aim, place in self._placed():
+            where = self._where(place)
+            own, square = np.zeros(len(where)), np.zeros((len(where), len(where)))
+            for part in self._parts(aim, theta, place):
+                rows = part.slopes.reshape(-1, len(where))
+                flat = part.residuals.reshape(-1)
+                value += float(flat @ flat)
+                own -= rows.T @ flat
+                square += rows.T @ rows
+            gradient[where] += own
+            hessian[np.ix_(where, where)] += square
+        return Normal(value, gradient, hessian)
+
+    def parts(self, theta: Numbers) -> Iterator[tuple[int, Part]]:
+        """Number of the record, and weighted residuals with derivatives, piece by piece."""
+        theta = self.extended(theta) if len(theta) == self.columns else theta
+        for number, (aim, place) in enumerate(self._placed()):
+            for part in self._parts(aim, theta, place):
+                extra = part.slopes.shape[2] - self.columns
+                yield number, part._replace(slopes=part.slopes[:, :, extra:])
+
+    def initial(self, theta: Numbers) -> list[Numbers]:
+        """State at the first sample of every record."""
+        return [self._start(aim, theta, place, False).state for aim, place in self._placed()]
+
+    def _placed(self) -> Iterator[tuple[Aim, int | None]]:
+        """The records, and where their initial states are among the numbers."""
+        place = self.columns
+        for aim in self.aims:
+            estimated = aim.start == "estimate"
+            yield aim, place if estimated else None
+            place += self.states * estimated
+
+    def _where(self, place: int | None) -> Numbers:
+        """The numbers that a record depends on, in the order of its columns."""
+        theta = np.arange(self.columns)
+        if place is None:
+            return theta
+        return np.concatenate([np.arange(place, place + self.states), theta])
+
+    def _start(self, aim: Aim, theta: Numbers, place: int | None, slopes: bool) -> Start:
+        own, first = theta[: self.columns], aim.record.inputs[0]
+        if aim.start == "zero":
+            return Start(np.zeros(self.states), np.zeros((self.states, self.columns)))
+        away = None if place is None else theta[place : place + self.states]
+        start = self.engine.rest(own, first, away)
+        return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
+
+    def _parts(self, aim: Aim, theta: Numbers, place: int | None) -> Iterator[Part]:
+        start = self._start(aim, theta, place, slopes=True)
+        memory: Memory | None = None
+        scale = aim.scale()
+        for chunk in self.engine.sensitivities(theta[: self.columns], aim.record.inputs, start):
+            residuals, slopes = _weighed(aim, chunk.outputs, chunk.rows), chunk.slopes
+            slopes *= scale[:, None]
+            slopes[~_counts(aim, chunk.rows)] = 0.0
+            if len(aim.whitening) > 1:
+                residuals, slopes, memory = _whitened(aim.whitening, residuals, slopes, memory)
+            yield Part(chunk.rows, residuals, slopes)
+
+
+def _weighed(aim: Aim, y: Numbers, rows: slice) -> Numbers:
+    """Weighted residuals, 0 where nothing counts."""
+    return np.where(_counts(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
+
+
+def _counts(aim: Aim, rows: slice) -> NDArray[np.bool_]:
+    """Which outputs of some samples count."""
+    counts = np.isfinite(aim.record.outputs[rows])
+    counts[: max(aim.skip - (rows.start or 0), 0)] = False
+    return counts
+
+
+def _filtered(aim: Aim, residuals: Numbers) -> Numbers:
+    """Residuals of a whole record through L(q)."""
+    whole = len(aim.whitening) == 1
+    return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
+
+
+def _whitened(
+    whitening: Numbers, residuals: Numbers, slopes: Numbers, memory: Memory | None
+) -> tuple[Numbers, Numbers, Memory]:
+    """Residuals and slopes through L(q), going on from the samples before."""
+    order = len(whitening) - 1
+    if memory is None:
+        memory = np.zeros((order, *residuals.shape[1:])), np.zeros((order, *slopes.shape[1:]))
+    residuals, first = lfilter(whitening, [1.0], residuals, axis=0, zi=memory[0])
+    slopes, second = lfilter(whitening, [1.0], slopes, axis=0, zi=memory[1])
+    return residuals, slopes, (first, second)

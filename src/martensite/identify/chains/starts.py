@@ -1,0 +1,65 @@
+"""Where searches for a chain begin: random dynamics, then a straight line through the data.
+
+Whatever the random numbers are, two of the static block that carries the gain follow from least
+squares: its line is fitted to the outputs over what reaches it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from martensite.identify.blocks.base import AbstractStatic, Numbers
+from martensite.identify.chains.chain import Chain
+from martensite.signals.sampled import Sampled
+
+
+def drawn(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:
+    """Random free numbers of all blocks."""
+    parts = [b.drawn(rng, record.duration, record.interval) for b in chain.blocks]
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
+    """The chain with the line of its last static block fitted to the outputs.
+
+    If linear blocks follow it, which have unit gain, the outputs are those of a slow system and
+    the same line serves. A chain without static blocks stays as it is.
+    """
+    static = [(i, b) for i, b in enumerate(chain.blocks) if isinstance(b, AbstractStatic)]
+    if not static or len(chain.output_names) != 1:
+        return chain
+    place, block = static[-1]
+    pairs = [(_reaching(chain, place, record), record.outputs[:, 0]) for record in records]
+    x, y = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
+    known = np.isfinite(x) & np.isfinite(y)
+    slope, offset = _line(x[known], y[known])
+    parts = chain.split()
+    parts[place] = _curved(parts[place], block, slope, offset)
+    return chain.with_theta(np.concatenate(parts))
+
+
+def _reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
+    """What enters a block, delayed as much as the linear blocks after it delay."""
+    own = chain.before(place, record)[:, 0]
+    after = chain.blocks[place + 1 :]
+    if not after:
+        return own
+    rest = Chain(after, np.concatenate(chain.split()[place + 1 :]), chain.interval)
+    return rest.simulate(own)[:, 0]
+
+
+def _line(x: Numbers, y: Numbers) -> tuple[float, float]:
+    spread = float(np.var(x))
+    if not spread > 0.0 or not np.isfinite(spread):
+        return 0.0, float(np.mean(y)) if len(y) else 0.0
+    slope = float(np.mean((x - x.mean()) * (y - y.mean()))) / spread
+    return slope, float(y.mean() - slope * x.mean())
+
+
+def _curved(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
+    """The drawn departure from the identity, scaled with the slope, around the line."""
+    departure = theta - block.line(1.0, 0.0)
+    scaled = block.scaled(departure, slope)
+    return block.line(slope, offset if block.offset == "yes" else 0.0) + scaled

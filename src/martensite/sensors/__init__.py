@@ -1,0 +1,1 @@
+"""Sensors: what is measured of what is true."""

@@ -1,0 +1,92 @@
+"""Records at equal intervals: what goes into a system and what comes out of it.
+
+The data object of identification. Missing outputs are NaN; missing inputs are not allowed,
+because a model cannot be run over them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.errors import DataError
+
+Numbers: TypeAlias = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """Inputs and outputs of a system, sample by sample."""
+
+    name: str
+    interval: float
+    """Sample time T_s [s]."""
+    inputs: Numbers
+    """Shape (samples, inputs)."""
+    outputs: Numbers
+    """Shape (samples, outputs); NaN where a sample is missing."""
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    units: Mapping[str, str] = field(default_factory=dict[str, str])
+    """Unit of every signal."""
+    start: float = 0.0
+    """Time of the first sample [s]."""
+
+    def __post_init__(self) -> None:
+        for name in ("inputs", "outputs"):
+            array = np.asarray(getattr(self, name), dtype=float)
+            array = array[:, None] if array.ndim == 1 else array
+            object.__setattr__(self, name, array)
+        shapes = (len(self.input_names), len(self.output_names))
+        if (self.inputs.shape[1], self.outputs.shape[1]) != shapes:
+            raise DataError(
+                f"Record `{self.name}` has {self.inputs.shape[1]} inputs and "
+                f"{self.outputs.shape[1]} outputs, but names for {shapes[0]} and {shapes[1]}."
+            )
+        if len(self.inputs) != len(self.outputs) or not len(self.inputs):
+            raise DataError(
+                f"Record `{self.name}` needs as many samples of outputs as of inputs, and at "
+                f"least one; it has {len(self.outputs)} and {len(self.inputs)}."
+            )
+        if not np.all(np.isfinite(self.inputs)):
+            bad = int(np.argmin(np.all(np.isfinite(self.inputs), axis=1)))
+            raise DataError(
+                f"Inputs of record `{self.name}` must be known throughout, but are missing at "
+                f"sample {bad}; fill or cut them first."
+            )
+        if not self.interval > 0.0:
+            raise DataError(
+                f"The sample time of record `{self.name}` must be above 0 s, but is "
+                f"{self.interval} s."
+            )
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.inputs)
+
+    @property
+    def times(self) -> Numbers:
+        """Times of the samples [s]."""
+        return self.start + self.interval * np.arange(len(self))
+
+    @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return self.interval * len(self)
+
+    def rows(self, first: int, last: int | None = None, name: str | None = None) -> Sampled:
+        """Some consecutive samples as a record of their own."""
+        kept = slice(first, last)
+        begin = range(len(self))[kept].start
+        return replace(
+            self, name=name or self.name, inputs=self.inputs[kept], outputs=self.outputs[kept],
+            start=self.start + begin * self.interval,
+        )  # fmt: skip
+
+    def with_outputs(self, outputs: Numbers, names: tuple[str, ...] | None = None) -> Sampled:
+        """The same inputs with other outputs."""
+        return replace(self, outputs=outputs, output_names=names or self.output_names)
