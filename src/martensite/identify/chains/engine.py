@@ -97,7 +97,7 @@ class Engine:
         """Outputs and their derivatives, some thousand samples at a time."""
         u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
         start = self.rest(theta, u[0]) if start is None else start
-        state, slopes = start.state.copy(), np.ascontiguousarray(start.slopes)
+        state, slopes = start.state.copy(), np.array(start.slopes)
         for first in range(0, len(u), chunk):
             part = u[first : first + chunk]
             y = np.empty((len(part), len(self.taps)))

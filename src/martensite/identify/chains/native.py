@@ -95,6 +95,13 @@ def _march(plan: Plan, taps: Taps, slopes: bool) -> str:
             if number == k:
                 body += _tapped(place, channel, outputs, piece, plan.columns, slopes)
     steps = "".join(f"        {line}\n" for line in body)
+    zeros = ""
+    if slopes:  # of the inputs, with respect to the initial state
+        row = f"dw + (i * TILE + t) * M, 0, sizeof(double) * (M - {plan.columns})"
+        zeros = (
+            f"        for (long i = 0; i < {inputs}; i++)\n"
+            f"            for (long t = 0; t < n; t++) memset({row});\n"
+        )
     onward = f"y += n * {outputs};" + (f" dy += n * {outputs} * M;" if slopes else "")
     return (
         f"void {name}(long samples, const double *restrict p, const double *restrict u,\n"
@@ -104,7 +111,7 @@ def _march(plan: Plan, taps: Taps, slopes: bool) -> str:
         "        const long n = samples - done < TILE ? samples - done : TILE;\n"
         f"        for (long t = 0; t < n; t++) for (long i = 0; i < {inputs}; i++)\n"
         f"            w[i * TILE + t] = u[t * {inputs} + i];\n"
-        f"        u += n * {inputs};\n{steps}        {onward}\n    }}\n}}\n"
+        f"        u += n * {inputs};\n{zeros}{steps}        {onward}\n    }}\n}}\n"
     )
 
 
