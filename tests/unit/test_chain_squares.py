@@ -32,8 +32,8 @@ def noisy(chain: Chain) -> Sampled:
     return record(y + 0.02 * RNG.normal(size=y.shape))
 
 
-def squares(chain: Chain, *aims: Aim, **options: float) -> Squares:
-    return Squares(chain.engine, aims, reference=chain.theta, **options)
+def squares(chain: Chain, *aims: Aim, ridge: float = 0.0) -> Squares:
+    return Squares(chain.engine, aims, ridge, chain.theta)
 
 
 def check(cost: Squares, theta: np.ndarray) -> None:
