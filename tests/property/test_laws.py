@@ -259,9 +259,9 @@ def special(law, rng, count):
 
 
 @EVERY
-def test_a_million_states_stay_finite(law):
+def test_many_states_stay_finite(law):
     """Four moves from each of many states; fewer for a law of many groups, which is slow."""
-    count = 50_000 if hasattr(law, "groups") else 250_000
+    count = 20_000 if hasattr(law, "groups") else 100_000
     rng, xp = np.random.default_rng(1), ArrayNamespace(np)
     xi: Any = np.where(rng.random(count) < 0.3, rng.integers(0, 2, count), rng.random(count))
     memory = law.init(xp, Fractions(xi, xi), *special(law, rng, count))
@@ -286,4 +286,4 @@ def test_a_law_that_divides_by_nothing_is_noticed():
             return Fractions(*(x * move.scale / move.scale for x in found))
 
     with pytest.raises((AssertionError, RuntimeWarning)):
-        test_a_million_states_stay_finite(builders.example(Careless))
+        test_many_states_stay_finite(builders.example(Careless))

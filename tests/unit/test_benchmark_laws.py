@@ -68,6 +68,7 @@ def test_the_lanes_differ_and_the_first_is_nominal():
 
 
 @needs_c
+@pytest.mark.slow
 def test_mas():
     tables = {table.title: table for table in sections_mas.mas(OURS, LITTLE)}
     for wire in sections_mas.WIRES:
@@ -87,6 +88,7 @@ def test_mas():
 
 
 @needs_c
+@pytest.mark.slow
 def test_both_batches_agree():
     problem, sets = mas_runs.Problem(Wire(), "mas-hybrid"), mas_runs.parameter_sets(Wire(), 8)
     found = [make(problem, sets, 0.1, 4) for make in mas_runs.BATCH.values()]

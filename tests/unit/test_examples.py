@@ -153,7 +153,7 @@ def test_clamped_wire_loses_the_stroke_that_its_comments_say(
         ({}, 75.7),
         ({"mechanism.friction": 0.15}, 75.7),
         ({"mechanism.highest": "50 deg"}, 50.1),
-        ({"element.law": "mas"}, 75.7),
+        pytest.param({"element.law": "mas"}, 75.7, marks=pytest.mark.slow),
     ],
     ids=["free", "friction", "end stop", "rates"],
 )
@@ -167,7 +167,12 @@ def test_finger_bends_and_comes_back_as_its_comments_say(
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"mechanism.tendons": "passing", "run.step": "0.1 s"}], ids=["own", "passing"]
+    "changes",
+    [
+        {},
+        pytest.param({"mechanism.tendons": "passing", "run.step": "0.1 s"}, marks=pytest.mark.slow),
+    ],
+    ids=["own", "passing"],
 )
 def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -> None:
     result = load(EXAMPLES / "hand.toml", changes).run()

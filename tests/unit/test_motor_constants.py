@@ -108,6 +108,7 @@ def test_without_noise_everything_is_exact() -> None:
     assert found.remarks == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRUTH)
 def test_intervals_hold_the_truth(name: str) -> None:
     assert ALLOWED[0] <= held(Estimate.interval, name) <= ALLOWED[1]

@@ -139,6 +139,7 @@ def test_decay_without_noise(zeta: float, rate: float) -> None:
     assert found.offset.value == pytest.approx(OFFSET, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth() -> None:
     assert ALLOWED[0] <= held(lambda fit: fit.zeta.interval(), ZETA) <= ALLOWED[1]
     assert ALLOWED[0] <= held(lambda fit: fit.frequency.interval(), F) <= ALLOWED[1]
