@@ -1,0 +1,1 @@
+"""Study `hammerstein-wiener`: a wire identified in two stages, and a PID controller tuned on it."""

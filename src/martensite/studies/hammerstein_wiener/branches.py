@@ -1,0 +1,127 @@
+"""Measured branches of the hysteresis that the bench of this study is made of.
+
+`branches.csv` holds fractions of transformation over temperature, on heating and on cooling, at
+50 and at 100 MPa: derived here from isobaric cycles of a Flexinol wire (Leal 2016; MIT licence,
+Copyright (c) 2016 Mecanon), so that the study runs without those files.
+
+How they are derived: z = 1 - ε/ε_max; each branch on a grid of 0.1 K, held beyond its ends,
+smoothed with a Gaussian of 1.2 K, made monotone and scaled to the range 0 to 1; then taken at
+every whole degree. What elasticity and thermal expansion add to the strain is inside.
+"""
+
+from __future__ import annotations
+
+import csv
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import gaussian_filter1d
+
+from martensite.sensors.base import Numbers
+
+FILE = Path(__file__).parent / "branches.csv"
+ZERO = 273.15
+GRID = ZERO + 0.1 * np.arange(1801)
+"""0 to 180 °C in steps of 0.1 K [K]."""
+SMOOTHING = 12.0
+"""Standard deviation, in steps of the grid."""
+STRESSES = (50, 100)
+"""[MPa]"""
+STROKES = (0.041256, 0.043500)
+"""Largest less least strain at these stresses."""
+SHOWN = slice(200, 1451, 10)
+"""Rows of the grid that the file holds: 20 to 145 °C."""
+COLUMNS = ("temperature", "heating 50 MPa", "cooling 50 MPa", "heating 100 MPa", "cooling 100 MPa")
+HEADER = """\
+# Fractions of transformation (1 = austenite) of a Flexinol wire of 0.381 mm at constant stress.
+# Source: P. Leal, morphing_wing (2016), https://github.com/Mecanon/morphing_wing, commit
+# 28d027de4bca755d22345071b8d5abafff1c8778, experimental/sma_database/final_third_training.
+# Licence of the source: MIT, Copyright (c) 2016 Mecanon.
+# Derived: 1 - strain/largest strain per branch, smoothed (Gaussian, 1.2 K), monotone, scaled to
+# 0 to 1; see branches.py beside this file. Temperatures in degC.
+"""
+
+
+class Loop(NamedTuple):
+    """Branches at one stress, on `GRID`."""
+
+    heating: Numbers
+    cooling: Numbers
+    stroke: float
+    """Strain of the whole transformation."""
+
+
+@cache
+def loop(share: float) -> Loop:
+    """Branches between 50 MPa (share 0) and 100 MPa (share 1).
+
+    At equal fractions the temperatures are mixed linearly, as stress shifts branches sideways.
+    """
+    found = _read()
+    heating, cooling = (_mixed(found[a], found[b], share) for a, b in ((0, 2), (1, 3)))
+    stroke = (1.0 - share) * STROKES[0] + share * STROKES[1]
+    return Loop(heating, cooling, stroke)
+
+
+def inverse(branch: Numbers, fractions: Numbers) -> Numbers:
+    """Temperatures [K] at which a branch has some fractions."""
+    rising = np.concatenate([[True], np.diff(branch) > 1e-12])
+    return np.interp(fractions, branch[rising], GRID[rising])
+
+
+def _mixed(low: Numbers, high: Numbers, share: float) -> Numbers:
+    if share == 0.0:
+        return low
+    levels = np.unique(np.concatenate([low, high]))
+    moved = (1.0 - share) * inverse(low, levels) + share * inverse(high, levels)
+    return np.interp(GRID, moved, levels)
+
+
+def _read() -> list[Numbers]:
+    """The four branches on the grid, from the file."""
+    with FILE.open(encoding="utf-8", newline="") as lines:
+        rows = list(csv.reader(line for line in lines if not line.startswith("#")))
+    table = np.array(rows[1:], dtype=float)
+    kelvin = np.concatenate([[GRID[0]], table[:, 0] + ZERO, [GRID[-1]]])
+    ends = [np.concatenate([[0.0], column, [1.0]]) for column in table[:, 1:].T]
+    return [np.clip(PchipInterpolator(kelvin, column)(GRID), 0.0, 1.0) for column in ends]
+
+
+# ---------------------------------------------------------------- from the measurements
+
+
+def derived() -> str:
+    """The text of `branches.csv`, from the measurements.
+
+    Raises:
+        DataError: the measurements are not on this machine.
+    """
+    from martensite.identify.isobaric import cut_cycle
+    from martensite.io.tables import read_table
+
+    columns = [GRID[SHOWN] - ZERO]
+    for stress in STRESSES:
+        cycle = cut_cycle(read_table(f"data:flexinol-isobaric/isobaric_{stress}MPa.txt"))
+        longest = max(*cycle.heating.strain, *cycle.cooling.strain)
+        for leg in (cycle.heating, cycle.cooling):
+            columns.append(
+                _branch(np.array(leg.temperature), np.array(leg.strain) / longest)[SHOWN]
+            )
+    rows = [
+        ",".join([f"{row[0]:.0f}", *(f"{z:.6f}" for z in row[1:])])
+        for row in np.array(columns).T.tolist()
+    ]
+    return HEADER + "\n".join([",".join(COLUMNS), *rows, ""])
+
+
+def _branch(kelvin: Numbers, share: Numbers) -> Numbers:
+    order = np.argsort(kelvin, kind="stable")
+    raw = np.interp(GRID, kelvin[order], 1.0 - share[order])
+    smooth = gaussian_filter1d(raw, SMOOTHING, mode="nearest")
+    above = np.maximum.accumulate(smooth)
+    below = np.minimum.accumulate(smooth[::-1])[::-1]
+    middle = 0.5 * (above + below)
+    return (middle - middle[0]) / (middle[-1] - middle[0])

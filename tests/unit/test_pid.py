@@ -1,0 +1,199 @@
+"""PID control: the difference equation, limits, anti-windup, and the same kernel everywhere.
+
+Sources of truth: the z-transform of the controller written as a difference equation, and rules
+applied by hand.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from builders import ZERO, hanging_wire
+from scipy.signal import lfilter
+
+from martensite.control.pid import Gains, Pid, PidLaw, PidMemory, per_sample
+from martensite.control.response import rms_error, step_responses, steps
+from martensite.electrical.power import PowerSource
+from martensite.errors import InputError, ParameterError
+from martensite.runtimes import floats
+from martensite.signals.constant import Constant
+from martensite.signals.step import Step
+from martensite.simulate.controlled import simulate_controlled
+
+WIDE = {"low": -1e9, "high": 1e9}
+GAINS = Gains(1.7, 0.05, 3.0)
+
+
+def played(law: PidLaw, gains: Gains, reference: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    memory = law.rest(floats, reference[0], measured[0])
+    found = []
+    for r, y in zip(reference.tolist(), measured.tolist(), strict=True):
+        signal, memory = law.answer(floats, gains, memory, r, y)
+        found.append(signal)
+    return np.array(found)
+
+
+def walks() -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(4)
+    reference, measured = rng.standard_normal((2, 300)).cumsum(axis=1)
+    reference[0] = measured[0] = 0.0
+    return reference, measured
+
+
+# ---------------------------------------------------------------- the law
+
+
+def test_it_is_the_difference_equation() -> None:
+    """(1 - z⁻¹) u = (K_p (1 - z⁻¹) + K_i + K_d (1 - z⁻¹)²) e, from an error of 0."""
+    reference, measured = walks()
+    Kp, Ki, Kd = GAINS
+    b = [Kp + Ki + Kd, -Kp - 2.0 * Kd, Kd]
+    expected = lfilter(b, [1.0, -1.0], reference - measured)
+    found = played(PidLaw(**WIDE), GAINS, reference, measured)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10)
+
+
+def test_a_filtered_derivative_is_a_first_order_lag_of_it() -> None:
+    reference, measured = walks()
+    lag = 4.0
+    expected = lfilter([1.0 / (1 + lag), -1.0 / (1 + lag)], [1.0, -lag / (1 + lag)],
+                       reference - measured)  # fmt: skip
+    found = played(PidLaw(filter=lag, **WIDE), Gains(0.0, 0.0, 1.0), reference, measured)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
+
+
+def test_weights_act_on_the_reference_alone() -> None:
+    reference, measured = walks()
+    law = PidLaw(weight=0.3, slope_weight=0.0, **WIDE)
+    found = played(law, Gains(2.0, 0.0, 5.0), reference, measured)
+    expected = 2.0 * (0.3 * reference - measured) - 5.0 * np.diff(measured, prepend=0.0)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_switching_on_gives_no_kick() -> None:
+    law = PidLaw(**WIDE)
+    signal, _ = law.answer(floats, Gains(0.0, 0.0, 100.0), law.rest(floats, 5.0, 1.0), 5.0, 1.0)
+    assert signal == 0.0
+
+
+def test_signals_stay_within_their_limits() -> None:
+    reference, measured = walks()
+    found = played(PidLaw(low=-2.0, high=3.0), GAINS, reference, measured)
+    assert found.min() == -2.0
+    assert found.max() == 3.0
+
+
+@pytest.mark.parametrize(
+    ("error", "integral", "expected"),
+    [
+        (1.0, 0.95, 0.95),  # beyond the upper limit and driven further: it stays
+        (-1.0, 1.5, 1.4),  # driven back: it moves
+        (-1.0, -0.95, -0.95),  # the same below
+        (1.0, -1.5, -1.4),
+        (1.0, 0.3, 0.4),  # within the limits
+    ],
+)
+def test_the_integral_moves_unless_it_would_wind_up(
+    error: float, integral: float, expected: float
+) -> None:
+    law = PidLaw(low=-1.0, high=1.0)
+    _, memory = law.answer(floats, Gains(0.0, 0.1, 0.0), PidMemory(integral, 0.0, 0.0), error, 0.0)
+    assert memory.integral == pytest.approx(expected)
+
+
+def test_negative_gains_do_not_wind_up_either() -> None:
+    law = PidLaw(low=0.0, high=1.0)
+    _, memory = law.answer(floats, Gains(-1.0, -0.1, 0.0), PidMemory(0.5, 0.0, 0.0), -2.0, 0.0)
+    assert memory.integral == 0.5
+
+
+def test_without_windup_it_leaves_the_limit_at_once() -> None:
+    """1000 samples at the limit; one after the error has changed sign the signal falls."""
+    error = np.concatenate([np.full(1000, 5.0), np.full(3, -0.5)])
+    found = played(PidLaw(high=1.0), Gains(0.1, 0.01, 0.0), error, np.zeros_like(error))
+    assert found[999] == 1.0
+    assert found[1000] < 0.96
+
+
+def test_gains_per_sample() -> None:
+    assert per_sample(2.0, 3.0, 4.0, 0.5) == Gains(2.0, 1.5, 8.0)
+
+
+def test_limits_must_leave_room() -> None:
+    with pytest.raises(ParameterError, match="must be below"):
+        PidLaw(low=1.0, high=1.0)
+
+
+# ---------------------------------------------------------------- as a drive
+
+
+def test_a_drive_answers_as_the_law_does() -> None:
+    reference, measured = walks()
+    drive = Pid(measured="y", reference=Constant(level=1.0), Kp=1.7, Ki=0.05, Kd=3.0,
+                law=PidLaw(low=-5.0, high=5.0))  # fmt: skip
+    memory, found = drive.init(), []
+    for k, y in enumerate(measured.tolist()):
+        signal, memory = drive(0.1 * k, {"y": y}, memory)
+        found.append(signal)
+    np.testing.assert_array_equal(
+        found, played(drive.law, GAINS, np.ones_like(reference), measured)
+    )
+
+
+def test_an_output_that_is_not_there_is_named() -> None:
+    drive = Pid(measured="temperatur", reference=Constant(level=1.0), Kp=1.0)
+    with pytest.raises(ParameterError, match="temperature"):
+        drive(0.0, {"temperature": 0.0}, None)
+
+
+def test_it_holds_a_wire_at_a_temperature() -> None:
+    """No steady error, and the power that the wire loses there."""
+    system = hanging_wire(source=PowerSource())
+    level = 40.0 + ZERO
+    start = system.environment.temperature
+    drive = Pid(measured="temperature", reference=Step(low=start, high=level, at=0.5),
+                Kp=0.5, Ki=0.005, law=PidLaw(high=20.0))  # fmt: skip
+    result = simulate_controlled(system, {"drive": drive}, 20.0, 0.02)
+    assert result["temperature"][-1] == pytest.approx(level, abs=0.01)
+    surroundings = system.environment
+    lost = surroundings.cooling.h * system.element.surface() * (level - surroundings.temperature)
+    assert result["drive"][-1] == pytest.approx(lost, rel=1e-3)
+
+
+# ---------------------------------------------------------------- step responses
+
+
+def test_a_first_order_response_has_its_known_times() -> None:
+    interval, tau = 1e-3, 0.5
+    reference = steps([(1.0, 1.0), (3.0, 5.0), (2.0, 5.0)], interval)
+    times = interval * np.arange(5000)
+    output = np.concatenate([
+        np.ones(1000), 3.0 - 2.0 * np.exp(-times / tau), 2.0 + np.exp(-times / tau)
+    ])  # fmt: skip
+    up, down = step_responses(reference, output, interval)
+    for found, size in ((up, 2.0), (down, -1.0)):
+        assert found.after - found.before == size
+        assert found.rise == pytest.approx(tau * math.log(10.0), abs=2 * interval)
+        assert found.settling == pytest.approx(tau * math.log(20.0), abs=2 * interval)
+        assert found.overshoot == 0.0
+        assert found.error == pytest.approx(0.0, abs=2.0 * math.exp(-9.0))
+
+
+def test_overshoot_error_and_what_never_happens() -> None:
+    reference = steps([(0.0, 1.0), (2.0, 1.0)], 0.1)
+    output = np.concatenate([np.zeros(10), [0.0, 2.4, 2.2, *[2.2] * 7]])
+    (found,) = step_responses(reference, output, 0.1)
+    assert found.overshoot == pytest.approx(0.2)
+    assert found.error == pytest.approx(-0.2)
+    assert found.rise == pytest.approx(0.1)
+    assert found.settling == math.inf
+    (never,) = step_responses(reference, 0.5 * reference, 0.1)
+    assert never.rise == never.settling == math.inf
+    assert rms_error(reference, 0.5 * reference, 10) == pytest.approx(1.0)
+
+
+def test_a_level_shorter_than_a_sample_is_refused() -> None:
+    with pytest.raises(InputError, match="at least"):
+        steps([(0.0, 0.01)], 0.1)
