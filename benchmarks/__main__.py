@@ -14,6 +14,7 @@ from typing import Any
 from rich.console import Console
 
 from benchmarks import (  # noqa: F401  (enter theirs)
+    sections_chains,
     sections_elements,
     sections_fit,
     sections_laws,

@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import bibtex
+import blocks
 import commands
 import parts
 
@@ -24,6 +25,7 @@ DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-
 """Studies whose figure is shown; the others need a record that may be absent."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
+    "blocks": blocks.all_blocks,
     "materials": parts.all_materials,
     "numbers": parts.canonical_numbers,
     "outputs": parts.outputs,

@@ -14,6 +14,7 @@ from martensite.cli import (
     export,
     fit,
     fit_logs,
+    identify,
     law,
     listings,
     run,
@@ -23,8 +24,8 @@ from martensite.cli import (
 from martensite.cli.app import app
 
 __all__ = [
-    "app", "check", "cite", "data", "demo", "export", "fit", "fit_logs", "law", "listings",
-    "main", "run", "size", "study",
+    "app", "check", "cite", "data", "demo", "export", "fit", "fit_logs", "identify", "law",
+    "listings", "main", "run", "size", "study",
 ]  # fmt: skip
 
 

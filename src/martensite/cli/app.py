@@ -10,8 +10,8 @@ from typer.core import TyperGroup
 from martensite.errors import MartensiteError
 
 ORDER = (
-    "run", "law", "demo", "study", "size", "fit", "export", "check", "params", "laws",
-    "mechanisms", "materials",
+    "run", "law", "demo", "study", "size", "fit", "identify", "export", "check", "params",
+    "laws", "mechanisms", "blocks", "materials",
 )  # fmt: skip
 """Commands in the order of the help text; others follow."""
 

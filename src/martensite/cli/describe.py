@@ -14,8 +14,12 @@ from martensite.registry import Registry
 from martensite.signals.base import DRIVE
 
 
-def registries() -> dict[str, Registry[Any]]:
-    """Every registry, by the word for one of its entries."""
+def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
+    """Every registry of parts, by the word for one of its entries, and that of blocks if wanted.
+
+    Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
+    all the rest.
+    """
     from martensite.electrical.base import RESISTANCES, SOURCES
     from martensite.elements.base import ELEMENTS
     from martensite.laws.base import LAWS
@@ -25,7 +29,11 @@ def registries() -> dict[str, Registry[Any]]:
     from martensite.thermal.ends import ENDS
     from martensite.thermal.fluids.base import FLUIDS
 
-    found = (ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS)
+    found = [ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS]
+    if blocks:
+        from martensite.identify.blocks.base import BLOCKS
+
+        found.append(BLOCKS)
     return {registry.kind: registry for registry in found}
 
 
@@ -83,7 +91,7 @@ def one(registry: Registry[Any], name: str) -> dict[str, Any]:
 
 def anywhere(name: str) -> list[dict[str, Any]]:
     """Descriptions of all entries of that name, in whichever registry; at least one."""
-    known = registries().values()
+    known = registries(blocks=True).values()
     found = [one(registry, name) for registry in known if name in registry.names()]
     if not found:
         every = {entry for registry in known for entry in registry.names()}

@@ -1,4 +1,4 @@
-"""`laws`, `mechanisms`, `materials`: what there is, and what is known about one of them."""
+"""`laws`, `mechanisms`, `blocks`, `materials`: what there is, and what is known of one."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, import_modules
 
 if TYPE_CHECKING:
+    from martensite.identify.blocks.base import AbstractBlock
     from martensite.materials.base import Material
 
 Name = Annotated[str | None, typer.Argument(metavar="[NAME]", help="One of them, in detail.")]
@@ -27,6 +28,33 @@ def mechanisms(name: Name = None, json: Json = False, modules: Imports = None) -
     """List what an element can pull on, or describe one."""
     import_modules(modules)
     _list_or_describe("mechanism", name, json)
+
+
+@app.command()
+def blocks(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List the blocks that models are identified with, or describe one."""
+    import_modules(modules)
+    from martensite.cli import describe, show
+
+    registry = describe.registries(blocks=True)["block"]
+    if name is not None:
+        short = {registry[n].short: n for n in registry.names()}
+        _list_or_describe("block", short.get(name, name), json)
+        return
+    found = [{"written": _written(registry[n]), **row} for n, row in
+             zip(registry.names(), describe.listed(registry), strict=True)]  # fmt: skip
+    if json:
+        show.as_json(found)
+    else:
+        rows = [(row["name"], row["written"], row["summary"]) for row in found]
+        show.table(("block", "in a chain", "what it is"), rows)
+
+
+def _written(block: type[AbstractBlock]) -> str:
+    """How a block is written in the text of a chain; empty if it cannot be."""
+    if not block.short or not block.shape:
+        return block.short
+    return f"{block.short}({','.join(block.shape)})"
 
 
 @app.command()
@@ -55,7 +83,7 @@ def materials(
 def _list_or_describe(kind: str, name: str | None, json: bool) -> None:
     from martensite.cli import describe, show
 
-    registry = describe.registries()[kind]
+    registry = describe.registries(blocks=kind == "block")[kind]
     if name is None:
         show.as_json(describe.listed(registry)) if json else describe.print_list(registry)
         return

@@ -38,6 +38,22 @@ def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
 
 
 @contextmanager
+def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
+    """A bar, moved by calling what it gives with a sentence and the share that is done."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import TimeRemainingColumn as Left
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), Left())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda text, share: bar.update(task, description=text, completed=share)
+
+
+@contextmanager
 def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
     """A bar for a search, with the words that `describe` finds for what it tells.
 

@@ -5,6 +5,8 @@ mechanism with several has the same actuator at each, and in [actuators.PORT] wh
 there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
 port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
 the mechanism itself, such as the voltage of a motor.
+
+[model] names the file of a model instead; its inputs are such signals.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 COMMON = ("element", "environment", "drive")
 GROUP = "actuators"
 SIGNALS = "signals"
+MODEL = "model"
 
 
 @dataclass
@@ -62,6 +65,8 @@ class Assembly:
 
     def system(self) -> AbstractSystem:
         """The system; fills the other fields on the way."""
+        if MODEL in self.document:
+            return self._model(section_of(self.document, MODEL))
         table = section_of(self.document, "mechanism")
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
@@ -73,6 +78,32 @@ class Assembly:
         """The waveform of a system with one drive, or those of one with several by name."""
         known = self.waveforms
         return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
+
+    def _model(self, table: Table) -> AbstractSystem:
+        """A model from its file, driven by [signals.INPUT], or by [drive] if it has one input."""
+        from martensite.identify.chains.plant import plant
+        from martensite.io.model_files import read_model
+
+        refuse_unknown(table, ("file",), f"[{MODEL}]")
+        for other in ("element", "mechanism", GROUP):
+            if other in self.document:
+                raise ParameterError(f"A scenario has [{MODEL}] or [{other}], not both.")
+        if not isinstance(table.get("file"), str):
+            raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
+        made = plant(read_model(self.folder / str(table["file"])))
+        self._signals(made.mechanism)
+        names = made.mechanism.signals()
+        if "drive" in self.document:
+            if len(names) != 1 or self.waveforms:
+                raise ParameterError(
+                    f"[drive] is for a model of one input that no [{SIGNALS}] drive; this one has "
+                    f"the inputs {', '.join(names)}."
+                )
+            ((name, unit),) = names.items()
+            table = section_of(self.document, "drive")
+            refuse_unknown(table, ("waveform",), "[drive]")
+            self.waveforms[name] = self._waveform(table, unit, "drive", name)
+        return made
 
     def _single(self, mechanism: AbstractMechanism) -> System:
         if GROUP in self.document:

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 SECTIONS = (
-    "title", "element", "environment", "mechanism", "drive", "actuators", "signals", "run",
-    "measured",
+    "title", "element", "environment", "mechanism", "drive", "actuators", "signals", "model",
+    "run", "measured",
 )  # fmt: skip
 
 

@@ -65,6 +65,10 @@ class AbstractMechanism(Parametrised):
         """Longest step [s] with which a run may begin, for the sake of the mechanism."""
         return float("inf")
 
+    def sample_time(self) -> float:
+        """Time from sample to sample [s], if it is known at samples alone; else 0."""
+        return 0.0
+
     def start_forces(self, xp: Namespace) -> Column:
         """Force [N] on each element when it is assembled."""
         raise NotImplementedError

@@ -31,7 +31,7 @@ def report_files(fit: Fit, path: str | Path, profiles: Sequence[Profile] = ()) -
     path = checked(path)
     if path.suffix.lower() in HTML:
         return [path]
-    return [path, *(_folder(path) / f"{name}.png" for name in pictures(fit, profiles))]
+    return [path, *(figure_folder(path) / f"{name}.png" for name in pictures(fit, profiles))]
 
 
 def write_report(
@@ -63,10 +63,10 @@ def write_report(
     blocks = sections(fit, scenario or scenario_of(fit), profiles)
     words = (title or title_of(fit), lead_of(fit), blocks, f"Written by {program()}.")
     if path.suffix.lower() in HTML:
-        _write(path, html.page(*words))
+        write_text(path, html.page(*words))
     else:
-        _figures(_folder(path), blocks)
-        _write(path, markdown.page(*words, _folder(path).name))
+        write_figures(figure_folder(path), blocks)
+        write_text(path, markdown.page(*words, figure_folder(path).name))
     return report_files(fit, path, profiles)
 
 
@@ -84,11 +84,17 @@ def checked(path: str | Path) -> Path:
     return path
 
 
-def _folder(path: Path) -> Path:
+def figure_folder(path: Path) -> Path:
+    """Where the figures of a report in Markdown lie."""
     return path.with_name(f"{path.stem}_figures")
 
 
-def _figures(folder: Path, blocks: Sequence[Block]) -> None:
+def write_figures(folder: Path, blocks: Sequence[Block]) -> None:
+    """Write all pictures among some blocks into a folder, which is made if it does not exist.
+
+    Raises:
+        DataError: the folder cannot be made, or a file cannot be written.
+    """
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
@@ -98,6 +104,11 @@ def _figures(folder: Path, blocks: Sequence[Block]) -> None:
             write_figure(block.figure, folder / f"{block.name}.png")
 
 
-def _write(path: Path, text: str) -> None:
+def write_text(path: Path, text: str) -> None:
+    """Write a text; the file is replaced whole or not at all.
+
+    Raises:
+        DataError: the file cannot be written.
+    """
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from martensite.runtimes.dual import DualNamespace
+from martensite.runtimes.dual import Dual, DualNamespace
 from martensite.runtimes.graph import Expr, GraphNamespace
 
 Row = dict[int, Expr]
@@ -61,7 +61,22 @@ class _Choosing(GraphNamespace):
 
 
 class _Partials(DualNamespace):
-    """Dual numbers with sparse tangents; loops are written out."""
+    """Dual numbers with sparse tangents; loops over what has none stay loops, others are
+    written out."""
+
+    def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        if any(isinstance(s, Dual) for s in state):
+            return super().repeat(count, body, *state)
+        moved = False
+
+        def turn(*now: Any) -> Sequence[Any]:
+            nonlocal moved
+            results = body(*now)
+            moved = moved or any(isinstance(r, Dual) for r in results)
+            return [self.parts(r)[0] for r in results]
+
+        found = self.base.repeat(count, turn, *state)
+        return super().repeat(count, body, *state) if moved else found
 
     def each(
         self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]

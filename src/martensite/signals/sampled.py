@@ -1,7 +1,9 @@
 """Records at equal intervals: what goes into a system and what comes out of it.
 
 The data object of identification. Missing outputs are NaN; missing inputs are not allowed,
-because a model cannot be run over them.
+because a model cannot be run over them. Numbers are in the units that `units` names. What can be
+done with records: `signals.resampling`, `signals.trends`, `signals.periods`; from tables and back:
+`signals.gridded`.
 """
 
 from __future__ import annotations
@@ -35,6 +37,8 @@ class Sampled:
     """Unit of every signal."""
     start: float = 0.0
     """Time of the first sample [s]."""
+    remarks: tuple[str, ...] = ()
+    """What was done to the measured table to make this of it, one sentence each."""
 
     def __post_init__(self) -> None:
         for name in ("inputs", "outputs"):

@@ -37,7 +37,8 @@ def simulate(
     """Run a system from rest under a waveform for `duration` [s].
 
     Steps end on the edges of the waveforms and are halved until halving changes temperatures,
-    martensite fractions and coordinates by less than `tolerance` times their range.
+    martensite fractions and coordinates by less than `tolerance` times their range. A system in
+    discrete time has steps of its own: waveforms are read at their starts.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
@@ -56,6 +57,7 @@ def simulate(
     _check(duration, tolerance, step, samples, runtime)
     arranged(system, waveform)
     run = _Runner(system, waveform, duration, samples, runtime)
+    step = system.mechanism.sample_time() or step
     if step is not None:
         grid, track = run(step)
         return _result(run, grid, track.require(), None)

@@ -17,7 +17,7 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import first_step
 from martensite.simulate.driven import arranged
-from martensite.simulate.grid import MOST_STEPS, share
+from martensite.simulate.grid import JUST_AFTER, MOST_STEPS, share
 from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.patient import patient
@@ -55,17 +55,29 @@ def simulate_controlled(
         SolveError: the run failed, or a controller answered with no number.
     """
     periods = whole_periods(duration, period)
-    longest = min(step or first_step(system, duration, 2), period)
+    interval = system.mechanism.sample_time()
+    longest = min(interval or step or first_step(system, duration, 2), period)
+    if interval:
+        _check_period(period, interval)
     if every < 1 or periods % every:
         raise ParameterError(
             f"Argument `every` must divide the {periods} periods of the run, but is {every}."
         )
     if duration / longest > MOST_STEPS:
         raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
-    pieces = max(1, math.ceil(period / longest - 1e-9))
+    pieces = max(1, math.ceil(period / longest - 1e-6))
     plan = _Plan(system, arranged(system, drives), periods, period, pieces, every)
     walk = _Walk(plan)
     return walk.result(walk.run().require())
+
+
+def _check_period(period: float, interval: float) -> None:
+    """Raise `ParameterError` unless a period is a whole number of samples of the system."""
+    if abs(round(period / interval) * interval - period) > 1e-6 * interval or period < interval:
+        raise ParameterError(
+            f"Argument `period` must be a whole number of samples of {interval:.6g} s, but is "
+            f"{period:.6g} s."
+        )
 
 
 @dataclass(frozen=True)
@@ -87,7 +99,10 @@ class _Walk:
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
-        self.shares = [share(drive.at_end) for drive in plan.system.drives()]
+        discrete = plan.system.mechanism.sample_time() > 0.0
+        self.shares = [
+            JUST_AFTER if discrete else share(drive.at_end) for drive in plan.system.drives()
+        ]
         self.memories: list[Any] = [drive.init() for drive in plan.drives]
         self.rows: list[tuple[float, ...]] = []
         self.signals: list[tuple[float, ...]] = []

@@ -8,7 +8,7 @@ from typing import TypeVar, cast
 from martensite.errors import InputError, suggestion
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import Grid, build_grid, require_unit
+from martensite.simulate.grid import Grid, build_grid, grid_of_samples, require_unit
 from martensite.system import AbstractSystem
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
@@ -58,6 +58,9 @@ def arranged(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[K
 def grid_of(
     system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float
 ) -> Grid:
-    """The time grid of a run."""
+    """The time grid of a run; a system in discrete time has its own steps, whatever `step`."""
+    interval = system.mechanism.sample_time()
+    if interval:
+        return grid_of_samples(arranged(system, waveform), duration, samples, interval)
     at_end = [drive.at_end for drive in system.drives()]
     return build_grid(arranged(system, waveform), duration, samples, step, at_end)

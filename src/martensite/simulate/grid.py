@@ -13,6 +13,9 @@ from martensite.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
 
 MOST_STEPS = 20_000_000
+JUST_AFTER = 1e-9
+"""Where in a sample of a system in discrete time signals are read, as a share of it: after a
+jump at its start, whatever rounding does to times."""
 Signals = tuple[float, ...]
 """One number per drive of a system."""
 
@@ -70,6 +73,35 @@ def build_grid(
     """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
     return grid_at(waveforms, times, step, at_end)
+
+
+def grid_of_samples(
+    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float
+) -> Grid:
+    """The grid of a system in discrete time: every step is one of its samples, from 0 on.
+
+    Signals are read at the start of a step. What is returned are as many of its samples as
+    were asked for, or all if there are fewer, as evenly spread as whole steps allow.
+
+    Raises:
+        InputError: the run has too many steps, or is shorter than one.
+    """
+    steps = math.floor(duration / interval + 1e-9)
+    if not 1 <= steps <= MOST_STEPS:
+        raise InputError(
+            f"A run of {duration:.6g} s in samples of {interval:.6g} s has {steps:,} steps, but "
+            f"must have 1 to {MOST_STEPS:,}."
+        )
+    pieces = min(samples - 1, steps)
+    ends = [round(steps * i / pieces) for i in range(pieces + 1)]
+    signals = [
+        tuple(waveform.value((k + JUST_AFTER) * interval) for waveform in waveforms)
+        for k in range(steps + 1)
+    ]
+    return Grid(
+        [k * interval for k in ends], [signals[k] for k in ends],
+        [b - a for a, b in pairwise(ends)], [interval] * steps, signals[:-1],
+    )  # fmt: skip
 
 
 def grid_at(

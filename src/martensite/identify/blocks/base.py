@@ -33,7 +33,7 @@ class AbstractBlock(Parametrised):
     short: ClassVar[str] = ""
     """Its name in the text of a chain, such as `poly` in `poly2`."""
     shape: ClassVar[tuple[str, ...]] = ()
-    """The declared parameters that are written in brackets, in their order."""
+    """The declared parameters that are written in brackets, in their order; a choice last."""
     fixed: ClassVar[tuple[str, ...]] = ()
     """The declared parameters that `adapted` sets from a record."""
     linear: ClassVar[bool] = False
@@ -79,6 +79,20 @@ class AbstractBlock(Parametrised):
         """Random values to begin with, for records of some duration [s]."""
         return self.start()
 
+    def priors(self) -> tuple[Numbers, Numbers]:
+        """Expected values of the free numbers, and 1/σ of each; 0 for those of which none is known.
+
+        A fit counts (θ - expected)/σ as one more residual each.
+        """
+        return self.start(), np.zeros(len(self.numbers()))
+
+    def gains(self) -> tuple[str, ...]:
+        """For each output the free number that it is proportional to; empty where there is none.
+
+        A search begins with those that suit the record.
+        """
+        return ("",) * self.outputs
+
     def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Name, value and unit of what the free numbers mean, for people to read."""
         return [
@@ -87,7 +101,9 @@ class AbstractBlock(Parametrised):
 
     def text(self) -> str:
         """The block as it is written in the text of a chain."""
-        inner = ",".join(f"{getattr(self, name):g}" for name in self.shape)
+        values = [(getattr(self, name), self.declarations[name].default) for name in self.shape]
+        told = [value for value, usual in values if not isinstance(value, str) or value != usual]
+        inner = ",".join(v if isinstance(v, str) else f"{v:g}" for v in told)
         return f"{self.short}({inner})" if inner else self.short
 
     def given(self) -> tuple[float, ...]:

@@ -65,13 +65,8 @@ class TransferFunction(AbstractBlock):
 
     def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Time constants spread over a thousandth to a quarter of the record; zeros anywhere."""
-        nf = int(self.nf)
-        short, long = np.log(max(5.0 * dt, 1e-3 * duration)), np.log(0.25 * duration)
         made = rng.uniform(-0.3, 1.3, len(self.numbers()))
-        first = nf % 2
-        made[:first] = rng.uniform(short, long, first)
-        made[first:nf:2] = -rng.uniform(short, long, nf // 2)
-        made[first + 1 : nf : 2] = rng.uniform(np.log(0.5), np.log(2.0), nf // 2)
+        made[: int(self.nf)] = sections.drawn(int(self.nf), rng, duration, dt)
         return made
 
     def start(self) -> Numbers:
@@ -81,13 +76,10 @@ class TransferFunction(AbstractBlock):
         made[nf % 2 + 1 : nf : 2] = np.log(1.2)
         return made
 
+    def poles(self, theta: Numbers, dt: float) -> Numbers:
+        """Poles z of the sections."""
+        return sections.poles(int(self.nf), theta, dt)
+
     def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Time constants, frequencies, damping ratios and weights."""
-        units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
-        rows: list[tuple[str, float, str]] = []
-        for name, value in zip(self.numbers(), theta, strict=True):
-            plain = name.removeprefix("log_")
-            log = plain != name
-            unit = units[plain.rstrip("0123456789")] if log else "1"
-            rows.append((plain, float(np.exp(value) if log else value), unit))
-        return rows
+        return sections.shown(self.numbers(), theta)

@@ -14,8 +14,8 @@ from martensite.identify.chains.plain import Plain
 from martensite.identify.chains.plan import Plan, plan
 from martensite.runtimes.c99 import compiler
 
-CHUNK = 4096
-"""Samples whose derivatives are held at a time."""
+CHUNK = 4032
+"""Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""
 
 
 class Start(NamedTuple):
@@ -92,16 +92,23 @@ class Engine:
         return y
 
     def sensitivities(
-        self, theta: Numbers, u: Numbers, start: Start | None = None, chunk: int = CHUNK
-    ) -> Iterator[Chunk]:
-        """Outputs and their derivatives, some thousand samples at a time."""
+        self, theta: Numbers, u: Numbers, start: Start | None = None, chunk: int = CHUNK,
+        reuse: bool = False,
+    ) -> Iterator[Chunk]:  # fmt: skip
+        """Outputs and their derivatives, some thousand samples at a time.
+
+        With `reuse`, the derivatives are overwritten by those of the next samples.
+        """
         u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
         start = self.rest(theta, u[0]) if start is None else start
         state, slopes = start.state.copy(), np.array(start.slopes)
+        shape = len(self.taps), slopes.shape[1], min(chunk, len(u))
+        room = np.empty(shape)
         for first in range(0, len(u), chunk):
             part = u[first : first + chunk]
             y = np.empty((len(part), len(self.taps)))
-            dy = np.empty((*y.shape, slopes.shape[1]))
+            room = room if reuse or not first else np.empty(shape)
+            dy = np.moveaxis(room[:, :, : len(part)], 2, 0)
             self._runner.slopes(numbers, part, state, slopes, y, dy)
             yield Chunk(slice(first, first + len(part)), y, dy)
 

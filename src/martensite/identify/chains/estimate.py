@@ -11,15 +11,25 @@ import numpy as np
 from martensite.errors import InputError, SolveError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.checks import check_enough, check_informative, check_records
+from martensite.identify.chains.informed import PART, begins, thinnest
 from martensite.identify.chains.levenberg import Found, minimise
+from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.scored import free_run
 from martensite.identify.chains.scores import fit_percent
-from martensite.identify.chains.starts import aligned, drawn
 from martensite.identify.chains.written import parse_chain
+from martensite.signals.resampling import resampled
 from martensite.signals.sampled import Sampled
 
 COARSE = 5000
 """Samples per record to which first searches thin long records."""
+LEAST = 20
+"""Samples that a record keeps at least when it is thinned."""
+INTERRUPTED = "interrupted"
+"""What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
+TURNS = 3
+"""How often noise model and chain follow each other."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
 
@@ -43,6 +53,12 @@ class Options:
     """Weight of the first known outputs as those at rest, in shares of all samples."""
     ridge: float = 0.0
     """Pull towards the start of the last search, per sample."""
+    sigma: tuple[float, ...] = ()
+    """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
+    priors: bool = True
+    """Whether what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
+    noise: int = 0
+    """Order of the noise model; 0 minimises the simulation error, else the prediction error."""
     threads: int = 2
 
 
@@ -91,14 +107,24 @@ def estimate(
     options = options or Options()
     records = (records,) if isinstance(records, Sampled) else tuple(records)
     check_records(records)
+    check_informative(records, options.skip, options.start)
     made = parse_chain(blocks) if isinstance(blocks, str) else tuple(blocks)
+    _check_signals(made, records[0])
     chain = untrained(made, max(records, key=len))
+    check_enough(chain, records, options.skip)
     tell = watch or (lambda text, share: None)
     first = _searched(chain, records, options, tell)
-    ends: list[tuple[float, Found]] = []
-    for k, theta in enumerate(first[: max(options.refined, 1)]):
-        found = refine(chain.with_theta(theta[1]), records, options)
-        ends.append((_fit(chain.with_theta(found.theta[: len(theta[1])]), records), found))
+    ends: list[tuple[float, Found, Chain]] = []
+    for k, (_, begun) in enumerate(first[: max(options.refined, 1)]):
+        try:
+            found = refine(begun, records, options)
+        except KeyboardInterrupt:
+            if not ends:
+                raise
+            tell(INTERRUPTED, 1.0)
+            break
+        end = begun.with_theta(found.theta[: len(begun.theta)])
+        ends.append((_fit(end, records, options), found, end))
         tell(f"refined {k + 1}", 0.5 + 0.5 * (k + 1) / min(options.refined, len(first)))
     ends.sort(key=lambda end: end[1].value)
     if not ends or not np.isfinite(ends[0][1].value):
@@ -106,88 +132,149 @@ def estimate(
             f"No search for `{chain.text()}` gave a model that can be simulated; try more "
             "starts, fewer units or a lower order."
         )
-    best = ends[0][1]
-    count = len(chain.theta)
+    _, best, chain = ends[0]
+    wanted = tuple(aims(records, options))
+    if options.noise:
+        best, wanted = whitened(chain, best, wanted, options)
+        chain = chain.with_theta(best.theta[: len(chain.theta)])
     return Estimate(
-        chain.with_theta(best.theta[:count]), records, tuple(aims(records, options)), best,
-        tuple(sorted((fit for fit, _ in ends), reverse=True)),
+        chain, records, wanted, best, tuple(sorted((fit for fit, _, _ in ends), reverse=True)),
         tuple(value for value, _ in first), options,
     )  # fmt: skip
 
 
-def check_records(records: Sequence[Sampled]) -> None:
-    """Raise `InputError` unless the records can be fitted together."""
-    if not records:
-        raise InputError("An estimation needs at least one record.")
-    first = records[0]
-    for record in records[1:]:
-        if abs(record.interval / first.interval - 1.0) > 1e-6:
+def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
+    """Raise `InputError` unless blocks and record have as many inputs and outputs."""
+    sides = (
+        ("takes", "inputs", blocks[0], blocks[0].inputs, record.input_names),
+        ("gives", "outputs", blocks[-1], blocks[-1].outputs, record.output_names),
+    )
+    for verb, word, block, count, names in sides:
+        if count != len(names):
             raise InputError(
-                f"Records fitted together need one sample time, but `{first.name}` has "
-                f"{first.interval:.6g} s and `{record.name}` {record.interval:.6g} s."
-            )
-        if (record.input_names, record.output_names) != (first.input_names, first.output_names):
-            raise InputError(
-                f"Records `{first.name}` and `{record.name}` have different inputs or outputs."
+                f"Block `{block.text()}` {verb} {count} {word}, but record `{record.name}` has "
+                f"{len(names)}: {', '.join(names)}."
             )
 
 
 def aims(records: Sequence[Sampled], options: Options) -> list[Aim]:
     """What is fitted: the records, on one scale, and what they say of rest."""
-    spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
-    weights = 1.0 / np.where(spread > 0.0, spread, 1.0)
+    weights = 1.0 / _spread(records, options)
     found = [Aim(r, options.skip, weights, options.start) for r in records]
     if options.anchor > 0.0:
         for record in records:
             heavy = weights * np.sqrt(options.anchor * len(record))
-            found.append(Aim(record.rows(0, 1, f"{record.name} at rest"), 0, heavy))
+            found.append(Aim(at_rest(record), 0, heavy))
     return found
+
+
+def at_rest(record: Sampled) -> Sampled:
+    """One sample: the first inputs, and the mean of the outputs until an input changes."""
+    moved = np.any(record.inputs != record.inputs[0], axis=1)
+    count = int(np.argmax(moved)) if moved.any() else len(record)
+    before = record.outputs[:count]
+    known = np.isfinite(before).sum(axis=0)
+    levels = np.where(known > 0, np.nansum(before, axis=0) / np.maximum(known, 1), np.nan)
+    first = record.rows(0, 1, f"{record.name} at rest")
+    return first.with_outputs(levels[None, :])
+
+
+def _spread(records: Sequence[Sampled], options: Options) -> Numbers:
+    """What a residual of every output is measured in."""
+    if not options.sigma:
+        spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
+        return np.where(spread > 0.0, spread, 1.0)
+    if len(options.sigma) != records[0].outputs.shape[1] or not min(options.sigma) > 0.0:
+        raise InputError(
+            f"`sigma` must hold a number above 0 for each of the {records[0].outputs.shape[1]} "
+            f"outputs, but is {', '.join(f'{s:g}' for s in options.sigma)}."
+        )
+    return np.array(options.sigma)
+
+
+def expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
+    """Where θ is pulled, and the 1/σ of priors: to what blocks expect, else to where it is."""
+    found = [block.priors() for block in chain.blocks]
+    centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
+    weights = weights * options.priors
+    return np.where(weights > 0.0, centres, chain.theta), weights
 
 
 def refine(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
     """The nearest minimum from the numbers of a chain, at the full rate."""
-    squares = Squares(chain.engine, aims(records, options), options.ridge, chain.theta)
+    squares = Squares(
+        chain.engine, aims(records, options), options.ridge, *expected(chain, options)
+    )
     return minimise(squares, squares.extended(chain.theta), options.iterations)
+
+
+def whitened(
+    chain: Chain, found: Found, wanted: Sequence[Aim], options: Options
+) -> tuple[Found, tuple[Aim, ...]]:
+    """The minimum of the prediction error: noise model and chain in turns, from a minimum."""
+    aims_ = tuple(wanted)
+    prior = expected(chain, options)
+    for _ in range(TURNS):
+        squares = Squares(chain.engine, aims_, options.ridge, *prior)
+        left: list[Numbers] = []
+        theta = found.theta[: len(chain.theta)]
+        for aim, state in zip(aims_, squares.initial(found.theta), strict=True):
+            computed = chain.with_theta(theta).simulate(aim.record, state)
+            left.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
+        filter_ = noise_model(left, options.noise)
+        # a record of one sample, such as that of rest, has no noise to be whitened
+        aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
+        squares = Squares(chain.engine, aims_, options.ridge, *prior)
+        found = minimise(squares, found.theta, options.iterations)
+    return found, aims_
 
 
 def _searched(
     chain: Chain, records: Sequence[Sampled], options: Options,
     tell: Callable[[str, float], None],
-) -> list[tuple[float, Numbers]]:  # fmt: skip
+) -> list[tuple[float, Chain]]:  # fmt: skip
     """Ends of searches on thinned records, best first."""
-    thin = [coarse(record) for record in records]
+    thin = coarse(records)
+    factor = thin[0].interval / records[0].interval
     slow = replace(chain, interval=thin[0].interval)
+    own = replace(options, skip=round(options.skip / factor))
     rng = np.random.default_rng(options.seed)
-    begins = [chain.theta]
-    begins += [drawn(chain, rng, records[0]) for _ in range(options.starts - 1)]
-    squares = Squares(slow.engine, aims(thin, options), options.ridge)
+    begun = begins(slow, thin, rng, options.starts)
 
-    def search(theta: Numbers) -> tuple[float, Numbers]:
-        begun = aligned(slow.with_theta(theta), thin)
-        found = minimise(squares, squares.extended(begun.theta), max(options.iterations // 2, 1))
-        return found.value / squares.count, found.theta[: len(theta)]
+    def search(one: Chain) -> tuple[float, Chain]:
+        squares = Squares(one.engine, aims(thin, own), own.ridge, *expected(one, own))
+        theta = squares.extended(one.theta)
+        found = minimise(squares, theta, max(options.iterations // 2, 1))
+        end = one.with_theta(found.theta[: len(one.theta)])
+        return found.value / squares.count, replace(end, interval=chain.interval)
 
-    ends: list[tuple[float, Numbers]] = []
+    ends: list[tuple[float, Chain]] = []
     with ThreadPoolExecutor(options.threads) as pool:
-        for k, end in enumerate(pool.map(search, begins)):
-            ends.append(end)
-            tell(f"start {k + 1} of {len(begins)}", 0.5 * (k + 1) / len(begins))
+        found = pool.map(search, begun)
+        try:
+            for k, end in enumerate(found):
+                ends.append(end)
+                tell(f"start {k + 1} of {len(begun)}", 0.5 * (k + 1) / len(begun))
+        except KeyboardInterrupt:  # go on with what there is
+            pool.shutdown(wait=False, cancel_futures=True)
+            if not ends:
+                raise
+            tell(INTERRUPTED, 0.5)
     return sorted((end for end in ends if np.isfinite(end[0])), key=lambda end: end[0])
 
 
-def coarse(record: Sampled, most: int = COARSE) -> Sampled:
-    """A thinner record: inputs at the first of some samples, outputs averaged over them."""
-    factor = len(record) // most
-    if factor < 2:
-        return record
-    count = len(record) // factor
-    blocks = record.outputs[: count * factor].reshape(count, factor, -1)
-    return replace(
-        record, interval=record.interval * factor,
-        inputs=record.inputs[: count * factor : factor], outputs=blocks.mean(axis=1),
-    )  # fmt: skip
+def coarse(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
+    """Thinner records of one sample time: means over some samples, of inputs and outputs alike.
+
+    Where the outputs change too fast for that, only the first part of a record is taken.
+    """
+    factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
+    if (kept := thinnest(records, factor)) < factor:
+        factor, records = kept, [r.rows(0, PART * kept) for r in records]
+    return [r if factor < 2 else resampled(r, ratio=float(factor)) for r in records]
 
 
-def _fit(chain: Chain, records: Sequence[Sampled]) -> float:
+def _fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
     """Mean fit [%] over records and outputs."""
-    return float(np.mean([fit_percent(r.outputs, chain.simulate(r)) for r in records]))
+    runs = [(r.outputs, free_run(chain, r, options.start, options.skip)) for r in records]
+    return float(np.mean([fit_percent(y, computed, options.skip) for y, computed in runs]))

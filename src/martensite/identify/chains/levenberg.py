@@ -93,7 +93,7 @@ def _step(
     gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]
     scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
     positive = scale[scale > 0.0]
-    if not len(positive):
+    if not len(positive) or not np.all(np.isfinite(hessian)):
         return None
     scale = np.maximum(scale, FLOOR * float(np.median(positive)))
     scaled = hessian / np.outer(scale, scale)

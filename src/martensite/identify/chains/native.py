@@ -1,25 +1,29 @@
 """Chains in C: simulation and derivatives of all columns in one pass, block after block.
 
-Samples go through in tiles. A block without memory is evaluated for a whole tile at once, so
-that the compiler can vectorise over samples; one with memory goes sample by sample, and its
-columns are what is vectorised.
+Samples go through in tiles that stay in the cache, columns of derivatives as rows of a tile. A
+block without memory is evaluated for a whole tile at once, its own columns as they come. One with
+memory goes sample by sample: first its values with the partial derivatives of every sample, then
+the columns, several at a time, which need a tile laid out the other way (`native_columns`).
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.plan import Entry, Piece, Plan
+from martensite.identify.chains.native_columns import (
+    TILE,
+    columns_at_once,
+    columns_in_sequence,
+    room,
+)
+from martensite.identify.chains.plan import Piece, Plan
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.once import once
 
-TILE = 64
-"""Samples that go through all blocks together."""
 Taps = tuple[tuple[int, int], ...]
 """What is given out: numbers of blocks, and of their outputs."""
 
@@ -30,6 +34,7 @@ class Native:
     def __init__(self, plan: Plan, taps: Taps) -> None:
         self._plan, self._taps, self._width = plan, taps, plan.width
         self._library = _library(plan, taps, False)
+        self._with_slopes: dict[int, tuple[Any, int]] = {}
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
         """State at rest under constant inputs x, with its derivatives (states, columns)."""
@@ -45,14 +50,31 @@ class Native:
         """The same with derivatives: dy is (samples, outputs, extra + columns).
 
         The first columns are those of the initial state; there are as many as ds has beyond
-        those of the free numbers.
+        those of the free numbers. Samples of dy must be next to each other.
         """
         columns = ds.shape[1]
-        library = _library(self._plan, self._taps, columns > self._plan.columns)
-        scratch = np.empty(self._width * TILE * columns)
-        library.slopes(
-            ctypes.c_long(len(u)), _at(p), _at(u), _at(s), _at(ds), _at(scratch), _at(y), _at(dy)
-        )
+        if columns not in self._with_slopes:
+            library = _library(self._plan, self._taps, columns > self._plan.columns)
+            self._with_slopes[columns] = library.slopes, scratch_size(self._plan, columns)
+        slopes, size = self._with_slopes[columns]
+        scratch = _aligned(size)
+        slopes(
+            ctypes.c_long(len(u)), _at(p), _at(u), _at(s), _at(ds), _at(scratch), _at(y), _at(dy),
+            ctypes.c_long(dy.strides[2] // 8),
+        )  # fmt: skip
+
+
+def _aligned(count: int) -> Numbers:
+    """Uninitialised numbers from the start of a cache line."""
+    room = np.empty(count + 8)
+    first = -room.ctypes.data % 64 // 8
+    return room[first : first + count]
+
+
+def scratch_size(plan: Plan, columns: int) -> int:
+    """Numbers that `slopes` needs room for: one tile of signals, and that of the widest block."""
+    wide = [room(piece, columns - plan.columns) for piece in plan.pieces if piece.block.states()]
+    return plan.width * TILE * columns + max(wide, default=0)
 
 
 def _at(array: Numbers) -> ctypes.c_void_p:
@@ -83,12 +105,12 @@ def _march(plan: Plan, taps: Taps, slopes: bool) -> str:
     width, outputs, inputs = plan.width, len(taps), plan.pieces[0].block.inputs
     name = "slopes" if slopes else "run"
     more = "double *restrict ds, " if slopes else ""
-    last = "double *restrict dw, double *restrict y, double *restrict dy"
+    last = "double *restrict dw, double *restrict y, double *restrict dy, long stride"
     last = last if slopes else "double *restrict y"
     body: list[str] = []
     state = 0
     for k, piece in enumerate(plan.pieces):
-        tail = f", ds + {state} * M, dw" if slopes else ""
+        tail = f", ds + {state} * M, dw, dw + {width} * TILE * M" if slopes else ""
         body.append(f"block{k}{'d' if slopes else ''}(n, c, w, s + {state}{tail});")
         state += piece.block.states()
         for place, (number, channel) in enumerate(taps):
@@ -97,12 +119,12 @@ def _march(plan: Plan, taps: Taps, slopes: bool) -> str:
     steps = "".join(f"        {line}\n" for line in body)
     zeros = ""
     if slopes:  # of the inputs, with respect to the initial state
-        row = f"dw + (i * TILE + t) * M, 0, sizeof(double) * (M - {plan.columns})"
+        extra = f"sizeof(double) * TILE * (M - {plan.columns})"
         zeros = (
             f"        for (long i = 0; i < {inputs}; i++)\n"
-            f"            for (long t = 0; t < n; t++) memset({row});\n"
+            f"            memset(dw + i * M * TILE, 0, {extra});\n"
         )
-    onward = f"y += n * {outputs};" + (f" dy += n * {outputs} * M;" if slopes else "")
+    onward = f"y += n * {outputs};" + (" dy += n;" if slopes else "")
     return (
         f"void {name}(long samples, const double *restrict p, const double *restrict u,\n"
         f"            double *restrict s, {more}{last}) {{\n"
@@ -122,12 +144,11 @@ def _tapped(
     lines = [f"for (long t = 0; t < n; t++) y[t * {outputs} + {place}] = w[{channel} * TILE + t];"]
     if slopes:
         known = f"(M - {columns - piece.first - piece.count})"
-        row = f"dy + (t * {outputs} + {place}) * M"
+        row = f"dy + ({place} * M + q) * stride"
         lines += [
-            "for (long t = 0; t < n; t++) {",
-            f"    memcpy({row}, dw + ({channel} * TILE + t) * M, sizeof(double) * {known});",
-            f"    memset({row} + {known}, 0, sizeof(double) * (M - {known}));",
-            "}",
+            f"for (long q = 0; q < {known}; q++)",
+            f"    memcpy({row}, dw + ({channel} * M + q) * TILE, sizeof(double) * n);",
+            f"for (long q = {known}; q < M; q++) memset({row}, 0, sizeof(double) * n);",
         ]
     return lines
 
@@ -135,15 +156,16 @@ def _tapped(
 def _block(piece: Piece, k: int, plan: Plan, slopes: bool) -> str:
     """One block over a tile; without memory for all samples at once."""
     states = piece.block.states()
-    arguments = ", double *restrict ds, double *restrict dw" if slopes else ""
+    arguments = ", double *restrict ds, double *restrict dw, double *restrict z" if slopes else ""
     lines = _sequential(piece, slopes) if states else _at_once(piece, slopes)
     below = plan.columns - piece.first
-    known = f"    enum {{ lo = M - {below}, hi = lo + {piece.count} }};\n" if slopes else ""
+    known = f"    enum {{ lo = M - {below}, count = {piece.count} }};\n" if slopes else ""
+    unused = "    (void)s;\n" + ("    (void)ds; (void)z;\n" if slopes and not states else "")
     body = "".join(f"    {line}\n" for line in lines)
     return (
         f"static void block{k}{'d' if slopes else ''}(long n, const double *restrict c, "
         f"double *restrict w, double *restrict s{arguments}) {{\n"
-        f"{known}    (void)s;\n{body}}}\n"
+        f"{known}{unused}{body}}}\n"
     )
 
 
@@ -157,73 +179,31 @@ def _at_once(piece: Piece, slopes: bool) -> list[str]:
     lines.append(f"k_{name}(n, c, x, y);")
     lines += [f"for (long l = 0; l < n; l++) w[{i} * TILE + l] = y[{i} * n + l];"
               for i in range(block.outputs)]  # fmt: skip
-    if slopes:
-        inner = _columns(piece, "y[{} * n + t]")
-        lines += ["for (long t = 0; t < n; t++) {", *(f"    {line}" for line in inner), "}"]
-    return lines
+    return lines + (columns_at_once(piece) if slopes else [])
 
 
 def _sequential(piece: Piece, slopes: bool) -> list[str]:
+    """Sample by sample, the state in local variables meanwhile."""
     block, traced = piece.block, piece.step
     states = block.states()
     results = traced.rows + (len(traced.entries) if slopes else 0)
     name = traced.name if slopes else f"v{traced.name}"
-    lines = [
+    before, after = columns_in_sequence(piece) if slopes else ([], [])
+    kept = [line for line in before if line.startswith("    ")]
+    return [
+        *(line for line in before if not line.startswith("    ")),
         f"double x[{block.inputs + states}], y[{results}];",
+        f"memcpy(x + {block.inputs}, s, sizeof(double) * {states});",
         "for (long t = 0; t < n; t++) {",
         *(f"    x[{i}] = w[{i} * TILE + t];" for i in range(block.inputs)),
-        f"    memcpy(x + {block.inputs}, s, sizeof(double) * {states});",
         f"    k_{name}(1, c, x, y);",
         *(f"    w[{i} * TILE + t] = y[{i}];" for i in range(block.outputs)),
-        f"    memcpy(s, y + {block.outputs}, sizeof(double) * {states});",
+        *(f"    x[{block.inputs + i}] = y[{block.outputs + i}];" for i in range(states)),
+        *kept,
+        "}",
+        f"memcpy(s, x + {block.inputs}, sizeof(double) * {states});",
+        *after,
     ]
-    if slopes:
-        lines += [f"    {line}" for line in _columns(piece, "y[{}]")]
-    return [*lines, "}"]
-
-
-def _columns(piece: Piece, value: str) -> list[str]:
-    """All columns of one sample: from the blocks before, through the state, and its own."""
-    block, entries = piece.block, piece.step.entries
-    inputs, moving = block.inputs, block.inputs + block.states()
-    through = [e for e in entries if e.column < moving]
-    own = [e for e in entries if e.column >= moving]
-    lines = [f"const double j{e.place} = {value.format(e.place)};" for e in through]
-    lines += _loop("0", "lo", piece, through, range(moving))
-    lines += _loop("lo", "hi", piece, [e for e in through if e.column >= inputs],
-                   range(inputs, moving))  # fmt: skip
-    for e in own:
-        target = _row(piece, e.row, f"lo + {e.column - moving}")
-        lines.append(f"{target} += {value.format(e.place)};")
-    return lines
-
-
-def _loop(
-    begin: str, end: str, piece: Piece, entries: Sequence[Entry], columns: range
-) -> list[str]:
-    """A loop over columns; all are read before any is written."""
-    block = piece.block
-    used = sorted({e.column for e in entries})
-    reads = [f"const double q{c} = {_source(piece, c)};" for c in columns if c in used]
-    sums = {row: " + ".join(f"j{e.place} * q{e.column}" for e in entries if e.row == row)
-            for row in range(block.outputs + block.states())}  # fmt: skip
-    writes = [f"{_row(piece, row, 'q')} = {text or '0.0'};" for row, text in sums.items()]
-    inner = [f"    {line}" for line in (*reads, *writes)]
-    return ["#pragma omp simd", f"for (long q = {begin}; q < {end}; q++) {{", *inner, "}"]
-
-
-def _source(piece: Piece, column: int) -> str:
-    inputs = piece.block.inputs
-    if column < inputs:
-        return f"dw[({column} * TILE + t) * M + q]"
-    return f"ds[{column - inputs} * M + q]"
-
-
-def _row(piece: Piece, row: int, column: str) -> str:
-    outputs = piece.block.outputs
-    if row < outputs:
-        return f"dw[({row} * TILE + t) * M + {column}]"
-    return f"ds[{row - outputs} * M + {column}]"
 
 
 def _constants(plan: Plan) -> int:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.identify.blocks.base import AbstractBlock
+from martensite.runtimes.adjoint import gradient
 from martensite.runtimes.graph import VARYING
 from martensite.runtimes.once import once
 from martensite.runtimes.partials import partials
@@ -29,6 +30,8 @@ class Entry:
     row: int
     column: int
     place: int
+    constant: bool = False
+    """Whether it depends on numbers only, and is the same in every sample."""
 
 
 @dataclass(frozen=True)
@@ -144,13 +147,39 @@ def _traced(
 ) -> Traced:  # fmt: skip
     """Add a kernel to the program with its derivatives, and once more without."""
     moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
-    values, rows = partials(program.xp, kernel, moving)
+    values, rows = _differentiated(program, kernel, moving)
     entries: list[Entry] = []
     slopes: list[Any] = []
     for row, found in enumerate(rows):
         for column, slope in found.items():
-            entries.append(Entry(row, column, len(values) + len(slopes)))
+            varies = bool(program.graph.depends[slope.index] & VARYING)
+            entries.append(Entry(row, column, len(values) + len(slopes), not varies))
             slopes.append(slope)
     program.functions[name] = Function(name, tuple(inputs), (*values, *slopes))
     program.functions[f"v{name}"] = Function(f"v{name}", tuple(inputs), tuple(values))
     return Traced(name, len(values), tuple(entries))
+
+
+def _differentiated(
+    program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
+) -> tuple[list[Any], list[dict[int, Any]]]:
+    """Values and derivatives: of a single value backwards, if that takes less."""
+    values, rows = partials(program.xp, kernel, moving)
+    if len(values) == 1:
+        back = gradient(values[0], moving)
+        ahead = rows[0]
+        if back is not None and _work(program, back) < _work(program, ahead):
+            return values, [back]
+    return values, rows
+
+
+def _work(program: Program, slopes: dict[int, Any]) -> int:
+    """Operations in every sample that derivatives take."""
+    graph, seen = program.graph, set[int]()
+    stack = [slope.index for slope in slopes.values()]
+    while stack:
+        index = stack.pop()
+        if index not in seen and graph.depends[index] & VARYING:
+            seen.add(index)
+            stack += graph.children(index)
+    return len(seen)

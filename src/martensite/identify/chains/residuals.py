@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -49,6 +50,10 @@ class Aim:
 
     def scale(self) -> Numbers:
         """Weights of the outputs."""
+        return self._scale
+
+    @cached_property
+    def _scale(self) -> Numbers:
         if self.weights is not None:
             return np.asarray(self.weights, dtype=float)
         spread = np.nanstd(self.record.outputs, axis=0)
@@ -122,7 +127,11 @@ class Squares:
         return total if np.isfinite(total) else np.inf
 
     def normal(self, theta: Numbers) -> Normal:
-        """The sum of squares with gradient and JᵀJ."""
+        """The sum of squares with gradient and JᵀJ; not finite where the run is not."""
+        with np.errstate(all="ignore"):
+            return self._normal(theta)
+
+    def _normal(self, theta: Numbers) -> Normal:
         away = theta[: self.columns] - self.reference
         value = float(self.pull @ away**2)
         gradient, hessian = np.zeros(self.size), np.zeros((self.size, self.size))
@@ -131,12 +140,12 @@ class Squares:
         for aim, place in self._placed():
             where = self._where(place)
             own, square = np.zeros(len(where)), np.zeros((len(where), len(where)))
-            for part in self._parts(aim, theta, place):
-                rows = part.slopes.reshape(-1, len(where))
-                flat = part.residuals.reshape(-1)
-                value += float(flat @ flat)
-                own -= rows.T @ flat
-                square += rows.T @ rows
+            for part in self._parts(aim, theta, place, reuse=True):
+                value += float(np.vdot(part.residuals, part.residuals))
+                for k, weight in enumerate(aim.scale()):
+                    rows = part.slopes[:, k]
+                    own -= weight * (rows.T @ part.residuals[:, k])
+                    square += weight**2 * (rows.T @ rows)
             gradient[where] += own
             hessian[np.ix_(where, where)] += square
         return Normal(value, gradient, hessian)
@@ -147,7 +156,8 @@ class Squares:
         for number, (aim, place) in enumerate(self._placed()):
             for part in self._parts(aim, theta, place):
                 extra = part.slopes.shape[2] - self.columns
-                yield number, part._replace(slopes=part.slopes[:, :, extra:])
+                slopes = part.slopes[:, :, extra:] * aim.scale()[:, None]
+                yield number, part._replace(slopes=slopes)
 
     def initial(self, theta: Numbers) -> list[Numbers]:
         """State at the first sample of every record."""
@@ -176,14 +186,18 @@ class Squares:
         start = self.engine.rest(own, first, away)
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
 
-    def _parts(self, aim: Aim, theta: Numbers, place: int | None) -> Iterator[Part]:
+    def _parts(
+        self, aim: Aim, theta: Numbers, place: int | None, reuse: bool = False
+    ) -> Iterator[Part]:
+        """Weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
         start = self._start(aim, theta, place, slopes=True)
         memory: Memory | None = None
-        scale = aim.scale()
-        for chunk in self.engine.sensitivities(theta[: self.columns], aim.record.inputs, start):
+        own, inputs = theta[: self.columns], aim.record.inputs
+        for chunk in self.engine.sensitivities(own, inputs, start, reuse=reuse):
             residuals, slopes = _weighed(aim, chunk.outputs, chunk.rows), chunk.slopes
-            slopes *= scale[:, None]
-            slopes[~_counts(aim, chunk.rows)] = 0.0
+            counts = _counts(aim, chunk.rows)
+            if not counts.all():
+                slopes[~counts] = 0.0
             if len(aim.whitening) > 1:
                 residuals, slopes, memory = _whitened(aim.whitening, residuals, slopes, memory)
             yield Part(chunk.rows, residuals, slopes)

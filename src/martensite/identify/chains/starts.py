@@ -25,8 +25,10 @@ def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
     """The chain with the line of its last static block fitted to the outputs.
 
     If linear blocks follow it, which have unit gain, the outputs are those of a slow system and
-    the same line serves. A chain without static blocks stays as it is.
+    the same line serves. Outputs that are proportional to a number of the last block get that
+    number by least squares. A chain with neither stays as it is.
     """
+    chain = _proportional(chain, records)
     static = [(i, b) for i, b in enumerate(chain.blocks) if isinstance(b, AbstractStatic)]
     if not static or len(chain.output_names) != 1:
         return chain
@@ -38,6 +40,23 @@ def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
     parts = chain.split()
     parts[place] = _curved(parts[place], block, slope, offset)
     return chain.with_theta(np.concatenate(parts))
+
+
+def _proportional(chain: Chain, records: Sequence[Sampled]) -> Chain:
+    """The chain with the gains of the outputs of its last block fitted, one by one."""
+    block = chain.blocks[-1]
+    if not any(block.gains()) or chain.taps is not None:
+        return chain
+    computed = np.concatenate([chain.simulate(record) for record in records])
+    measured = np.concatenate([record.outputs for record in records])
+    theta = chain.theta.copy()
+    first = len(theta) - len(block.numbers())
+    for name, y, own in zip(block.gains(), measured.T, computed.T, strict=True):
+        known = np.isfinite(y)
+        square = float(own[known] @ own[known])
+        if name and 0.0 < square < np.inf:
+            theta[first + block.numbers().index(name)] *= float(own[known] @ y[known]) / square
+    return chain.with_theta(theta)
 
 
 def _reaching(chain: Chain, place: int, record: Sampled) -> Numbers:

@@ -1,8 +1,12 @@
 """Chains as text: `poly2 | oe(3,3,1) | pwl10`.
 
-A block is its short name with its structure as numbers, in brackets or, if it is one, behind the
-name. Blocks between `&` in square brackets run side by side, each on signals of its own:
-`[poly2 & unit]`.
+    chain = stage { "|" stage }
+    stage = block  or  "[" block { "&" block } "]"
+    block = name [ number ]  or  name "(" word { "," word } ")"
+
+A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in
+brackets or, if it is one number, behind the name. Blocks between `&` in square brackets stand
+side by side, each on signals of its own: `[poly2 & unit]`. Capitals and blanks do not matter.
 """
 
 from __future__ import annotations
@@ -11,8 +15,13 @@ import re
 
 from martensite.errors import InputError, MartensiteError, suggestion
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
+from martensite.identify.blocks.shared.counts import check_whole
+from martensite.identify.blocks.shared.limits import AbstractInterval
+from martensite.identify.blocks.side_by_side import SideBySide
 
 _BLOCK = re.compile(r"([a-z][a-z_-]*)\s*(?:\(([^()]*)\)|(\d+))?")
+_BAR = re.compile(r"\|(?![^\[]*\])")
+"""A bar outside of square brackets."""
 
 
 def short_names() -> dict[str, type[AbstractBlock]]:
@@ -22,15 +31,18 @@ def short_names() -> dict[str, type[AbstractBlock]]:
 
 
 def parse_block(text: str) -> AbstractBlock:
-    """One block from its text.
+    """One block from its text, or blocks side by side.
 
     Raises:
         InputError: it is not written like a block, or there is none of that name.
     """
-    found = _BLOCK.fullmatch(text.strip().lower())
+    text = text.strip()
+    if text.startswith("["):
+        return _beside(text)
+    found = _BLOCK.fullmatch(text.lower())
     if found is None:
         raise InputError(
-            f"`{text.strip()}` is no block; write a name and its orders, such as `poly2`, "
+            f"`{text}` is no block; write a name and its orders, such as `poly2`, "
             f"`pwl(10)` or `oe(3,3,1)`."
         )
     name, inner, digits = found.groups()
@@ -38,22 +50,41 @@ def parse_block(text: str) -> AbstractBlock:
     if name not in known:
         raise InputError(f"There is no block `{name}`. {suggestion(name, known)}")
     words = [w.strip() for w in (inner or digits or "").split(",") if w.strip()]
-    return _built(known[name], text.strip(), words)
+    return _built(known[name], text, words)
+
+
+def _beside(text: str) -> AbstractBlock:
+    """Blocks between square brackets."""
+    words = text[1:-1].split("&")
+    if not text.endswith("]") or any(not w.strip() or set(w) & set("[]|") for w in words):
+        raise InputError(
+            f"`{text}` is not well written; between square brackets stand single blocks with `&` "
+            "between them, such as `[poly2 & unit]`."
+        )
+    blocks = [parse_block(word) for word in words]
+    return blocks[0] if len(blocks) == 1 else SideBySide(blocks=tuple(blocks))
 
 
 def _built(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractBlock:
     if len(words) > len(block.shape):
+        allowed = f"at most {len(block.shape)}: {', '.join(block.shape)}" if block.shape else "none"
         raise InputError(
-            f"Block `{text}` has {len(words)} numbers, but `{block.short}` takes at most "
-            f"{len(block.shape)}{': ' if block.shape else ''}{', '.join(block.shape)}."
+            f"Block `{text}` is given {len(words)}, but `{block.short}` takes {allowed}."
         )
     try:
-        values = {name: float(word) for name, word in zip(block.shape, words, strict=False)}
-        return block(**values)
+        pairs = zip(block.shape, words, strict=False)
+        made = block(**{name: _value(block, name, word) for name, word in pairs})
+        check_whole(made)
     except ValueError:
         raise InputError(f"The numbers of block `{text}` must be plain numbers.") from None
     except MartensiteError as error:
         raise InputError(f"Block `{text}`: {error}") from None
+    return made
+
+
+def _value(block: type[AbstractBlock], name: str, word: str) -> float | str:
+    """A choice as it is; anything else as a number."""
+    return word if block.declarations[name].kind == "option" else float(word)
 
 
 def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
@@ -62,7 +93,8 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
     Raises:
         InputError: a block is unknown or not well written.
     """
-    words = text.split("|")
+    _check_brackets(text)
+    words = _BAR.split(text)
     if not text.strip() or any(not word.strip() for word in words):
         raise InputError(
             f"`{text}` is no chain; write blocks between bars, such as `poly2 | oe(3,3,1) | pwl10`."
@@ -70,9 +102,41 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
     return gauged([parse_block(word) for word in words])
 
 
+def _check_brackets(text: str) -> None:
+    """Raise `InputError` unless every bracket is closed by one of its kind."""
+    opened: list[str] = []
+    for character in text:
+        if character in "([":
+            opened.append(character)
+        elif character in ")]" and (not opened or opened.pop() + character not in ("()", "[]")):
+            raise InputError(f"In `{text}` nothing opens the bracket `{character}`.")
+    if opened:
+        raise InputError(f"In `{text}` nothing closes the bracket `{opened[-1]}`.")
+
+
 def gauged(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
-    """Blocks of which only the last static one has an offset: two could not be told apart."""
-    static = [i for i, block in enumerate(blocks) if isinstance(block, AbstractStatic)]
-    for i in static[:-1]:
-        blocks[i] = blocks[i].with_parts(offset="no")
-    return tuple(blocks)
+    """Blocks of which only the last static one on the way of a signal has an offset.
+
+    Two could not be told apart. Where signals mix, an offset on any way counts. Saturations and
+    dead zones before it have the gain 1 for the same reason.
+    """
+    made: list[AbstractBlock] = []
+    after = [False] * (blocks[-1].outputs if blocks else 0)
+    for block in reversed(blocks):
+        changed, after = _without(block, after)
+        made.append(changed)
+    return tuple(reversed(made))
+
+
+def _without(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
+    """A block without an offset if one follows, and for each input whether one follows."""
+    if isinstance(block, SideBySide):
+        shares = block.split(after, lambda child: child.outputs)
+        found = [_without(child, own) for child, own in shares]
+        children = tuple(child for child, _ in found)
+        return block.with_parts(blocks=children), [flag for _, flags in found for flag in flags]
+    follows = any(after)
+    if isinstance(block, AbstractStatic):
+        gain = {"gain": "one"} if isinstance(block, AbstractInterval) else {}
+        return (block.with_parts(offset="no", **gain) if follows else block), [True]
+    return block, [follows] * block.inputs

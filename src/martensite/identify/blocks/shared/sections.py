@@ -12,8 +12,12 @@ within the sample:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from martensite.identify.blocks.base import Numbers
 from martensite.runtimes.namespace import Namespace, Scalar
 
 LONGEST = 14.0
@@ -77,25 +81,30 @@ def names(order: int) -> tuple[str, ...]:
 
 
 def cascade(
-    xp: Namespace, order: int, poles: list[Scalar], state: list[Scalar], w: Scalar, dt: Scalar
-) -> Cascade:
+    xp: Namespace, order: int, poles: list[Scalar], state: list[Scalar], w: Scalar, dt: Scalar,
+    more: Sequence[Scalar] = (),
+) -> Cascade:  # fmt: skip
     """Sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
 
-    The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order.
+    The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order. With `more`,
+    order - 1 further inputs enter the other states: a section of second order takes one into
+    its input and √d₂ times one into its output.
     """
     signals: list[Scalar] = []
     gains: list[bool] = []
     after: list[Scalar] = []
-    numbers, held = iter(poles), iter(state)
+    numbers, held, fed = iter(poles), iter(state), iter(more)
     if order % 2:
         before = next(held)
         w = before + first_order(xp, next(numbers), dt) * (w - before)
         signals, gains, after = [w], [True], [w]
-    for _ in range(order // 2):
+    for k in range(order // 2):
         d = second_order(xp, next(numbers), next(numbers), dt)
         before, change = next(held), next(held)
+        w = w + next(fed) if more and (k or order % 2) else w
         change = change + d.d2 * (w - (before - change)) - d.d1 * change
         w = before + change
+        w = w + xp.sqrt(d.d2) * next(fed) if more else w
         signals = [w, change / xp.sqrt(d.d2), *signals]
         gains = [True, False, *gains]
         after += [w, change]
@@ -105,3 +114,53 @@ def cascade(
 def resting(order: int, w: Scalar) -> list[Scalar]:
     """State of a cascade at rest under a constant input."""
     return [w] * (order % 2) + [w, 0.0] * (order // 2)
+
+
+def fed_resting(
+    xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar], dt: Scalar
+) -> list[Scalar]:
+    """State of a cascade at rest under constant inputs of all its states."""
+    w, held = fed[0], [fed[0]] * (order % 2)
+    for k in range(order % 2, order, 2):
+        d = second_order(xp, poles[k], poles[k + 1], dt)
+        change = -xp.sqrt(d.d2) * fed[k + 1]
+        w = (w + fed[k] if k else w) + change * (1.0 - d.d1 / d.d2)
+        held += [w, change]
+    return held
+
+
+def poles(order: int, numbers: Numbers, dt: float) -> Numbers:
+    """Poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
+    first = order % 2
+    s: list[complex] = [
+        complex(-np.exp(-np.clip(log_tau, -LONGEST, LONGEST))) for log_tau in numbers[:first]
+    ]
+    for k in range(first, order, 2):
+        omega = float(np.exp(np.clip(numbers[k], -LONGEST, LONGEST)))
+        zeta = float(np.exp(np.clip(numbers[k + 1], -STRONGEST, STRONGEST)))
+        large = zeta + np.sqrt(complex(zeta * zeta - 1.0))
+        # their product is ω²: no difference of large numbers
+        s += [-omega * large, -omega / large]
+    return np.array([np.exp(complex(max(one.real * dt, -700.0), one.imag * dt)) for one in s])
+
+
+def drawn(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    """Time constants spread over a thousandth to a quarter of a record; damping near 1."""
+    short, long = np.log(max(5.0 * dt, 1e-3 * duration)), np.log(0.25 * duration)
+    made, first = np.zeros(order), order % 2
+    made[:first] = rng.uniform(short, long, first)
+    made[first::2] = -rng.uniform(short, long, order // 2)
+    made[first + 1 :: 2] = rng.uniform(np.log(0.5), np.log(2.0), order // 2)
+    return made
+
+
+def shown(named: Sequence[str], theta: Numbers) -> list[tuple[str, float, str]]:
+    """Names without `log_`, with the values and units of what they stand for."""
+    units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
+    rows: list[tuple[str, float, str]] = []
+    for name, value in zip(named, theta, strict=True):
+        plain = name.removeprefix("log_")
+        log = plain != name
+        unit = units[plain.rstrip("0123456789")] if log else "1"
+        rows.append((plain, float(np.exp(value) if log else value), unit))
+    return rows

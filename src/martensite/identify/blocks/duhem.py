@@ -1,0 +1,117 @@
+"""Saturating hysteresis of Duhem's type: a fraction z between 0 and 1 that follows two branches.
+
+    (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) for rising x,    z/z₀ = F_f(x)/F_f(x₀) for falling
+
+F_r and F_f are sums of one or two logistic functions of the input on the scale of its range
+(`shared.branches`; Ivshin and Pence 1994). Rate independent; inner loops are scaled copies of the
+branches. Unlike plays it saturates by itself, and rising and falling branches have shapes of
+their own: the transformation of a shape-memory alloy over temperature, a relay with soft edges.
+The output is the bare fraction, so that a gain or a static block belongs after it.
+"""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared import branches
+from martensite.identify.blocks.shared.counts import check_whole
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@BLOCKS.register("duhem")
+class Duhem(AbstractBlock):
+    """One input, one output z; steps in one direction are exact, however long.
+
+    At rest z lies on the rising branch, as after a start from far below, or on the falling one.
+    """
+
+    short = "duhem"
+    shape = ("logistics",)
+    fixed = ("low", "high")
+    cites = ("ivshin1994",)
+
+    low: float = param("1", "lower end of the range of the input", default=-1.0)
+    high: float = param("1", "upper end of the range of the input", default=1.0)
+    logistics: float = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
+    history: str = option(
+        "where the input came from before the first sample", "below", "above", default="below"
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless the number of logistic functions is whole."""
+        check_whole(self)
+
+    def numbers(self) -> tuple[str, ...]:
+        """Centres, widths and share of the rising branch, then of the falling one."""
+        count = int(self.logistics)
+        return branches.names("rising", count) + branches.names("falling", count)
+
+    def states(self) -> int:
+        """The input before, and z."""
+        return 2
+
+    def _branches(self, xp: Namespace, theta: Column) -> tuple[branches.Branch, branches.Branch]:
+        half = len(theta) // 2
+        return branches.branch_of(xp, theta[:half]), branches.branch_of(xp, theta[half:])
+
+    def _unit(self, x: Scalar) -> Scalar:
+        return (2.0 * x - self.low - self.high) / (self.high - self.low)
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """On one of the branches."""
+        rising, falling = self._branches(xp, theta)
+        r = self._unit(x[0])
+        if self.history == "below":
+            return r, branches.from_below(xp, rising, r)
+        return r, branches.from_above(xp, falling, r)
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Along the branch of the direction; an input that stays changes nothing."""
+        before, z = state
+        rising, falling = self._branches(xp, theta)
+        r = self._unit(x[0])
+        z = branches.leg(xp, rising, falling, r > before, before, z).fraction(xp, r)
+        return (z,), (r, z)
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Takes the range of the input."""
+        low, high = float(np.min(x)), float(np.max(x))
+        spread = high - low if high > low else max(abs(high), 1.0)
+        return self.with_parts(low=low, high=low + spread)
+
+    def start(self) -> Numbers:
+        """A loop in the middle of the range, half as wide as it is far from its ends."""
+        if int(self.logistics) == 1:
+            return np.array([0.2, np.log(0.15), -0.2, np.log(0.15)])
+        widths = np.log([0.1, 0.3])
+        return np.array([0.2, 0.3, *widths, 1.0, -0.2, -0.3, *widths, 1.0])
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Loops anywhere in the range, up to as wide as it, their branches steep or flat."""
+        made = self.start()
+        count = int(self.logistics)
+        middle, half = rng.uniform(-0.4, 0.4), rng.uniform(0.0, 0.5)
+        for first, side in ((0, half), (len(made) // 2, -half)):
+            made[first : first + count] = middle + side + rng.uniform(-0.15, 0.15, count)
+            made[first + count : first + 2 * count] += rng.uniform(-0.7, 0.7, count)
+        return made
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Centres and widths in units of the input, shares of the first logistic functions."""
+        half = 0.5 * (self.high - self.low)
+        rows: list[tuple[str, float, str]] = []
+        for name, value in zip(self.numbers(), map(float, theta), strict=True):
+            if name.startswith("log_"):
+                rows.append((name.removeprefix("log_"), half * float(np.exp(value)), "1"))
+            elif name.endswith("logit"):
+                shown = name.removesuffix("logit") + "share"
+                rows.append((shown, float(1.0 / (1.0 + np.exp(-value))), "1"))
+            else:
+                rows.append((name, self.low + half * (1.0 + value), "1"))
+        return rows

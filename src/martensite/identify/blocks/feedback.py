@@ -1,0 +1,222 @@
+"""Nonlinear feedback: a linear system whose input is reduced by a static function of its output.
+
+    z = B(q) u - h φ(r, δ),   y = G(q) z,   r = (y₋ - c)/h,   δ = (y₋ - y₋₋)/(h s)
+
+G is a cascade of sections with unit gain (`shared.sections`), φ a polynomial in the output one
+sample back and, with `past = 2`, in its last change: r alone is a stiffness, terms with δ are a
+damping or a capacity that changes. Terms of degree 0 and 1 are left out, since G has them. No
+blocks in series give what this gives: a resonance that moves with the amplitude, or latent heat.
+The input comes through B(q) u = u + Σ_k β_k ∇^k u/s^k, ∇u = u - u₋, which spans all numerators of
+as many coefficients; without feed-through it is that of the sample before. c and h are middle and
+half width of the range of the input; s = √d₂ of the last section (p of a first-order one) is its
+frequency times the sample time, so the numbers keep their size at every sample time.
+
+Source: the structure of Paduart et al. 2010 with one nonlinearity in feedback; the oscillator of
+the benchmark "Silverbox" (Wigren & Schoukens 2013) is one of second order and degree 3.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from martensite.errors import ParameterError
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared import sections
+from martensite.identify.blocks.shared.counts import check_whole
+from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.parameters import option, param
+from martensite.runtimes import floats
+from martensite.runtimes.namespace import Namespace, Scalar
+
+NEWTON = 25
+"""Iterations in which the output at rest is found."""
+
+
+@BLOCKS.register("feedback")
+class Feedback(AbstractBlock):
+    """One input, one output. The linear part is stable; the whole may grow without bound.
+
+    Unit gain at rest where φ = 0. A fit refuses numbers with which a record grows beyond floats.
+    """
+
+    short = "fb"
+    shape = ("order", "degree", "past")
+    fixed = ("low", "high")
+
+    order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
+    degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
+    past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0,
+                        default=2.0)  # fmt: skip
+    feedthrough: str = option(
+        "whether the input acts within the sample", "yes", "no", default="yes"
+    )
+    low: float = param("1", "lower end of the range of the input", default=-1.0)
+    high: float = param("1", "upper end of the range of the input", default=1.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless orders are whole."""
+        check_whole(self)
+
+    def powers(self) -> list[tuple[int, int]]:
+        """Powers (of r, of δ) of the terms of φ."""
+        changes = range(int(self.degree) + 1 if self.past > 1.5 else 1)
+        total = range(2, int(self.degree) + 1)
+        return [(n - j, j) for n in total for j in changes if j <= n]
+
+    def numbers(self) -> tuple[str, ...]:
+        """Poles, β_k, coefficients of φ by their powers of r and δ."""
+        beta = (f"beta{k + 1}" for k in range(self._zeros))
+        return (*sections.names(int(self.order)), *beta, *(f"c{i}{j}" for i, j in self.powers()))
+
+    @property
+    def _zeros(self) -> int:
+        return int(self.order) - (self.feedthrough == "no")
+
+    @property
+    def _earlier(self) -> bool:
+        """Whether the output two samples back is a state of its own."""
+        return self.past > 1.5 and int(self.order) == 1
+
+    def states(self) -> int:
+        """Past inputs, sections, and the output two samples back where they do not hold it."""
+        return 2 * int(self.order) + self._earlier
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """The output y with y + h φ(r, 0) = u."""
+        order, half = int(self.order), 0.5 * (self.high - self.low)
+        u, middle = x[0], 0.5 * (self.high + self.low)
+        own = theta[order + self._zeros :]
+        fed = [(i, c) for (i, j), c in zip(self.powers(), own, strict=True) if j == 0]
+        root = xp.detach(u)
+        held = [(i, xp.detach(c)) for i, c in fed]
+        for _ in range(NEWTON):
+            root = root + _towards(xp, held, root, xp.detach(u), middle, half, half)
+        y = xp.solved(root, root + _towards(xp, fed, root, u, middle, half, 1e300))
+        return [u] * order + sections.resting(order, y) + [y] * self._earlier
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """What is fed back comes from the samples before: nothing is to be solved."""
+        order, half = int(self.order), 0.5 * (self.high - self.low)
+        poles, zeros = list(theta[:order]), theta[order : order + self._zeros]
+        past, held = list(state[:order]), list(state[order : 2 * order])
+        size = self._size(xp, poles, dt)
+        before = held[0] if order == 1 else held[-2]
+        change = held[0] - state[-1] if order == 1 else held[-1]
+        r, d = (before - 0.5 * (self.high + self.low)) / half, change / (half * size)
+        z = _shaped([x[0], *past] if self.feedthrough == "yes" else past, zeros, size)
+        for (i, j), c in zip(self.powers(), theta[order + self._zeros :], strict=True):
+            z = z - half * c * _power(r, i) * _power(d, j)
+        made = sections.cascade(xp, order, poles, held, z, dt)
+        after = [x[0], *past[:-1], *made.state, *([before] * self._earlier)]
+        return (made.signals[0],), after
+
+    def _size(self, xp: Namespace, poles: list[Scalar], dt: Scalar) -> Scalar:
+        """Change per sample, over the amplitude, at the frequency of the last section."""
+        if int(self.order) == 1:
+            return sections.first_order(xp, poles[0], dt)
+        return xp.sqrt(sections.second_order(xp, poles[-2], poles[-1], dt).d2)
+
+    def adapted(self, x: Numbers, dt: float) -> Feedback:
+        """Takes the range of the input."""
+        low, high = float(np.min(x)), float(np.max(x))
+        spread = high - low if high > low else max(abs(high), 1.0)
+        return self.with_parts(low=low, high=low + spread)
+
+    def start(self) -> Numbers:
+        """Poles about one second apart in scale; nothing fed back."""
+        made = np.zeros(len(self.numbers()))
+        made[int(self.order) % 2 + 1 : int(self.order) : 2] = np.log(1.2)
+        return made
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Poles as those of a transfer function; little fed back."""
+        made = rng.uniform(-0.1, 0.1, len(self.numbers()))
+        made[: int(self.order)] = sections.drawn(int(self.order), rng, duration, dt)
+        return made
+
+    def like(self, linear: TransferFunction, theta: Numbers, dt: float) -> Numbers:
+        """Free numbers with which it is a transfer function, nothing fed back: a start for a fit.
+
+        Args:
+            linear: of the same order, with as many numerator coefficients or fewer.
+            theta: its free numbers.
+            dt: sample time [s].
+
+        Raises:
+            ParameterError: it has another order, or a delay or numerator that this has not.
+        """
+        order, delay = int(self.order), int(self.feedthrough == "no")
+        if int(linear.nf) != order or int(linear.nk) != delay or linear.nb > self._zeros + 1:
+            raise ParameterError(
+                f"`{self.text()}` can begin as `oe({self._zeros + 1},{order},{delay})`, "
+                f"not as `{linear.text()}`."
+            )
+        denominator = np.poly(sections.poles(order, theta[:order], dt)).real
+        response = _impulse(linear, theta, dt, order + 1)
+        numerator = np.convolve(response, denominator)[delay : order + 1]
+        size = self._size(floats, list(map(float, theta[:order])), dt)
+        made = np.zeros(len(self.numbers()))
+        made[:order] = theta[:order]
+        made[order : order + self._zeros] = _in_differences(numerator, size)
+        return made
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Poles in their units, then the other numbers."""
+        order = int(self.order)
+        rest = zip(self.numbers()[order:], theta[order:], strict=True)
+        poles = sections.shown(self.numbers()[:order], theta[:order])
+        return [*poles, *((name, float(value), "1") for name, value in rest)]
+
+
+def _impulse(linear: TransferFunction, theta: Numbers, dt: float, count: int) -> Numbers:
+    """Outputs to an input of 1 in the first sample."""
+    state, found = [0.0] * linear.states(), np.zeros(count)
+    for k in range(count):
+        (found[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),),
+                                         dt)  # fmt: skip
+        state = list(after)
+    return found
+
+
+def _in_differences(numerator: Numbers, size: float) -> Numbers:
+    """The β_k of a numerator in powers of q^-1 = 1 - ∇."""
+    powers = np.zeros(len(numerator))
+    for coefficient in numerator[::-1]:  # Horner, times 1 - ∇ each
+        powers[1:] -= powers[:-1].copy()
+        powers[0] += coefficient
+    return powers[1:] * size ** np.arange(1, len(numerator)) / powers[0]
+
+
+def _power(x: Scalar, count: int) -> Scalar:
+    power: Scalar = 1.0
+    for _ in range(count):
+        power = power * x
+    return power
+
+
+def _shaped(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar:
+    """The newest input plus its weighted differences."""
+    total, differences, scale = inputs[0], list(inputs), 1.0
+    for weight in weights:
+        differences = [a - b for a, b in pairwise(differences)]
+        scale = scale * size
+        total = total + weight * differences[0] / scale
+    return total
+
+
+def _towards(
+    xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, middle: Scalar,
+    half: Scalar, most: Scalar,
+) -> Scalar:  # fmt: skip
+    """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
+    r = (y - middle) / half
+    value, slope = y - u, 1.0
+    for power, c in fed:
+        value = value + half * c * _power(r, power)
+        slope = slope + c * power * _power(r, power - 1)
+    steep = xp.where(slope > 0.1, slope, xp.where(slope < -0.1, slope, 0.1))
+    return xp.clip(-value / xp.detach(steep), -most, most)

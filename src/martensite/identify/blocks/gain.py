@@ -1,0 +1,37 @@
+"""Straight line: y = gain x + offset.
+
+Free numbers are the output in the middle of the range of the input and the rise over half of
+it, which a fit can tell apart wherever the range lies.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, Column, Numbers
+from martensite.identify.blocks.shared.curves import AbstractCurve
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@BLOCKS.register("gain")
+class Gain(AbstractCurve):
+    """A gain and an offset."""
+
+    short = "gain"
+
+    def heights(self) -> tuple[str, ...]:
+        """The rise over half the range."""
+        return ("rise",)
+
+    def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
+        """The line through 0 in the middle of the range."""
+        return heights[0] * r
+
+    def line(self, slope: float, offset: float) -> Numbers:
+        """Every line."""
+        rise = slope * self.half
+        return np.array([offset + slope * self.middle, rise] if self.first else [rise])
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """The gain, and the output at zero input."""
+        return [("gain", float(theta[-1]) / self.half, "1"), *self.offset_shown(theta)]

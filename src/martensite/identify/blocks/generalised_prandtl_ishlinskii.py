@@ -1,0 +1,143 @@
+"""Generalised plays: hysteresis between two curves, one for rising input and one for falling.
+
+    p_i⁺ = max(g_l(x) - r_i, min(g_u(x) + r_i, p_i)),    y = offset + rise Σ a_i p_i
+
+The curves are piecewise linear and rise from -1 to 1 over the range of the input: rising input
+follows the lower one, g_l, falling input the upper one, g_u. Loops may be asymmetric and saturate;
+they close at the ends of the range but for the thresholds. At the knots, on a scale from 0 to 1,
+
+    u_k = u_{k-1} + (1 - u_{k-1}) σ(α_k),    l_k = l_{k-1} + (u_k - l_{k-1}) σ(β_k),
+
+σ the logistic function, so that both rise and never cross. Weights a_i are positive with the sum
+1, thresholds are even from r_1 = 0. Beyond the range curves go on and cross, so it should hold
+all that reaches the block. At rest plays are half way between the curves. It does not depend on
+time, carries the size of the output, and is placed like a static block.
+
+Source: Al Janaideh, Rakheja and Su 2011 (with two different envelopes).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, Column, Numbers
+from martensite.identify.blocks.shared.counts import check_whole
+from martensite.identify.blocks.shared.curves import AbstractCurve
+from martensite.identify.blocks.shared.play import FARTHEST, between, hinged, logistic, sized
+from martensite.parameters import param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+OPEN = 0.15
+"""Half the height of the loop to begin with, over the rise; at most 1/4."""
+
+
+@BLOCKS.register("generalised-prandtl-ishlinskii")
+class GeneralisedPrandtlIshlinskii(AbstractCurve):
+    """Asymmetric, saturating loops from few numbers."""
+
+    short = "gpi"
+    shape = ("plays", "knots")
+    fixed = ("low", "high", "reach")
+    cites = ("aljanaideh2011",)
+
+    plays: float = param("1", "number of plays", low=1.0, high=200.0, default=4.0)
+    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0)
+    reach: float = param("1", "what thresholds end below, over the rise of the curves",
+                         above=0.0, high=1.0, default=0.25)  # fmt: skip
+
+    def check(self) -> None:
+        """Plays and knots are whole."""
+        check_whole(self)
+
+    def heights(self) -> tuple[str, ...]:
+        """The rise over half the range."""
+        return ("rise",)
+
+    def places(self) -> tuple[str, ...]:
+        """Logits of weights but the first, then of both curves at the inner knots."""
+        names = [f"weight{i}" for i in range(2, int(self.plays) + 1)]
+        for curve in ("upper", "lower"):
+            names += [f"{curve}{k}" for k in range(2, int(self.knots))]
+        return tuple(names)
+
+    def states(self) -> int:
+        """The plays."""
+        return int(self.plays)
+
+    def _parted(self, theta: Column) -> tuple[Scalar, Column, Column]:
+        """Rise, logits of weights, logits of both curves."""
+        own = theta[self.first + 1 :]
+        count = int(self.plays) - 1
+        return theta[self.first], own[:count], own[count:]
+
+    def curves(self, xp: Namespace, logits: Column, r: Scalar) -> tuple[Scalar, Scalar]:
+        """The lower and the upper curve on the scale of the range."""
+        count = int(self.knots) - 2
+        above, below = [0.0], [0.0]
+        for alpha, beta in zip(logits[:count], logits[count:], strict=True):
+            above.append(above[-1] + (1.0 - above[-1]) * logistic(xp, alpha))
+            below.append(below[-1] + (above[-1] - below[-1]) * logistic(xp, beta))
+        lower, upper = (
+            hinged(xp, self._slopes([*values, 1.0]), 1.0, r) - 1.0 for values in (below, above)
+        )
+        return xp.minimum(lower, upper), xp.maximum(lower, upper)
+
+    def _slopes(self, values: Column) -> list[Scalar]:
+        """Between knots, on the scale of the range, of values from 0 to 1."""
+        pairs = zip(values[1:], values[:-1], strict=True)
+        return [(int(self.knots) - 1.0) * (after - before) for after, before in pairs]
+
+    def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
+        """The curve at rest, half way between the two."""
+        lower, upper = self.curves(xp, places[int(self.plays) - 1 :], r)
+        return heights[0] * 0.5 * (lower + upper)
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """All plays half way between the curves."""
+        lower, upper = self.curves(xp, self._parted(theta)[2], self.unit(x[0]))
+        return [0.5 * (lower + upper)] * int(self.plays)
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Plays between the curves, and their sum."""
+        rise, weights, logits = self._parted(theta)
+        lower, upper = self.curves(xp, logits, self.unit(x[0]))
+        gap = 2.0 * self.reach / int(self.plays)
+        after = [between(xp, lower - i * gap, upper + i * gap, p) for i, p in enumerate(state)]
+        sizes, whole = sized(xp, weights)
+        total: Scalar = 0.0
+        for size, p in zip(sizes, after, strict=True):
+            total = total + size * p
+        y = rise * total / whole
+        zero = self.curve(xp, [rise], theta[self.first + 1 :], self.unit(0.0))
+        return ((theta[0] + y if self.offset == "yes" else y - zero),), after
+
+    def line(self, slope: float, offset: float) -> Numbers:
+        """A line at rest, half way between two curves."""
+        level = (offset + slope * self.middle,)[: self.first]
+        weights = np.zeros(int(self.plays) - 1)
+        return np.concatenate([level, [slope * self.half], weights, *self._opened(OPEN)])
+
+    def _opened(self, half: float) -> tuple[Numbers, Numbers]:
+        """Logits of curves on both sides of a line, apart by a parabola."""
+        share = np.linspace(0.0, 1.0, int(self.knots))
+        apart = 4.0 * half * share * (1.0 - share)
+        above, below = share + apart, share - apart
+        upper = np.diff(above)[:-1] / (1.0 - above[:-2])
+        lower = np.diff(below)[:-1] / (above[1:-1] - below[:-2])
+        return np.log(upper / (1.0 - upper)), np.log(lower / (1.0 - lower))
+
+    def priors(self) -> tuple[Numbers, Numbers]:
+        """Logits within some tens."""
+        widths = np.zeros(len(self.numbers()))
+        widths[self.first + 1 :] = 1.0 / FARTHEST
+        return self.start(), widths
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Loops more or less open, slopes and weights scattered."""
+        made = self.start()
+        curves = np.concatenate(self._opened(rng.uniform(0.02, 0.24)))
+        made[len(made) - len(curves) :] = curves
+        made[self.first + 1 :] += rng.normal(0.0, 0.5, len(self.places()))
+        return made

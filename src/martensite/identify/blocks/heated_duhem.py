@@ -1,0 +1,243 @@
+"""A heated shape-memory actuator in few numbers: heat balance, latent heat, hysteresis, lags.
+
+    τ (1 + Λ dz/dθ) dθ/dt = K u exp(ρ z) - θ (1 - r + r |θ|/θ_m)
+    z along the branches of `shared.branches`, rising where the right side is above 0
+    temperature = T_a + κ (θ through a lag τ_s),    position = S (z through a lag τ_p)
+
+θ is the rise of temperature over the surroundings, u the input (power, or duty), z the fraction
+of austenite. Latent heat is a feedback: while the wire transforms, its heat capacity is 1 + Λ dz/dθ
+times as large, which no blocks in series can do. With the power p of one unit of u, heat capacity
+is p τ/K, loss p/K and latent heat p τ Λ/K. ρ is the logarithm of how much more power a unit of
+input gives in austenite, r the share of the loss at θ_m that grows with θ.
+
+One combination cannot be told from input, temperature and position: the scale of θ. Twice all
+rises with half of κ give the same outputs, so that it is known from the priors alone; a sensor
+whose κ is known, or transformation temperatures from a test, belong into the expected values.
+
+Temperatures are those of the record, in degC or K: only the `ambient` one must suit it.
+
+Each step is linearly implicit in the loss and solves the enthalpy of the step by one step of
+Newton's method after the slope at its start, within the bounds that no transformation and no loss
+of heat would give: stable for every step, where explicit coupling is not once Λ dz/dθ > 1.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared import branches
+from martensite.identify.blocks.shared.sections import first_order
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+MIDDLE = 40.0
+"""θ_m [K]."""
+TYPICAL = 50.0
+"""Mean rise [K] of the records of an actuator, if nothing better is known."""
+NEWTON = 12
+"""Steps to the temperature at rest."""
+SPREADS = (
+    ("log_time_constant", 1.0), ("log_gain", 1.0), ("loss_logit", 1.5), ("log_latent", 1.0),
+    ("resistance", 0.3), ("ambient", 2.0),
+    ("rising_centre1", 15.0), ("rising_centre2", 20.0), ("log_rising_width1", 1.0),
+    ("log_rising_width2", 1.0), ("rising_logit", 2.0),
+    ("falling_centre1", 15.0), ("falling_centre2", 20.0), ("log_falling_width1", 1.0),
+    ("log_falling_width2", 1.0), ("falling_logit", 2.0),
+    ("sensor_gain", 0.3), ("log_sensor_lag", 1.0), ("stroke", np.inf), ("log_stroke_lag", 1.0),
+)  # fmt: skip
+"""Free numbers, and how far from their expected values they may well be."""
+
+
+class _Heat(NamedTuple):
+    """The heat balance and the branches, from the free numbers."""
+
+    tau: Scalar
+    gain: Scalar
+    growing: Scalar
+    """r."""
+    latent: Scalar
+    resistance: Scalar
+    rising: branches.Branch
+    falling: branches.Branch
+
+    def power(self, xp: Namespace, u: Scalar, z: Scalar) -> Scalar:
+        """The rise [K] that the input would hold."""
+        return self.gain * u * xp.exp(self.resistance * z)
+
+    def loss(self, xp: Namespace, rise: Scalar) -> Scalar:
+        """Loss of heat [K], 1 K per K at θ_m."""
+        return rise * (1.0 - self.growing + self.growing * xp.abs(rise) / MIDDLE)
+
+    def loss_slope(self, xp: Namespace, rise: Scalar) -> Scalar:
+        """Its derivative, above 0."""
+        return 1.0 - self.growing + 2.0 * self.growing * xp.abs(rise) / MIDDLE
+
+
+@BLOCKS.register("heated-duhem")
+class HeatedDuhem(AbstractBlock):
+    """From heating to measured temperature and position; 20 free numbers.
+
+    The declared parameters are expected values: where a fit begins, and the centres of priors of
+    the free numbers. All but the gain are typical of a wire of half a millimetre in air.
+    """
+
+    short = "heated"
+    shape = ("gives",)
+    fixed = (
+        "ambient", "gain", "time_constant", "latent", "rising", "falling", "sensor_gain",
+        "sensor_lag", "stroke", "stroke_lag",
+    )  # fmt: skip
+    cites = ("ivshin1994",)
+
+    gives: str = option("what it gives", "both", "temperature", "position", default="both")
+    ambient: float = param("1", "temperature of the surroundings [degC or K]", default=23.0)
+    gain: float = param(
+        "1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0
+    )
+    time_constant: float = param("s", "time constant of cooling", above=0.0, default=10.0)
+    latent: float = param("K", "latent heat over heat capacity", above=0.0, default=30.0)
+    rising: float = param("K", "rise at which half is austenite on heating", default=65.0)
+    falling: float = param("K", "rise at which half is austenite on cooling", default=40.0)
+    sensor_gain: float = param("1", "rise measured over rise", default=0.7)
+    sensor_lag: float = param("s", "lag of the temperature sensor", above=0.0, default=0.3)
+    stroke: float = param("1", "position in austenite, in units of the record", default=1.0)
+    stroke_lag: float = param("s", "lag of the position", above=0.0, default=0.05)
+
+    @property
+    def outputs(self) -> int:
+        """Temperature, position or both."""
+        return 2 if self.gives == "both" else 1
+
+    def numbers(self) -> tuple[str, ...]:
+        """Heat balance, branches, sensors."""
+        return tuple(name for name, _ in SPREADS)
+
+    def states(self) -> int:
+        """Rise, z, and both behind their lags."""
+        return 4
+
+    def _heat(self, xp: Namespace, theta: Column) -> _Heat:
+        return _Heat(
+            tau=xp.exp(xp.clip(theta[0], -14.0, 14.0)),
+            gain=xp.exp(xp.clip(theta[1], -30.0, 30.0)),
+            growing=branches.logistic(xp, xp.clip(theta[2], -9.0, 9.0)),
+            latent=xp.exp(xp.clip(theta[3], -30.0, 30.0)),
+            resistance=xp.clip(theta[4], -3.0, 3.0),
+            rising=branches.branch_of(xp, theta[6:11]),
+            falling=branches.branch_of(xp, theta[11:16]),
+        )
+
+    def gains(self) -> tuple[str, ...]:
+        """The stroke, of the position."""
+        return {"both": ("", "stroke"), "position": ("stroke",), "temperature": ("",)}[self.gives]
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """Warm as the input holds it, reached from below."""
+        heat = self._heat(xp, theta)
+        rise = _held(xp, heat, x[0])
+        z = branches.from_below(xp, heat.rising, rise)
+        return rise, z, rise, z
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """What is measured now, and heat, transformation and lags until the next sample."""
+        rise, z, seen, moved = state
+        new_rise, new_z = _heated(xp, self._heat(xp, theta), rise, z, x[0], dt)
+        temperature = theta[5] + theta[16] * seen
+        position = theta[18] * moved
+        after = (
+            new_rise, new_z,
+            _lagged(xp, theta[17], seen, rise, new_rise, dt),
+            _lagged(xp, theta[19], moved, z, new_z, dt),
+        )  # fmt: skip
+        if self.gives == "both":
+            return (temperature, position), after
+        return (temperature if self.gives == "temperature" else position,), after
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Takes a gain from the mean input, unless one is given."""
+        mean = float(np.mean(np.abs(x)))
+        return self.with_parts(gain=TYPICAL / max(mean, 1e-12)) if self.gain == 0.0 else self
+
+    def start(self) -> Numbers:
+        """The expected values, with branches of a steep and a flat part."""
+        log, widths = np.log, np.log([3.0, 12.0])
+        gain = self.gain if self.gain > 0.0 else TYPICAL
+        return np.array([
+            log(self.time_constant), log(gain), -2.0, log(self.latent), 0.0, self.ambient,
+            self.rising, self.rising + 15.0, *widths, 1.5,
+            self.falling, self.falling - 15.0, *widths, 1.5,
+            self.sensor_gain, log(self.sensor_lag), self.stroke, log(self.stroke_lag),
+        ])  # fmt: skip
+
+    def priors(self) -> tuple[Numbers, Numbers]:
+        """The expected values, and 1/σ of each; the stroke is free."""
+        return self.start(), np.array([1.0 / spread for _, spread in SPREADS])
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Within half of what the priors allow."""
+        spread = np.array([s if np.isfinite(s) else 0.0 for _, s in SPREADS])
+        return self.start() + 0.5 * spread * rng.uniform(-1.0, 1.0, len(spread))
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Numbers as they stand in the equations, temperatures as the record has them."""
+        return [self._row(n, float(v), float(theta[5])) for n, v in zip(
+            self.numbers(), theta, strict=True)]  # fmt: skip
+
+    def _row(self, name: str, value: float, ambient: float) -> tuple[str, float, str]:
+        if name.startswith("log_"):
+            unit = "s" if name.endswith(("lag", "constant")) else "K"
+            return name.removeprefix("log_"), float(np.exp(value)), unit
+        if name.endswith("logit"):
+            return name.removesuffix("logit") + "share", float(1.0 / (1.0 + np.exp(-value))), "1"
+        return name, value + ambient if "centre" in name else value, "1"
+
+
+def _lagged(
+    xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar
+) -> Scalar:
+    """A lag of first order over a step in which its input goes straight: exact."""
+    p = first_order(xp, log_tau, dt)
+    steps = dt * xp.exp(-xp.clip(log_tau, -14.0, 14.0))
+    return y + p * (before - y) + (after - before) * (1.0 - p / steps)
+
+
+def _heated(
+    xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, dt: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Rise and z after a step: θ - θ₀ + Λ (z - z₀) = (dt/τ) (net heat)."""
+    part = dt / heat.tau
+    net = part * (heat.power(xp, u, z) - heat.loss(xp, rise))
+    leg = branches.leg(xp, heat.rising, heat.falling, net > 0.0, rise, z)
+    own = xp.store(1.0 + part * heat.loss_slope(xp, rise))
+    change = xp.store(net / (own + heat.latent * leg.slope(xp, rise)))
+    missing = own * change + heat.latent * (leg.fraction(xp, rise + change) - z) - net
+    better = change - missing / (own + heat.latent * leg.slope(xp, rise + change))
+    most = net / own
+    change = xp.clip(better, xp.minimum(most, 0.0), xp.maximum(most, 0.0))
+    after = xp.store(rise + change)
+    return after, leg.fraction(xp, after)
+
+
+def _held(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
+    """The rise at which the loss is the power, on the rising branch, by Newton's method."""
+
+    def newton(rise: Scalar) -> Scalar:
+        z = branches.from_below(xp, heat.rising, rise)
+        power = heat.power(xp, u, z)
+        away = heat.loss(xp, rise) - power
+        slope = heat.loss_slope(xp, rise)
+        growth = power * heat.resistance * branches.density(xp, heat.rising, rise)
+        return rise - away / xp.maximum(slope - growth, 0.2 * slope)
+
+    bare = heat.power(xp, u, 0.0)
+    still = 1.0 - heat.growing
+    root = xp.sqrt(still * still + 4.0 * heat.growing * xp.abs(bare) / MIDDLE)
+    rise: Scalar = xp.detach(2.0 * bare / (still + root))
+    for _ in range(NEWTON):
+        rise = xp.detach(newton(rise))
+    return xp.solved(rise, newton(rise))

@@ -1,0 +1,166 @@
+"""Polynomial nonlinear state space: a stable linear system with nonlinear terms in every state.
+
+    s⁺ = A s + B (u + h E φ),   y = y₀ + C s + h F φ,   φ = monomials of degree 2 … d
+
+A, B, C are those of the linear block (`state_space`), so that without nonlinear terms this is the
+best linear approximation. The monomials are of the states before the sample and of the input, on
+the scale of the range of the input, (v - c)/h and Δ/(h √d₂), and limited to three times that range:
+what they feed back is bounded, and so is the whole, whatever E and F are. The general block where
+nothing is known of where the nonlinearity sits; it has many numbers, so keep order and degree low.
+
+Source: Paduart et al. 2010.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, Column, Numbers
+from martensite.identify.blocks.shared import sections
+from martensite.identify.blocks.shared.fixed_point import fixed_point
+from martensite.identify.blocks.state_space import StateSpace
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+FARTHEST = 3.0
+"""Limit of what enters a monomial, in half widths of the range."""
+
+
+@BLOCKS.register("nonlinear-state-space")
+class NonlinearStateSpace(StateSpace):
+    """One input, any number of outputs; bounded for bounded inputs."""
+
+    short = "nlss"
+    shape = ("order", "degree", "outs", "nk")
+    fixed = ("low", "high")
+    linear = False
+
+    order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
+    degree: float = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0)
+    ins: float = param("1", "number of inputs", low=1.0, high=1.0, default=1.0)
+    offset: str = option(
+        "whether the outputs at zero input are free; else they are 0", "yes", "no", default="yes"
+    )
+    input_terms: str = option(
+        "whether the input enters the monomials beside the states", "yes", "no", default="yes"
+    )
+    output_terms: str = option(
+        "whether monomials enter the outputs as well", "yes", "no", default="yes"
+    )
+    low: float = param("1", "lower end of the range of the input", default=-1.0)
+    high: float = param("1", "upper end of the range of the input", default=1.0)
+
+    def monomials(self) -> list[tuple[int, ...]]:
+        """The variables that each is a product of: states from 0 on, then the input."""
+        count = int(self.order) + (self.input_terms == "yes")
+        degrees = range(2, int(self.degree) + 1)
+        return [m for d in degrees for m in combinations_with_replacement(range(count), d)]
+
+    def numbers(self) -> tuple[str, ...]:
+        """Those of the linear system, then E state by state and F output by output."""
+        words = ["".join(map(str, m)) for m in self.monomials()]
+        e = tuple(f"e{k}_{w}" for k in range(1, int(self.order) + 1) for w in words)
+        outs = range(1, self.outputs + 1) if self.output_terms == "yes" else ()
+        return (*super().numbers(), *e, *(f"f{j}_{w}" for j in outs for w in words))
+
+    @property
+    def _linear(self) -> int:
+        """How many numbers the linear system has."""
+        return len(super().numbers())
+
+    def _products(
+        self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar
+    ) -> list[Scalar]:
+        """h φ."""
+        half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
+        scaled: list[Scalar] = []
+        for k, value in enumerate(held):
+            away = k - int(self.order) % 2
+            if away > 0 and away % 2:  # the change in a section of second order
+                d2 = sections.second_order(xp, poles[k - 1], poles[k], dt).d2
+                scaled.append(value / (half * xp.sqrt(d2)))
+            else:
+                scaled.append((value - middle) / half)
+        scaled.append((u - middle) / half)
+        limited = [xp.clip(r, -FARTHEST, FARTHEST) for r in scaled]
+        return [half * _product(limited, monomial) for monomial in self.monomials()]
+
+    def _fed(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
+        """B u + h E φ: what enters every state."""
+        n, count = int(self.order), len(products)
+        fed: list[Scalar] = [u, *(0.0 for _ in range(n - 1))]
+        for k in range(n):
+            own = theta[self._linear + k * count : self._linear + (k + 1) * count]
+            for weight, product in zip(own, products, strict=True):
+                fed[k] = fed[k] + weight * product
+        return fed
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """The state that a constant input holds, found from that of the linear system."""
+        n = int(self.order)
+
+        def held(xp: Namespace, state: Column, given: Column) -> Column:
+            u, own = given[0], given[1:]
+            products = self._products(xp, own[:n], state, u, dt)
+            return sections.fed_resting(xp, n, list(own[:n]), self._fed(own, u, products), dt)
+
+        found = fixed_point(xp, held, sections.resting(n, x[0]), [x[0], *theta])
+        return [x[0]] * int(self.nk) + found
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Delay, monomials, sections, sums."""
+        n, p, nk = int(self.order), self.outputs, int(self.nk)
+        line = [x[0], *state[:nk]]
+        u, held = line[nk], state[nk:]
+        products = self._products(xp, theta[:n], held, u, dt)
+        fed = self._fed(theta, u, products)
+        made = sections.cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
+        y = self._summed(theta, [*made.signals, *([u] if nk == 0 else [])])
+        if self.output_terms == "yes":
+            last = theta[len(theta) - p * len(products) :]
+            for place, weight in enumerate(last):
+                j, i = divmod(place, len(products))
+                y[j] = y[j] + weight * products[i]
+        return y, (*line[:nk], *made.state)
+
+    def _summed(self, theta: Column, signals: Column) -> list[Scalar]:
+        """y₀ + C s + D u."""
+        n, p = int(self.order), self.outputs
+        y: list[Scalar] = [0.0] * p
+        if self.offset == "yes":
+            y = list(theta[self._linear - p : self._linear])
+        for j in range(p):
+            c = theta[n + j * n : n + (j + 1) * n]
+            d = theta[n + p * n + j : n + p * n + j + 1] if len(signals) > n else ()
+            for weight, signal in zip([*c, *d], signals, strict=True):
+                y[j] = y[j] + weight * signal
+        return y
+
+    def adapted(self, x: Numbers, dt: float) -> NonlinearStateSpace:
+        """Takes the range of the input."""
+        low, high = float(np.min(x)), float(np.max(x))
+        spread = high - low if high > low else max(abs(high), 1.0)
+        return self.with_parts(low=low, high=low + spread)
+
+    def start(self) -> Numbers:
+        """The linear system."""
+        made = np.zeros(len(self.numbers()))
+        made[: self._linear] = super().start()[: self._linear]
+        return made
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """A random linear system with small nonlinear terms."""
+        made = super().drawn(rng, duration, dt)
+        made[self._linear :] *= 0.02
+        return made
+
+
+def _product(values: Column, places: tuple[int, ...]) -> Scalar:
+    product: Scalar = 1.0
+    for i in places:
+        product = product * values[i]
+    return product

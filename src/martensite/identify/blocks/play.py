@@ -1,0 +1,75 @@
+"""One play: y⁺ = max(x - r, min(x + r, y)), r = exp(log_radius) over half the range of the input.
+
+Backlash of gear teeth, or dry friction that holds an end in place. Unit gain, and y = x at rest.
+A sum of many is `prandtl_ishlinskii`. Source: Krasnosel'skii and Pokrovskii 1989.
+"""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared.play import played, spread
+from martensite.parameters import param
+from martensite.runtimes import floats
+from martensite.runtimes.namespace import Namespace, Scalar
+
+STRONGEST = 14.0
+"""Limit of |log radius|."""
+BEGUN = (0.02, 0.5)
+"""Between which radii are drawn, over half the range; a fit begins with their geometric mean."""
+
+
+@BLOCKS.register("play")
+class Play(AbstractBlock):
+    """Backlash of a free width; rate independent."""
+
+    short = "play"
+    fixed = ("low", "high")
+    cites = ("krasnoselskii1989",)
+
+    low: float = param("1", "lower end of the range of the input", default=-1.0)
+    high: float = param("1", "upper end of the range of the input", default=1.0)
+
+    def numbers(self) -> tuple[str, ...]:
+        """The radius."""
+        return ("log_radius",)
+
+    def states(self) -> int:
+        """The output."""
+        return 1
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """In the middle of the backlash."""
+        return x[:1]
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Pushed along, or left."""
+        y = played(xp, x[0], self.radius(xp, theta), state[0])
+        return (y,), (y,)
+
+    def radius(self, xp: Namespace, theta: Column) -> Scalar:
+        """Half the backlash, in the unit of the input."""
+        return 0.5 * (self.high - self.low) * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Takes the range of the input."""
+        low, high = spread(x)
+        return self.with_parts(low=low, high=high)
+
+    def start(self) -> Numbers:
+        """A tenth of half the range."""
+        return np.array([0.5 * float(np.log(BEGUN).sum())])
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Any size that would be noticed."""
+        low, high = np.log(BEGUN)
+        return rng.uniform(low, high, 1)
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """The radius, in the unit of the input."""
+        return [("radius", float(self.radius(floats, [float(theta[0])])), "1")]

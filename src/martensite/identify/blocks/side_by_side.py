@@ -1,0 +1,144 @@
+"""Blocks side by side, each on signals of its own: `[poly2 & unit]`.
+
+Inputs, outputs, states, free and fixed numbers are those of the blocks, one after the other. So a
+chain of several signals has a static block, a delay or a hysteresis for each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Self
+
+import numpy as np
+
+from martensite.errors import ParameterError
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.unit_gain import UnitGain
+from martensite.parameters import part
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@BLOCKS.register("side-by-side")
+class SideBySide(AbstractBlock):
+    """Any blocks, the signals of one after those of another."""
+
+    blocks: tuple[AbstractBlock, ...] = part("the blocks", default=(UnitGain(), UnitGain()))
+
+    def check(self) -> None:
+        """There are blocks.
+
+        Raises:
+            ParameterError: there is none.
+        """
+        if not self.blocks:
+            raise ParameterError("Blocks side by side need at least one block.")
+
+    @property
+    def inputs(self) -> int:
+        """Of all blocks."""
+        return sum(block.inputs for block in self.blocks)
+
+    @property
+    def outputs(self) -> int:
+        """Of all blocks."""
+        return sum(block.outputs for block in self.blocks)
+
+    def numbers(self) -> tuple[str, ...]:
+        """Of all blocks, with the place of each."""
+        return tuple(f"{place}.{n}" for place, b in self._placed for n in b.numbers())
+
+    def states(self) -> int:
+        """Of all blocks."""
+        return sum(block.states() for block in self.blocks)
+
+    @property
+    def _placed(self) -> Iterator[tuple[int, AbstractBlock]]:
+        return enumerate(self.blocks, start=1)
+
+    def split(
+        self, column: Any, count: Callable[[AbstractBlock], int]
+    ) -> Iterator[tuple[AbstractBlock, Any]]:
+        """The blocks, each with its share of a column, of which it has a certain count."""
+        first = 0
+        for block in self.blocks:
+            last = first + count(block)
+            yield block, column[first:last]
+            first = last
+
+    def _shares(self, theta: Column, x: Column) -> list[tuple[AbstractBlock, Column, Column]]:
+        own = self.split(theta, lambda block: len(block.numbers()))
+        signals = self.split(x, lambda block: block.inputs)
+        return [(b, numbers, taken) for (b, numbers), (_, taken) in zip(own, signals, strict=True)]
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """Every block at rest."""
+        shares = self._shares(theta, x)
+        return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """A step of every block."""
+        held = self.split(state, lambda block: block.states())
+        outputs: list[Scalar] = []
+        after: list[Scalar] = []
+        for (block, own, taken), (_, before) in zip(self._shares(theta, x), held, strict=True):
+            y, s = block.step(xp, own, before, taken, dt)
+            outputs += y
+            after += s
+        return outputs, after
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Every block adapted to its own signals."""
+        columns = self.split(x.T, lambda block: block.inputs)
+        return self.with_parts(blocks=tuple(block.adapted(own.T, dt) for block, own in columns))
+
+    def start(self) -> Numbers:
+        """Of all blocks."""
+        return np.concatenate([np.zeros(0), *(block.start() for block in self.blocks)])
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Of all blocks."""
+        drawn = (block.drawn(rng, duration, dt) for block in self.blocks)
+        return np.concatenate([np.zeros(0), *drawn])
+
+    def priors(self) -> tuple[Numbers, Numbers]:
+        """Of all blocks."""
+        expected, weights = zip(*(block.priors() for block in self.blocks), strict=True)
+        return np.concatenate(expected), np.concatenate(weights)
+
+    def gains(self) -> tuple[str, ...]:
+        """Of all blocks, with the place of each."""
+        named = ((place, name) for place, block in self._placed for name in block.gains())
+        return tuple(f"{place}.{name}" if name else "" for place, name in named)
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Of all blocks, with the place of each."""
+        shares = self.split(theta, lambda block: len(block.numbers()))
+        return [
+            (f"{place}.{name}", value, unit)
+            for place, (block, own) in enumerate(shares, start=1)
+            for name, value, unit in block.shown(own)
+        ]
+
+    def text(self) -> str:
+        """The blocks between square brackets."""
+        return f"[{' & '.join(block.text() for block in self.blocks)}]"
+
+    @property
+    def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Fixed numbers of all blocks, with the place of each."""
+        return tuple(f"{place}.{name}" for place, b in self._placed for name in b.fixed)
+
+    def given(self) -> tuple[float, ...]:
+        """Of all blocks."""
+        return tuple(value for block in self.blocks for value in block.given())
+
+    def with_given(self, values: Sequence[Any]) -> Self:
+        """Every block with its own."""
+        shares = self.split(values, lambda block: len(block.fixed))
+        return self.rebuilt({"blocks": tuple(block.with_given(own) for block, own in shares)})
+
+    def structure(self) -> tuple[Any, ...]:
+        """Those of all blocks."""
+        return type(self), tuple(block.structure() for block in self.blocks)

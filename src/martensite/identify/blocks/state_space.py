@@ -1,0 +1,128 @@
+"""Linear state-space system of several inputs and outputs, stable whatever its free numbers are.
+
+    s⁺ = A s + B u(t - nk),   y = y₀ + C s (+ D u if nk = 0)
+
+A is a series of sections (`shared.sections`), each fed by the one before it; B feeds every state
+of them, and C sums the signals of all. The sum Σ r_i b_i of the columns of B, with fixed weights
+r_i = 1/i, enters the first section alone: that removes the freedom to transform the state, and
+for one input leaves B without free numbers. As the sections answer within the sample, C s with
+nk = 1 is the strictly proper system of this order, and nk = 0 with D that with feed-through.
+
+It spans every system of the order that is stable, whose A has one Jordan block per pole, no
+single pole at 0 or on the negative real axis, and whose states are all reached by Σ r_i u_i; the
+others, such as two equal systems side by side, are limits of these. Gains are free: give static
+blocks beside it a gain of their own and the product alone can be told.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.shared import sections
+from martensite.parameters import option, param
+from martensite.runtimes.namespace import Namespace, Scalar
+
+
+@BLOCKS.register("state-space")
+class StateSpace(AbstractBlock):
+    """Several inputs and outputs that share their poles."""
+
+    short = "ss"
+    shape = ("order", "ins", "outs", "nk")
+    linear = True
+
+    order: float = param("1", "number of poles", low=1.0, default=2.0)
+    ins: float = param("1", "number of inputs", low=1.0, default=1.0)
+    outs: float = param("1", "number of outputs", low=1.0, default=1.0)
+    nk: float = param("1", "delay in samples; 0 adds feed-through", low=0.0, default=1.0)
+    offset: str = option(
+        "whether the outputs at zero input are free; else they are 0", "yes", "no", default="no"
+    )
+
+    @property
+    def inputs(self) -> int:
+        """As declared."""
+        return int(self.ins)
+
+    @property
+    def outputs(self) -> int:
+        """As declared."""
+        return int(self.outs)
+
+    def numbers(self) -> tuple[str, ...]:
+        """Poles, B without its last column, C, D, offsets."""
+        n, m, p = int(self.order), self.inputs, self.outputs
+        b = [f"b{k}_{i}" for k in range(1, n + 1) for i in range(1, m)]
+        c = [f"c{j}_{k}" for j in range(1, p + 1) for k in range(1, n + 1)]
+        d = [f"d{j}_{i}" for j in range(1, p + 1) for i in range(1, m + 1)]
+        free = [f"offset{j}" for j in range(1, p + 1)] if self.offset == "yes" else []
+        return (*sections.names(n), *b, *c, *(d if self.nk < 1.0 else ()), *free)
+
+    def states(self) -> int:
+        """Delayed inputs, then sections."""
+        return int(self.nk) * self.inputs + int(self.order)
+
+    def poles(self, theta: Numbers, dt: float) -> Numbers:
+        """Poles z of the sections."""
+        return sections.poles(int(self.order), theta, dt)
+
+    def _entering(self, theta: Column, u: Column) -> list[Scalar]:
+        """B u: what enters every state."""
+        n, m = int(self.order), self.inputs
+        made: list[Scalar] = []
+        for k in range(n):
+            row = theta[n + k * (m - 1) : n + (k + 1) * (m - 1)]
+            total, last = 0.0, 1.0 if k == 0 else 0.0
+            for i, b in enumerate(row):
+                total = total + b * u[i]
+                last = last - b / (i + 1.0)
+            made.append(total + m * last * u[m - 1])
+        return made
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """Delays and sections under a constant input."""
+        n = int(self.order)
+        if self.inputs == 1:
+            return [x[0]] * int(self.nk) + sections.resting(n, x[0])
+        held = sections.fed_resting(xp, n, list(theta[:n]), self._entering(theta, x), dt)
+        return [*list(x) * int(self.nk), *held]
+
+    def step(
+        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Delay, sections, sums of their signals."""
+        n, m, p, nk = int(self.order), self.inputs, self.outputs, int(self.nk)
+        line = [*x, *state[: nk * m]]
+        u, first = line[nk * m :], n + n * (m - 1)
+        fed = self._entering(theta, u)
+        more = fed[1:] if m > 1 else ()
+        made = sections.cascade(xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more)
+        summed = [*made.signals, *(u if nk == 0 else ())]
+        y: list[Scalar] = list(theta[len(theta) - p :]) if self.offset == "yes" else [0.0] * p
+        for j in range(p):
+            c = theta[first + j * n : first + (j + 1) * n]
+            d = theta[first + p * n + j * m : first + p * n + (j + 1) * m]
+            for weight, signal in zip([*c, *(d if nk == 0 else ())], summed, strict=True):
+                y[j] = y[j] + weight * signal
+        return y, (*line[: nk * m], *made.state)
+
+    def start(self) -> Numbers:
+        """Time constants of one second, inputs alike, the last section as the outputs."""
+        n, m, p = int(self.order), self.inputs, self.outputs
+        made = np.zeros(len(self.numbers()))
+        made[n % 2 + 1 : n : 2] = np.log(1.2)
+        made[n : n + m - 1] = 1.0 / sum(1.0 / i for i in range(1, m + 1))
+        made[n + n * (m - 1) : n + n * (m - 1) + p * n : n] = 1.0
+        return made
+
+    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+        """Time constants spread over a thousandth to a quarter of the record; B and C anywhere."""
+        n = int(self.order)
+        made = rng.uniform(-1.0, 1.0, len(self.numbers()))
+        made[:n] = sections.drawn(n, rng, duration, dt)
+        return made
+
+    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+        """Time constants, frequencies, damping ratios, then the matrices."""
+        return sections.shown(self.numbers(), theta)

@@ -1,0 +1,167 @@
+"""Correlation of residuals with what a model was given: what it leaves unexplained.
+
+For residuals ε and a signal w, both without their means,
+
+    r(τ) = Σ_t ε_{t+τ} w_t / √(Σ ε² Σ w²),    var r(τ) ≈ Σ_k ρ_ε(k) ρ_w(k)/n
+
+if ε does not depend on w (Bartlett; Ljung (1999), System Identification, section 16.6). The sum
+runs over all lags of both estimated autocorrelations, which is the mean of the product of their
+periodograms, so the band holds for coloured inputs and coloured residuals alike. Only pairs of
+which both are known count. Neighbouring lags say almost the same, so that a count of lags
+outside is no test; what is judged is the largest of them, with the level shared among the lags.
+
+At lags τ > 0 residuals follow the signal: the model lacks some of its effect. At lags τ < 0 they
+lead it: the input was made from the output, by a controller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+
+from martensite.errors import DataError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.fitting.autocorrelation import autocorrelation
+from martensite.identify.fitting.words import number
+
+LAGS = 25
+"""Lags tested on either side."""
+LEVELS = (0.95, 0.99)
+"""Of the bands that are shown."""
+LEVEL = 0.99
+"""Of the verdict, for all lags together."""
+
+
+@dataclass(frozen=True)
+class Crossed:
+    """Correlation of the residuals of one output with one signal."""
+
+    output: str
+    signal: str
+    """Such as `u`, or `u²`."""
+    lags: tuple[int, ...]
+    """In samples; those below 0 are of residuals that lead."""
+    values: tuple[float, ...]
+    deviation: float
+    """Standard deviation of every value, if there is nothing to find."""
+    interval: float
+    """Sample time [s]."""
+    level: float = LEVEL
+
+    def band(self, level: float) -> float:
+        """Half width within which one value lies with some probability."""
+        return NormalDist().inv_cdf(0.5 + 0.5 * level) * self.deviation
+
+    @property
+    def limit(self) -> float:
+        """Half width within which all values on one side lie with the level of the verdict."""
+        side = max(sum(lag >= 0 for lag in self.lags), 1)
+        return self.band(1.0 - (1.0 - self.level) / side)
+
+    @property
+    def following(self) -> tuple[int, float]:
+        """Lag and value of the largest at lags from 0 on."""
+        return self._largest([i for i, lag in enumerate(self.lags) if lag >= 0])
+
+    @property
+    def leading(self) -> tuple[int, float]:
+        """Lag and value of the largest below lag 0."""
+        return self._largest([i for i, lag in enumerate(self.lags) if lag < 0])
+
+    @property
+    def explained(self) -> bool:
+        """Whether nothing of the signal is left in the residuals that follow it."""
+        return abs(self.following[1]) <= self.limit
+
+    @property
+    def sentence(self) -> str:
+        """The verdict with its numbers."""
+        lag, value = self.following
+        what = f"residuals of `{self.output}` and {self.signal}"
+        size = f"{number(value, 2)} after {number(lag * self.interval, 3)} s"
+        within = f"±{number(self.limit, 2)} of chance"
+        if self.explained:
+            return f"The {what} are not correlated (at most {size}, within {within})."
+        square = "bend of a static block" if "²" in self.signal else "dynamics"
+        return (
+            f"The {what} are correlated ({size}, beyond {within}): the model lacks some of its "
+            f"effect; try another order, delay or {square}."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name and the verdict, for JSON."""
+        return asdict(self) | {
+            "limit": self.limit, "explained": self.explained, "sentence": self.sentence,
+        }  # fmt: skip
+
+    def _largest(self, places: Sequence[int]) -> tuple[int, float]:
+        if not places:
+            return 0, 0.0
+        top = max(places, key=lambda i: abs(self.values[i]))
+        return self.lags[top], self.values[top]
+
+
+def crossed(
+    residuals: Any, signal: Any, interval: float, *, output: str = "y", name: str = "u",
+    lags: Sequence[int] | None = None, level: float = LEVEL,
+) -> Crossed | None:  # fmt: skip
+    """Correlate the residuals of one output with a signal; None if either does not vary.
+
+    Args:
+        residuals: (samples,), NaN where they are not known.
+        signal: (samples,).
+        interval: sample time [s].
+        output: name of the output.
+        name: what the signal is called.
+        lags: in samples; see `spread_lags` if left out.
+        level: of the verdict.
+
+    Raises:
+        DataError: the two are not equally many, or a lag is beyond the record.
+    """
+    e, w = np.asarray(residuals, dtype=float), np.asarray(signal, dtype=float)
+    if e.shape != w.shape or e.ndim != 1:
+        raise DataError(f"Residuals and signal must be equally many, not {e.shape}, {w.shape}.")
+    known = np.isfinite(e)
+    count = int(known.sum())
+    if count < 2:
+        return None
+    e = np.where(known, e - e[known].mean(), 0.0)
+    w = np.where(known, w - w[known].mean(), 0.0)
+    size = math.sqrt(float(e @ e) * float(w @ w))
+    if size == 0.0:
+        return None
+    rho_e, rho_w = autocorrelation(e), autocorrelation(w)
+    chosen = spread_lags(rho_e, rho_w) if lags is None else list(lags)
+    if any(abs(lag) >= len(e) for lag in chosen):
+        raise DataError(f"A lag of {max(map(abs, chosen))} is beyond {len(e)} samples.")
+    variance = max(1.0 + 2.0 * float(rho_e[1:] @ rho_w[1:]), 0.0) / count
+    values = [float(_shifted(e, w, lag)) / size for lag in chosen]
+    return Crossed(
+        output, name, tuple(chosen), tuple(values), math.sqrt(max(variance, 1.0 / count**2)),
+        interval, level,
+    )  # fmt: skip
+
+
+def spread_lags(*autocorrelations: Numbers) -> list[int]:
+    """Lags from -L to L in equal steps, over four times the time that signals remember."""
+    memory = max(_memory(rho) for rho in autocorrelations)
+    most = len(autocorrelations[0]) // 5
+    step = max(1, min(4 * memory, most) // LAGS)
+    return [step * k for k in range(-LAGS, LAGS + 1) if abs(step * k) <= max(most, 1)]
+
+
+def _memory(rho: Numbers) -> int:
+    """First lag at which an autocorrelation has fallen to 1/e."""
+    below = np.flatnonzero(rho < math.exp(-1.0))
+    return int(below[0]) if len(below) else len(rho)
+
+
+def _shifted(e: Numbers, w: Numbers, lag: int) -> float:
+    """Σ ε_{t+lag} w_t."""
+    return float(e[lag:] @ w[: len(w) - lag]) if lag >= 0 else float(e[:lag] @ w[-lag:])

@@ -1,0 +1,80 @@
+"""Which samples of a record belong to a rising input, and which to a falling one.
+
+A signal is rising from one of its turning points to the next. A turning point is one from which
+the signal comes back by more than a share of its range, so that noise and ripple are no turns;
+a level that is held belongs to the movement that led to it, and what comes before any movement
+counts as falling. On records of pulses the input rises
+at the start of a pulse and falls at its end: these are then heating and cooling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from martensite.errors import DataError, ParameterError
+from martensite.identify.blocks.base import Numbers
+from martensite.signals.sampled import Sampled
+
+REVERSAL = 0.02
+"""Share of the range by which a signal must come back to have turned."""
+RISING, FALLING = "rising", "falling"
+Masks = Mapping[str, Any]
+
+
+def rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
+    """True where a signal of shape (samples,) rises, or holds after it has risen.
+
+    Args:
+        signal: finite numbers.
+        reversal: share of its range by which it must come back to have turned.
+
+    Raises:
+        ParameterError: the reversal is not between 0 and 1.
+    """
+    if not 0.0 < reversal < 1.0:
+        raise ParameterError(f"Argument `reversal` must be between 0 and 1, but is {reversal}.")
+    values = np.asarray(signal, dtype=float)
+    least = reversal * float(np.max(values) - np.min(values))
+    found = np.zeros(len(values), dtype=bool)
+    sense, turn, low, high = 0, 0, 0, 0
+    for i, value in enumerate(values.tolist()):
+        low = i if value <= values[low] else low
+        high = i if value >= values[high] else high
+        if sense <= 0 and value - values[low] > least:
+            turn, sense, high = low + 1, 1, i
+        elif sense >= 0 and values[high] - value > least:
+            found[turn : high + 1] |= sense > 0
+            sense, low = -1, i
+    if sense > 0:
+        found[turn:] = True
+    return found
+
+
+def split(
+    record: Sampled, masks: Masks | None = None, number: int = 0, reversal: float = REVERSAL
+) -> dict[str, Numbers]:
+    """Samples by name: those of a rising and of a falling input, or those that are given.
+
+    Args:
+        record: the record.
+        masks: truth values of shape (samples,) by name, instead of the direction of the input.
+        number: which input.
+        reversal: see `rising`.
+
+    Raises:
+        DataError: a mask does not have one value per sample.
+    """
+    if masks is None:
+        up = rising(record.inputs[:, number], reversal)
+        return {RISING: up, FALLING: ~up}
+    found = {name: np.asarray(mask, dtype=bool) for name, mask in masks.items()}
+    for name, mask in found.items():
+        if mask.shape != (len(record),):
+            raise DataError(
+                f"Mask `{name}` needs {len(record)} values, one per sample of record "
+                f"`{record.name}`, but has the shape {mask.shape}."
+            )
+    return found

@@ -1,0 +1,230 @@
+"""Operating points of a chain, its linear system there, and its static curve.
+
+The linear system follows from the partial derivatives of every block (`plan`), put together
+along the chain: exact, whatever the blocks are.
+
+A block with hysteresis has no slope of its own, but one for every history and direction. Without a
+history it is at rest as it was made: every play stands in the middle of its gap, and small signals
+do not move it. After a history a play may stand at the edge of its gap, where inputs that go on
+move it one for one and inputs that turn do not. A small `push` says which way: blocks with memory
+are then taken under what reaches them once it has spread. Without a push they are taken as they
+stand, and a play at its edge as standing still.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.errors import InputError, SolveError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.linear_system import Linear
+from martensite.signals.sampled import Sampled
+
+SETTLED = 1e-9
+"""Change of the state in one more stretch, over its size, at which it has settled."""
+DOUBLINGS = 12
+"""How often the stretch held after a history is doubled."""
+
+
+class Point(NamedTuple):
+    """An operating point: constant input, state and output."""
+
+    inputs: Numbers
+    state: Numbers
+    outputs: Numbers
+
+
+def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> Point:
+    """The state in which a chain rests under a constant input.
+
+    Args:
+        chain: the model.
+        level: the input, a number, or one for each input.
+        history: inputs from rest before, of shape (samples, inputs); then the level is held until
+            nothing changes. Of a chain without hysteresis it changes nothing.
+
+    Raises:
+        InputError: the level or the history do not fit the inputs.
+        SolveError: the chain does not come to rest.
+    """
+    u = np.atleast_1d(np.asarray(level, dtype=float))
+    if u.shape != (chain.inputs,) or not np.all(np.isfinite(u)):
+        raise InputError(f"Model `{chain.name}` takes {chain.inputs} finite inputs, not {level}.")
+    if history is None:
+        state = chain.engine.rest(chain.theta, u).state
+    else:
+        rows = _rows(chain, history)
+        state = chain.engine.rest(chain.theta, rows[0]).state
+        chain.engine.simulate(chain.theta, rows, state)
+        _settle(chain, u, state)
+    y = chain.engine.simulate(chain.theta, u[None], state.copy())[0]
+    return Point(u, state, y)
+
+
+def _rows(chain: Chain, history: Numbers | Sampled) -> Numbers:
+    rows = history.inputs if isinstance(history, Sampled) else np.asarray(history, dtype=float)
+    rows = rows[:, None] if rows.ndim == 1 else rows
+    if rows.ndim != 2 or rows.shape[1] != chain.inputs or not len(rows):
+        raise InputError(f"The history of model `{chain.name}` needs {chain.inputs} inputs.")
+    return rows
+
+
+def _settle(chain: Chain, u: Numbers, state: Numbers) -> None:
+    """Hold an input until the state, changed in place, stays."""
+    samples = 256
+    for _ in range(DOUBLINGS):
+        before = state.copy()
+        chain.engine.simulate(chain.theta, np.tile(u, (samples, 1)), state)
+        size = max(float(np.max(np.abs(state), initial=0.0)), 1e-300)
+        if float(np.max(np.abs(state - before), initial=0.0)) <= SETTLED * size:
+            return
+        samples *= 2
+    raise SolveError(
+        f"Model `{chain.name}` does not come to rest under a constant input of "
+        f"{', '.join(f'{x:.6g}' for x in u)} within {samples} samples."
+    )
+
+
+def linearise(
+    chain: Chain, level: Any, history: Numbers | Sampled | None = None, push: Any = 0.0
+) -> Linear:
+    """The linear system of a chain around an operating point (see `operating_point`).
+
+    Args:
+        chain: the model.
+        level: the input, a number, or one for each input.
+        history: inputs from rest before.
+        push: a small change of the input in the direction in which small signals go; it matters
+            for blocks with hysteresis alone, whose slopes are then those under it.
+
+    Raises:
+        InputError: the level or the history do not fit the inputs.
+        SolveError: the chain does not come to rest.
+    """
+    point = operating_point(chain, level, history)
+    if not np.any(push):
+        return around(chain, point)
+    u, state = point.inputs + np.asarray(push, dtype=float), point.state.copy()
+    _settle(chain, u, state)
+    return around(chain, point, _entering(chain, u, state))
+
+
+def around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) -> Linear:
+    """The linear system around any state and input: also one that does not rest.
+
+    Args:
+        chain: the model.
+        point: where.
+        pushed: what enters every block instead, where those with memory are concerned.
+    """
+    engine = chain.engine
+    states, inputs = engine.plan.states, chain.inputs
+    functions = _bound(chain)
+    entering = _entering(chain, point.inputs, point.state)
+    a, b = np.zeros((states, states)), np.zeros((states, inputs))
+    reach = np.hstack([np.zeros((inputs, states)), np.eye(inputs)])
+    seen = np.zeros((len(engine.taps), states + inputs))
+    first = 0
+    for k, piece in enumerate(engine.plan.pieces):
+        rows = slice(first, first + piece.block.states())
+        own = np.eye(states, states + inputs)[rows]
+        remembers = pushed is not None and piece.block.states() > 0
+        x = pushed[k] if pushed is not None and remembers else entering[k]
+        found = functions[piece.step.name](*map(float, x), *map(float, point.state[rows]))
+        moved = np.vstack([reach[: piece.block.inputs], own])
+        after = np.zeros((piece.step.rows, states + inputs))
+        for e in piece.step.entries:
+            if e.column < len(moved):
+                after[e.row] += found[e.place] * moved[e.column]
+        reach = after[: piece.block.outputs]
+        a[rows], b[rows] = np.split(after[piece.block.outputs :], [states], axis=1)
+        for place, (number, channel) in enumerate(engine.taps):
+            if number == k:
+                seen[place] = reach[channel]
+        first = rows.stop
+    c, d = np.split(seen, [states], axis=1)
+    return Linear(
+        a, b, c, d, chain.interval, point.inputs, point.state, point.outputs,
+        chain.input_names, chain.output_names,
+    )  # fmt: skip
+
+
+def _bound(chain: Chain) -> Any:
+    """The functions of all blocks on floats."""
+    given = [float(value) for block in chain.blocks for value in block.given()]
+    program = chain.engine.plan.program
+    return program.bind_floats(*map(float, chain.theta), *given, float(chain.interval))
+
+
+def _entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
+    """What enters every block in a state."""
+    functions, x, found, first = _bound(chain), u, [], 0
+    for piece in chain.engine.plan.pieces:
+        last = first + piece.block.states()
+        found.append(x[: piece.block.inputs])
+        values = functions[f"v{piece.step.name}"](*map(float, found[-1]),
+                                                  *map(float, state[first:last]))  # fmt: skip
+        x, first = np.array(values[: piece.block.outputs]), last
+    return found
+
+
+def static_curve(
+    chain: Chain, low: float, high: float, points: int = 101, number: int = 0,
+    others: Any = None,
+) -> tuple[Numbers, Numbers]:  # fmt: skip
+    """Levels of one input, and the outputs (points, outputs) of the chain at rest under them.
+
+    Of a chain with hysteresis this is the curve of first rest at each level, without a history;
+    see `static_loop`.
+
+    Args:
+        chain: the model.
+        low: first level.
+        high: last level.
+        points: how many.
+        number: which input.
+        others: levels of all inputs, of which that one is replaced; 0 if left out.
+
+    Raises:
+        InputError: a number of points below 2, or levels that do not fit.
+    """
+    levels = _levels(low, high, points)
+    base = np.zeros(chain.inputs) if others is None else np.asarray(others, dtype=float)
+    rows = np.tile(base, (points, 1))
+    rows[:, number] = levels
+    return levels, np.array([operating_point(chain, row).outputs for row in rows])
+
+
+def static_loop(
+    chain: Chain, low: float, high: float, hold: float, points: int = 41
+) -> tuple[Numbers, Numbers]:
+    """Levels up and down again, and the outputs (2 points - 1, outputs) at the end of each.
+
+    Every level is held for some time, so a hold of several time constants gives the hysteresis
+    that is left when nothing lags.
+
+    Args:
+        chain: a model of one input.
+        low: first and last level.
+        high: the turning point.
+        hold: time at every level [s].
+        points: levels from low to high.
+
+    Raises:
+        InputError: a number of points below 2, or a model of several inputs.
+    """
+    levels = _levels(low, high, points)
+    path = np.concatenate([levels, levels[-2::-1]])
+    count = max(round(hold / chain.interval), 1)
+    y = chain.simulate(np.repeat(path, count))
+    return path, y[count - 1 :: count]
+
+
+def _levels(low: float, high: float, points: int) -> Numbers:
+    if points < 2 or not np.isfinite(low) or not np.isfinite(high):
+        raise InputError("A static curve needs at least 2 points between finite levels.")
+    return np.linspace(low, high, points)

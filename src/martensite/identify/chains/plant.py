@@ -1,0 +1,203 @@
+"""Models of blocks as plants: driven by the library's own waveforms and controllers.
+
+A model is a mechanism without elements whose signals are its inputs and whose outputs are its
+own, so that it runs wherever a system runs: under `simulate`, in `simulate_controlled`, from a
+scenario. It is known at its samples alone: runs go from sample to sample, inputs are those at
+the start of a sample and are held, and no accuracy is estimated because there is none to gain.
+
+Inside the library all numbers are in SI; the plant converts from there to the units of the model
+and back. A unit that is no physical unit, or none, is left as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Self
+
+import numpy as np
+
+from martensite import units
+from martensite.elements.base import AbstractElement
+from martensite.errors import InputError, UnitError
+from martensite.identify.blocks.base import AbstractBlock
+from martensite.identify.chains.chain import Chain
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.parameters import REQUIRED, Declared
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.system import Machine
+
+SI = ("1", "K", "m", "s", "N", "Pa", "V", "A", "W", "ohm", "rad", "rad/s", "m/s", "N*m", "Hz",
+      "kg", "J/kg", "m/s^2", "N/m")  # fmt: skip
+"""Units that signals are read as, if theirs can be converted to one of them."""
+
+
+def plant(chain: Chain) -> Machine:
+    """A chain as a system: its drives are called after its inputs, its outputs after its outputs.
+
+    Raises:
+        InputError: an input and an output have the same name.
+    """
+    return Machine(mechanism=ModelMechanism(chain))
+
+
+class ModelMechanism(AbstractMechanism):
+    """A chain as a mechanism without ports. Its numbers are those of the chain."""
+
+    registered_name = "model"
+
+    def __init__(self, chain: Chain) -> None:
+        both = set(chain.input_names) & set(chain.output_names)
+        if both:
+            raise InputError(
+                f"Model `{chain.name}` has inputs and outputs of the same name: "
+                f"{', '.join(sorted(both))}; rename one of them."
+            )
+        self.__dict__["chain"] = chain
+        self.__dict__["registered_name"] = f"model {chain.name}"
+        self.__dict__["structure"] = (
+            tuple(block.structure() for block in chain.blocks),
+            chain.engine.taps,
+            chain.interval,
+            tuple(chain.input_names),
+            tuple(chain.output_names),
+            tuple(sorted(chain.units.items())),
+        )
+        for name, value in zip(_paths(chain), _values(chain), strict=True):
+            self.__dict__[name] = value
+
+    @property
+    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+        """One parameter per free or fixed number, and the structure as an option."""
+        chain: Chain = self.__dict__["chain"]
+        found = {name: Declared("parameter", "number of a block", REQUIRED)
+                 for name in _paths(chain)}  # fmt: skip
+        return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
+
+    def _with_paths(self, values: Mapping[str, Any]) -> Self:
+        """A checked copy with some numbers changed."""
+        own = {**{name: self.__dict__[name] for name in _paths(self.model)}, **values}
+        blocks = tuple(
+            block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
+            for k, block in enumerate(self.model.blocks, start=1)
+        )
+        theta = [float(own[f"b{k}_{name}"]) for k, block in enumerate(blocks, start=1)
+                 for name in block.numbers()]  # fmt: skip
+        return type(self)(replace(self.model, blocks=blocks, theta=np.array(theta)))
+
+    @property
+    def model(self) -> Chain:
+        """The chain, with the numbers that it was made of."""
+        return self.__dict__["chain"]
+
+    def ports(self) -> tuple[str, ...]:
+        """None: a model needs no element."""
+        return ()
+
+    def sample_time(self) -> float:
+        """That of the chain [s]."""
+        return self.model.interval
+
+    def first_step(self) -> float:
+        """The sample time [s]."""
+        return self.model.interval
+
+    def signals(self) -> dict[str, str]:
+        """The inputs with their SI units."""
+        return {name: _conversion(self.model, name)[0] for name in self.model.input_names}
+
+    def outputs(self) -> dict[str, Output]:
+        """The outputs with their SI units."""
+        return {
+            name: Output(_conversion(self.model, name)[0], name.replace("_", " "), "y")
+            for name in self.model.output_names
+        }
+
+    def judged(self) -> dict[str, float]:
+        """All outputs."""
+        return dict.fromkeys(self.model.output_names, 1e-9)
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """None."""
+        return ()
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Any:  # fmt: skip
+        """The state at rest under the first inputs, block by block."""
+        x, found = self._inside(signals), []
+        for block, theta in self._blocks():
+            state = block.rest(xp, theta, x, self.model.interval)
+            x, _ = block.step(xp, theta, state, x, self.model.interval)
+            found.append(tuple(state))
+        return tuple(found)
+
+    def advance(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar,
+        iterations: int,
+    ) -> tuple[Any, list[Any], Report]:  # fmt: skip
+        """The state one sample on, whatever `dt`."""
+        after, _ = self._sample(xp, memory, signals)
+        return after, [], Report(0.0, 0.0)
+
+    def observe(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The outputs of this sample."""
+        return [], self._sample(xp, memory, signals)[1]
+
+    def _sample(self, xp: Namespace, memory: Any, signals: Column) -> tuple[Any, list[Scalar]]:
+        x = self._inside(signals)
+        after: list[Any] = []
+        signals_of: list[Column] = []
+        for (block, theta), state in zip(self._blocks(), memory, strict=True):
+            x, then = block.step(xp, theta, state, x, self.model.interval)
+            after.append(tuple(then))
+            signals_of.append(x)
+        seen = [signals_of[k][i] for k, i in self.model.engine.taps]
+        return tuple(after), self._outside(seen)
+
+    def _blocks(self) -> list[tuple[AbstractBlock, Column]]:
+        """The blocks with the numbers of this mechanism, which may be traced."""
+        found: list[tuple[AbstractBlock, Column]] = []
+        for k, block in enumerate(self.model.blocks, start=1):
+            given = [self.__dict__[f"b{k}_{name}"] for name in block.fixed]
+            theta = [self.__dict__[f"b{k}_{name}"] for name in block.numbers()]
+            found.append((block.with_given(given), theta))
+        return found
+
+    def _inside(self, signals: Column) -> list[Scalar]:
+        """Inputs in SI in the units of the model."""
+        kinds = [_conversion(self.model, name) for name in self.model.input_names]
+        return [(u - offset) * (1.0 / factor)
+                for u, (_, factor, offset) in zip(signals, kinds, strict=True)]  # fmt: skip
+
+    def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
+        """Outputs in the units of the model in SI."""
+        kinds = [_conversion(self.model, name) for name in self.model.output_names]
+        return [y * factor + offset
+                for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]  # fmt: skip
+
+
+def _paths(chain: Chain) -> list[str]:
+    """Names of all fixed and free numbers, with the number of their block."""
+    return [f"b{k}_{name}" for k, block in enumerate(chain.blocks, start=1)
+            for name in (*block.fixed, *block.numbers())]  # fmt: skip
+
+
+def _values(chain: Chain) -> list[float]:
+    return [float(value) for block, theta in zip(chain.blocks, chain.split(), strict=True)
+            for value in (*block.given(), *theta)]  # fmt: skip
+
+
+def _conversion(chain: Chain, name: str) -> tuple[str, float, float]:
+    """SI unit of a signal, and the factor and offset that lead to it."""
+    spelling = chain.units.get(name, "1") or "1"
+    for unit in SI:
+        try:
+            return unit, *units.conversion(spelling, unit)
+        except UnitError:
+            continue
+    return spelling, 1.0, 0.0

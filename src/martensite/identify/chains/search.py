@@ -1,0 +1,198 @@
+"""The search for a structure: every candidate estimated from many starts, scored in free run.
+
+Scored on a record of another cadence than the estimation record, at the full rate: on the same
+cadence lag and hysteresis cannot be told apart. Without such a record the score is that of
+blocked cross-validation: each third of every record is left out of an estimation of its own and
+scored. Of candidates within half a point of the best the one with the fewest free numbers is
+chosen. The record that chose is used up by it: a final figure needs another one.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.errors import InputError, SolveError
+from martensite.identify.chains.chain import untrained
+from martensite.identify.chains.checks import check_informative, check_records
+from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.chains.patterns import expanded
+from martensite.identify.chains.scored import free_run, mean_fit, scored
+from martensite.identify.chains.scores import fit_percent
+from martensite.identify.chains.written import parse_chain
+from martensite.signals.sampled import Sampled
+
+MARGIN = 0.5
+"""Points of fit within which the smaller structure is preferred."""
+FOLDS = 3
+"""Blocks of every record in cross-validation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One structure, and what became of it."""
+
+    structure: str
+    numbers: int
+    """Free numbers."""
+    found: Estimate | None
+    """None if no search gave a model; `fault` says why."""
+    estimation: float
+    """Mean fit [%] over the estimation records, free run."""
+    validation: float
+    """Mean fit [%] that it is chosen by, free run."""
+    seconds: float
+    fault: str = ""
+
+    @property
+    def agreeing(self) -> int:
+        """How many refined searches ended within 0.1 point of the best."""
+        return 0 if self.found is None else self.found.agreeing
+
+    @property
+    def searches(self) -> int:
+        """How many searches were refined."""
+        return 0 if self.found is None else len(self.found.fits)
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """All candidates, the best first, and the one that was chosen."""
+
+    candidates: tuple[Candidate, ...]
+    chosen: Candidate
+    by: str
+    """What the candidates were chosen by, as words."""
+    complete: bool = True
+    """False if it was interrupted."""
+
+    @property
+    def found(self) -> Estimate:
+        """The estimate of the chosen structure."""
+        if self.chosen.found is None:
+            raise SolveError("No structure of the search could be estimated.")
+        return self.chosen.found
+
+
+def search(
+    structures: str | Sequence[str],
+    records: Sampled | Sequence[Sampled],
+    validation: Sampled | Sequence[Sampled] = (),
+    options: Options | None = None,
+    watch: Callable[[str, float], None] | None = None,
+) -> Searched:
+    """The structure that predicts best, of all that patterns stand for.
+
+    Args:
+        structures: a pattern such as `poly{1..3} | oe({2..3},3,1) | pwl{5,10}`, or several.
+        records: what every candidate is estimated from.
+        validation: what it is chosen by, best of another cadence; without, by blocked
+            cross-validation.
+        options: how each is estimated.
+        watch: called with a sentence and the share that is done.
+
+    Raises:
+        InputError: a structure or a record does not fit; nothing was estimated then.
+        SolveError: no structure could be estimated.
+    """
+    options = options or Options()
+    records = (records,) if isinstance(records, Sampled) else tuple(records)
+    validation = (validation,) if isinstance(validation, Sampled) else tuple(validation)
+    patterns = [structures] if isinstance(structures, str) else list(structures)
+    texts = list(dict.fromkeys(text for pattern in patterns for text in expanded(pattern)))
+    if not texts:
+        raise InputError("A search needs at least one structure.")
+    check_records((*records, *validation))
+    check_informative(records, options.skip, options.start)
+    for text in texts:
+        parse_chain(text)
+    done: list[Candidate] = []
+    complete = True
+    try:
+        for k, text in enumerate(texts):
+            tell = _share(watch, text, k, len(texts))
+            done.append(_candidate(text, records, validation, options, tell))
+    except KeyboardInterrupt:
+        complete = False
+        if not done:
+            raise
+    return _decided(done, validation, complete)
+
+
+def _decided(done: Sequence[Candidate], validation: Sequence[Sampled], complete: bool) -> Searched:
+    ranked = sorted(done, key=lambda c: -c.validation if math.isfinite(c.validation) else math.inf)
+    good = [c for c in ranked if c.found is not None and math.isfinite(c.validation)]
+    if not good:
+        raise SolveError(f"No structure could be estimated. {ranked[0].fault}".strip())
+    near = [c for c in good if c.validation >= good[0].validation - MARGIN]
+    chosen = min(near, key=lambda c: (c.numbers, -c.validation))
+    names = ", ".join(f"`{record.name}`" for record in validation)
+    by = f"fit on {names}" if names else f"cross-validation over {FOLDS} blocks"
+    return Searched(tuple(ranked), chosen, by, complete)
+
+
+def _share(
+    watch: Callable[[str, float], None] | None, text: str, k: int, count: int
+) -> Callable[[str, float], None] | None:
+    """What tells of one candidate among all."""
+    if watch is None:
+        return None
+    return lambda words, share: watch(f"{k + 1} of {count}, {text}: {words}", (k + share) / count)
+
+
+def _candidate(
+    text: str, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
+    watch: Callable[[str, float], None] | None,
+) -> Candidate:  # fmt: skip
+    begun = time.perf_counter()
+    numbers = len(untrained(parse_chain(text), records[0]).theta)
+    try:
+        found = estimate(text, records, options, watch)
+        own = mean_fit(scored(found.chain, records, "estimation", options.start, options.skip))
+        if validation:
+            scores = scored(found.chain, validation, "validation", options.start, options.skip)
+            score = mean_fit(scores)
+        else:
+            score = cross_validated(text, records, options)
+    except (SolveError, InputError) as error:
+        seconds = time.perf_counter() - begun
+        return Candidate(text, numbers, None, math.nan, math.nan, seconds, str(error))
+    return Candidate(text, numbers, found, own, score, time.perf_counter() - begun)
+
+
+def cross_validated(
+    structure: str, records: Sequence[Sampled], options: Options, folds: int = FOLDS
+) -> float:
+    """Fit [%] on what was left out, block after block, each of a chain estimated without it.
+
+    Inputs are known throughout, so that every chain runs freely over whole records; only the
+    outputs of its block are not seen by it.
+    """
+    left_out: list[list[np.ndarray]] = [[] for _ in records]
+    for fold in range(folds):
+        blocks = [_block(record, fold, folds) for record in records]
+        seen = [_without(r, block) for r, block in zip(records, blocks, strict=True)]
+        chain = estimate(structure, seen, options).chain
+        for parts, record, block in zip(left_out, seen, blocks, strict=True):
+            parts.append(free_run(chain, record, options.start, options.skip)[block])
+    fits = [
+        fit_percent(record.outputs, np.concatenate(parts), options.skip)
+        for record, parts in zip(records, left_out, strict=True)
+    ]
+    return float(np.mean(fits))
+
+
+def _block(record: Sampled, fold: int, folds: int) -> slice:
+    ends = np.linspace(0, len(record), folds + 1).astype(int)
+    return slice(int(ends[fold]), int(ends[fold + 1]))
+
+
+def _without(record: Sampled, block: slice) -> Sampled:
+    """The record with the outputs of a block missing."""
+    outputs = record.outputs.copy()
+    outputs[block] = np.nan
+    return record.with_outputs(outputs)

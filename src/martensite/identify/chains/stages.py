@@ -1,0 +1,171 @@
+"""Models in stages: from the input to something measured between, and from that to the output.
+
+Each stage is estimated from what was measured before and after it; the series of all stages is
+then run from the input alone. A series is worth what it scores as one: errors of the first stage
+pass through the second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from martensite.errors import InputError
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.chains.scored import ROLES, Score, scored
+from martensite.identify.chains.search import Searched, search
+from martensite.identify.chains.written import parse_chain
+from martensite.signals.resampling import experiments, selected
+from martensite.signals.sampled import Sampled
+
+SERIES = "series"
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage: its structure, and the signal that it gives."""
+
+    structure: str
+    """Such as `poly2 | oe(3,3,1) | pwl10`; with braces it is searched for."""
+    output: str
+    """Its name; several, separated by commas, where the last block gives as many."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the signals that it gives."""
+        return tuple(name.strip() for name in self.output.split(",") if name.strip())
+
+    @classmethod
+    def read(cls, text: str, output: str | None = None) -> Stage:
+        """A stage from `structure -> output`; the arrow may be left out where the output is given.
+
+        Raises:
+            InputError: the output is named by neither.
+        """
+        structure, arrow, name = text.partition("->")
+        name = name.strip() if arrow else (output or "")
+        if not name:
+            raise InputError(f"Stage `{text.strip()}` names no output; write `… -> temperature`.")
+        return cls(structure.strip(), name)
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """Stages that were estimated, their series, and scores of all of them in free run."""
+
+    stages: tuple[Stage, ...]
+    estimates: tuple[Estimate, ...]
+    model: Chain
+    """The series of all stages; of one stage, that stage."""
+    scores: tuple[Score, ...]
+    searches: tuple[Searched | None, ...]
+    """What was searched for the structure of every stage; None where it was given."""
+    options: Options
+
+    def fit(self, role: str = "validation", model: str | None = None) -> list[float]:
+        """Fits [%] of the model, or of a stage such as `stage 1`, by role of the records."""
+        name = model or (SERIES if len(self.stages) > 1 else "model")
+        return [s.fit for s in self.scores if (s.role, s.model) == (role, name)]
+
+
+def identify_stages(
+    records: Sampled | Sequence[Sampled],
+    stages: str | Sequence[str | Stage],
+    validation: Sampled | Sequence[Sampled] = (),
+    other: Sampled | Sequence[Sampled] = (),
+    options: Options | None = None,
+    watch: Callable[[str, float], None] | None = None,
+) -> Identified:
+    """Models from records, stage by stage, and their series.
+
+    Args:
+        records: what is fitted; their outputs hold all that is measured between and at the end.
+        stages: structures, such as `poly2 | oe(3,3,1) | pwl10 -> temperature`; the last one gives
+            the last output of the records if it names none. Braces make a search of it.
+        validation: records to validate with, and to choose structures by; of another cadence.
+        other: records that are scored only.
+        options: how each stage is estimated.
+        watch: called with a sentence and the share that is done.
+
+    Raises:
+        InputError: records or stages do not fit.
+        SolveError: no search gave a model that can be simulated.
+    """
+    options = options or Options()
+    groups = [_group(records), _group(validation), _group(other)]
+    experiments(*groups[0], *groups[1], *groups[2])
+    planned = _planned(stages, groups[0][0])
+    inputs: tuple[str, ...] = groups[0][0].input_names
+    found: list[tuple[Estimate, Searched | None]] = []
+    scores: list[Score] = []
+    for k, stage in enumerate(planned):
+        parts = [[selected(r, inputs, stage.outputs) for r in group] for group in groups]
+        tell = _share(watch, k, len(planned))
+        found.append(_one(stage, parts[0], parts[1], options, tell))
+        name = f"stage {k + 1}" if len(planned) > 1 else "model"
+        scores += _scores(found[-1][0].chain, parts, options, name)
+        inputs = stage.outputs
+    model = _series([e.chain for e, _ in found])
+    if len(planned) > 1:
+        ends = [
+            [selected(r, r.input_names, planned[-1].outputs) for r in group] for group in groups
+        ]
+        scores += _scores(model, ends, options, SERIES)
+    estimates, searches = zip(*found, strict=True)
+    return Identified(tuple(planned), estimates, model, tuple(scores), searches, options)
+
+
+def _group(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
+    return [records] if isinstance(records, Sampled) else list(records)
+
+
+def _planned(stages: str | Sequence[str | Stage], record: Sampled) -> list[Stage]:
+    """The stages, their outputs named; each structure well written."""
+    given = [stages] if isinstance(stages, str) else list(stages)
+    if not given:
+        raise InputError("A model needs at least one stage.")
+    last = len(given) - 1
+    planned = [
+        s if isinstance(s, Stage) else Stage.read(s, record.output_names[-1] if k == last else None)
+        for k, s in enumerate(given)
+    ]
+    for stage in planned:
+        if "{" not in stage.structure:
+            parse_chain(stage.structure)
+    return planned
+
+
+def _one(
+    stage: Stage, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
+    watch: Callable[[str, float], None] | None,
+) -> tuple[Estimate, Searched | None]:  # fmt: skip
+    if "{" not in stage.structure:
+        return estimate(stage.structure, records, options, watch), None
+    made = search(stage.structure, records, validation, options, watch)
+    return made.found, made
+
+
+def _share(
+    watch: Callable[[str, float], None] | None, k: int, count: int
+) -> Callable[[str, float], None] | None:
+    if watch is None or count == 1:
+        return watch
+    return lambda text, share: watch(f"stage {k + 1}: {text}", (k + share) / count)
+
+
+def _scores(
+    chain: Chain, groups: Sequence[Sequence[Sampled]], options: Options, model: str
+) -> list[Score]:
+    return [
+        score
+        for role, group in zip(ROLES, groups, strict=True)
+        for score in scored(chain, group, role, options.start, options.skip, model)
+    ]
+
+
+def _series(chains: Sequence[Chain]) -> Chain:
+    model = chains[0]
+    for chain in chains[1:]:
+        model = model.then(chain)
+    return model if len(chains) == 1 else replace(model, name=SERIES)

@@ -1,0 +1,232 @@
+"""How far the free numbers of an estimated chain, and its outputs, can be trusted.
+
+    C = P M P,    P = (JᵀJ)⁺,    M = Σ_b (Σ_{t in b} J_tᵀ e_t)(Σ_{t in b} J_tᵀ e_t)ᵀ
+
+The residuals of a model are coloured: neighbouring samples tell the same error again. Counted as
+independent they would give errors many times too small, so they are summed in blocks longer than
+the time for which they are alike (White (1982), Econometrica 50; Newey and West (1987),
+Econometrica 55). Directions that the records do not determine are cut from P and named.
+
+    band of an output    ŷ ± z √(j C jᵀ + σ_e²)
+
+with j its derivatives and σ_e the residual: C alone is for the model, both for measurements.
+To first order in the numbers, and with initial states that were estimated taken as known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+
+from martensite.errors import DataError, ParameterError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.engine import Start
+from martensite.identify.chains.flat import Flat, inverse
+from martensite.identify.chains.residuals import Squares
+from martensite.identify.chains.sandwich import Sums, block_lengths, sums
+from martensite.identify.chains.shown_errors import Shown, shown, slopes_of_shown
+from martensite.identify.fitting.words import number
+from martensite.signals.sampled import Sampled
+
+LEVEL = 0.95
+UNDETERMINED = 1e-3
+"""Share of a derivative in directions that are cut from which a value is not determined."""
+
+
+class Band(NamedTuple):
+    """Computed outputs and the band around them, each of shape (samples, outputs)."""
+
+    outputs: Numbers
+    model: Numbers
+    """Half width within which the output of the model is uncertain."""
+    measured: Numbers
+    """Half width within which measurements should lie."""
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """Covariance of the free numbers of a chain."""
+
+    chain: Chain
+    covariance: Numbers
+    """C, shape (numbers, numbers); without the directions that are not determined."""
+    null: Numbers
+    """Directions that are not determined, in numbers times `scale`."""
+    scale: Numbers
+    """Norms of the columns of the Jacobian."""
+    flat: tuple[Flat, ...]
+    """The same in words."""
+    residual: Numbers
+    """Standard deviation of the residuals of every output, in its unit."""
+    blocks: tuple[int, ...]
+    """Samples of a block in every record."""
+    condition: float
+    """Largest over smallest eigenvalue of JᵀJ that is kept, columns scaled."""
+    inflation: float
+    """By what factor errors of independent residuals would be too small, in the mean."""
+
+    @property
+    def errors(self) -> Numbers:
+        """Standard errors of the free numbers; infinite where they are not determined."""
+        own = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        lost = np.linalg.norm(self.null, axis=1) > UNDETERMINED
+        return np.where(lost, np.inf, own)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What was assumed and found."""
+        count = len(self.chain.theta)
+        longest = number(max(self.blocks) * self.chain.interval, 3)
+        rank = count - self.null.shape[1]
+        first = f"The records determine {rank} directions of {count} free numbers."
+        if max(self.blocks) == 1:
+            kind = "The residuals are taken as independent."
+        else:
+            kind = (
+                f"The residuals are coloured; they count in blocks of {longest} s. Taken as "
+                f"independent they would give errors {number(self.inflation, 2)} times smaller."
+            )
+        return (first, kind, *(one.sentence for one in self.flat))
+
+    def shown(self) -> list[Shown]:
+        """What the free numbers mean, block by block, with standard errors (delta method)."""
+        lost = np.isinf(self.errors)
+        found: list[Shown] = []
+        first = 0
+        for k, (block, theta) in enumerate(zip(self.chain.blocks, self.chain.split(), strict=True)):
+            own = slice(first, first + len(theta))
+            slopes = slopes_of_shown(block, theta)
+            scaled = slopes / self.scale[own]
+            gone = np.linalg.norm(scaled @ self.null[own], axis=1)
+            open_ = gone > UNDETERMINED * np.linalg.norm(scaled, axis=1)
+            moved = np.linalg.norm(slopes[:, lost[own]], axis=1)
+            found += shown(k + 1, block, theta, slopes, self.covariance[own, own], open_, moved)
+            first = own.stop
+        return found
+
+    def band(self, record: Sampled, level: float = LEVEL, start: Start | None = None) -> Band:
+        """Outputs along the inputs of a record, with their band.
+
+        Args:
+            record: the inputs; from rest under the first of them if no start is given.
+            level: share of samples that the band should hold.
+            start: state at the first sample, with its derivatives.
+
+        Raises:
+            ParameterError: the level is not between 0 and 1.
+        """
+        if not 0.0 < level < 1.0:
+            raise ParameterError(f"Argument `level` must be between 0 and 1, but is {level:g}.")
+        z = NormalDist().inv_cdf(0.5 + 0.5 * level)
+        root = self._root()
+        outputs: list[Numbers] = []
+        spreads: list[Numbers] = []
+        engine, theta = self.chain.engine, self.chain.theta
+        for chunk in engine.sensitivities(theta, record.inputs, start):
+            own = chunk.slopes[:, :, chunk.slopes.shape[2] - len(theta) :]
+            outputs.append(chunk.outputs)
+            spreads.append(np.sum((own @ root) ** 2, axis=2))
+        variance = np.concatenate(spreads)
+        return Band(
+            np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2)
+        )
+
+    def draws(self, count: int, seed: int = 0) -> list[Chain]:
+        """Chains whose free numbers are drawn from a normal distribution with covariance C.
+
+        For judging what is built on the model, such as the gains of a controller. Directions that
+        are not determined stay where they are.
+        """
+        rng = np.random.default_rng(seed)
+        root = self._root()
+        moves = rng.standard_normal((count, root.shape[1])) @ root.T
+        return [self.chain.with_theta(self.chain.theta + move) for move in moves]
+
+    def _root(self) -> Numbers:
+        """R with R Rᵀ = C."""
+        values, vectors = np.linalg.eigh(self.covariance)
+        kept = values > 1e-15 * max(float(values[-1]), 0.0) if len(values) else values > 0.0
+        return vectors[:, kept] * np.sqrt(values[kept])
+
+
+def uncertainty(
+    chain: Chain, squares: Squares, blocks: Sequence[int] | int | None = None
+) -> Uncertainty:
+    """The covariance of an estimated chain.
+
+    Args:
+        chain: the chain, where a fit ended.
+        squares: the sum of squares that was minimised, such as `estimate.squares()`.
+        blocks: samples of a block, for all records or for each; by default three times the time
+            for which the residuals are alike. 1 takes them as independent.
+
+    Raises:
+        DataError: no sample counts, or a residual is not finite.
+        ParameterError: a block is shorter than a sample, or there is not one for every record.
+    """
+    theta = chain.theta
+    lengths = _lengths(squares, theta, blocks)
+    found = sums(squares, theta, lengths)
+    count = float(found.counts.sum())
+    p = len(theta)
+    if not count or not np.all(np.isfinite(found.square)):
+        raise DataError("The covariance of a model needs residuals that are finite.")
+    inverted = inverse(found.square, chain.names())
+    freedom = max(count - (p - inverted.null.shape[1]), 1.0)
+    spread = found.blocks / max(found.blocks - 1, 1) * count / freedom
+    covariance = spread * inverted.matrix @ found.middle @ inverted.matrix
+    covariance = 0.5 * (covariance + covariance.T)
+    white = float(found.squares.sum()) / freedom * inverted.matrix
+    return Uncertainty(
+        chain, covariance, inverted.null, inverted.scale, inverted.flat,
+        _residual(squares, found), lengths, inverted.condition, _ratio(covariance, white),
+    )  # fmt: skip
+
+
+def coverage(band: Band, record: Sampled, skip: int = 0) -> Numbers:
+    """Share of the measurements within the band, of every output.
+
+    Raises:
+        DataError: an output has no measurement that counts.
+    """
+    y = record.outputs[skip:]
+    known = np.isfinite(y)
+    if not known.any(axis=0).all():
+        raise DataError(f"Record `{record.name}` has an output without measurements.")
+    inside = np.abs(y - band.outputs[skip:]) <= band.measured[skip:]
+    return np.sum(inside & known, axis=0) / np.sum(known, axis=0)
+
+
+def _lengths(
+    squares: Squares, theta: Numbers, blocks: Sequence[int] | int | None
+) -> tuple[int, ...]:
+    if blocks is None:
+        return tuple(block_lengths(squares, theta))
+    given = (blocks,) * len(squares.aims) if isinstance(blocks, int) else tuple(blocks)
+    if len(given) != len(squares.aims) or min(given) < 1:
+        raise ParameterError(
+            f"Blocks must be of at least 1 sample, for each of {len(squares.aims)} records, but "
+            f"are {blocks}."
+        )
+    return given
+
+
+def _residual(squares: Squares, found: Sums) -> Numbers:
+    """Standard deviation of the residuals of every output, without records of one sample."""
+    long = np.array([len(aim.record) > 1 for aim in squares.aims])
+    weights = np.array([aim.scale() for aim in squares.aims])
+    total = np.sum((found.squares / weights**2)[long], axis=0)
+    number_of = np.maximum(np.sum(found.counts[long], axis=0), 1.0)
+    return np.sqrt(total / number_of)
+
+
+def _ratio(covariance: Numbers, white: Numbers) -> float:
+    """Root of the mean ratio of the variances."""
+    own, plain = np.diag(covariance), np.diag(white)
+    seen = plain > 0.0
+    return float(np.sqrt(np.mean(own[seen] / plain[seen]))) if seen.any() else 1.0

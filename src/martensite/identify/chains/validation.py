@@ -1,0 +1,259 @@
+"""Judging a chain on a record: how large its errors are, where, and what they still hold.
+
+All figures are those of a free run: no measured output enters but, if asked for, through the
+first state. The record should be one that no fit has seen, in another cadence than those that
+were fitted: lag and hysteresis cannot be told apart on one cadence alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.errors import DataError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.correlations import LEVEL, Crossed, crossed
+from martensite.identify.chains.directions import REVERSAL, Masks, split
+from martensite.identify.chains.stretches import Stretch, known_stretch, stretches
+from martensite.identify.fitting.scores import Score, score
+from martensite.identify.fitting.whiteness import FEWEST, Whiteness, whiteness
+from martensite.identify.fitting.words import joined, number
+from martensite.signals.sampled import Sampled
+
+WHOLE = "whole"
+"""Name of the score of all samples."""
+UNEVEN = 2.0
+"""Ratio of errors in two parts of a record from which it is said."""
+BIASED = 0.5
+"""Share of the error that is a constant offset from which it is said."""
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """A chain on a record."""
+
+    chain: Chain
+    record: Sampled
+    computed: Numbers
+    """Outputs of the chain, shape (samples, outputs)."""
+    skip: int
+    """Samples at the start that do not count."""
+    parts: dict[str, Numbers]
+    """Truth values of the samples of every part."""
+    scores: tuple[Score, ...]
+    """Of every output, whole and part by part; in the units of the record."""
+    stretches: tuple[Stretch, ...]
+    """Errors of every output in stretches of equal length."""
+    whiteness: tuple[Whiteness, ...]
+    """Of the longest stretch without gaps of every output."""
+    crossed: tuple[Crossed, ...]
+    """Of every output with every input and its square."""
+
+    @property
+    def residuals(self) -> Numbers:
+        """Measured less computed, NaN where nothing counts."""
+        found = self.record.outputs - self.computed
+        found[: self.skip] = np.nan
+        return found
+
+    def score(self, output: str | None = None, part: str = WHOLE) -> Score:
+        """The score of an output (the first, if left out) in a part.
+
+        Raises:
+            DataError: there is none.
+        """
+        name = self.record.output_names[0] if output is None else output
+        for one in self.scores:
+            if one.output == name and one.part == part:
+                return one
+        raise DataError(f"There is no score of `{name}` in part `{part}`.")
+
+    @property
+    def fit(self) -> float:
+        """Mean NRMSE fit of all outputs [%]."""
+        whole = [one.fit_percent for one in self.scores if one.part == WHOLE]
+        return float(np.mean(whole))
+
+    def best(self, output: str | None = None) -> Stretch:
+        """The stretch with the smallest error."""
+        return min(self._own(output), key=lambda one: one.rms)
+
+    def worst(self, output: str | None = None) -> Stretch:
+        """The stretch with the largest error."""
+        return max(self._own(output), key=lambda one: one.rms)
+
+    @property
+    def explained(self) -> bool:
+        """Whether no input is left in the residuals."""
+        return all(one.explained for one in self.crossed)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """What is wrong, a sentence each; empty if nothing was found."""
+        found = [one.sentence for one in self.crossed if not one.explained]
+        for name in self.record.output_names:
+            found += self._offset(name)
+            found += self._unequal(name)
+        return tuple(found)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Scores, then what is wrong, then what the residuals remember."""
+        whole = [self._scored(one) for one in self.scores]
+        good = () if self.failures else ("The tests find nothing that the model misses.",)
+        return (*whole, *self.failures, *good, *(one.sentence for one in self.whiteness))
+
+    def to_dict(self) -> dict[str, Any]:
+        """All figures and sentences, for JSON."""
+        return {
+            "record": self.record.name,
+            "skip": self.skip,
+            "fit_percent": self.fit,
+            "scores": [one.to_dict() for one in self.scores],
+            "stretches": [one.to_dict() for one in self.stretches],
+            "whiteness": [one.to_dict() for one in self.whiteness],
+            "crossed": [one.to_dict() for one in self.crossed],
+            "failures": list(self.failures),
+        }
+
+    def _own(self, output: str | None) -> list[Stretch]:
+        name = self.record.output_names[0] if output is None else output
+        return [one for one in self.stretches if one.output == name]
+
+    def _unit(self, output: str) -> str:
+        unit = self.record.units.get(output, "")
+        return "" if unit in ("", "1") else f" {unit}"
+
+    def _scored(self, one: Score) -> str:
+        unit = self._unit(one.output)
+        return (
+            f"`{one.record}`, `{one.output}` ({one.part}, free run): fit {one.fit_percent:.2f} %, "
+            f"rms error {number(one.rms, 3)}{unit}, at most {number(one.maximum, 3)}{unit} at "
+            f"{number(one.maximum_at)} s."
+        )
+
+    def _offset(self, output: str) -> list[str]:
+        one = self.score(output)
+        if not abs(one.bias) > BIASED * one.rms:
+            return []
+        unit = self._unit(output)
+        return [
+            f"`{output}` is off by a constant {number(one.bias, 2)}{unit} (computed less "
+            f"measured), most of its rms error of {number(one.rms, 2)}{unit}; check the output "
+            "at rest and the operating range."
+        ]
+
+    def _unequal(self, output: str) -> list[str]:
+        parts = [one for one in self.scores if one.output == output and one.part != WHOLE]
+        if len(parts) < 2:
+            return []
+        good, bad = min(parts, key=lambda s: s.rms), max(parts, key=lambda s: s.rms)
+        if not bad.rms > UNEVEN * good.rms:
+            return []
+        unit = self._unit(output)
+        return [
+            f"The error of `{output}` is uneven: rms {number(bad.rms, 2)}{unit} while "
+            f"{bad.part}, {number(good.rms, 2)}{unit} while {good.part}; a model whose two "
+            "directions differ needs a block with hysteresis."
+        ]
+
+
+def validate(
+    chain: Chain, record: Sampled, skip: int = 0, masks: Masks | None = None, *,
+    reversal: float = REVERSAL, level: float = LEVEL, state: Numbers | None = None,
+) -> Validation:  # fmt: skip
+    """Run a chain along a record and judge what it misses.
+
+    Args:
+        chain: the model.
+        record: what was measured; missing outputs do not count.
+        skip: samples at the start that do not count.
+        masks: truth values of samples by name, for scores of parts; by default those of a rising
+            and of a falling first input.
+        reversal: share of the range by which an input must come back to have turned.
+        level: of the tests of correlation with the inputs.
+        state: state at the first sample; at rest under the first input if left out.
+
+    Raises:
+        DataError: an output has fewer than 10 samples that count, or a mask does not fit.
+        InputError: the record does not fit the model.
+    """
+    computed = chain.simulate(record, state)
+    if computed.shape != record.outputs.shape:
+        raise DataError(
+            f"Model `{chain.name}` has {computed.shape[1]} outputs, but record `{record.name}` "
+            f"{record.outputs.shape[1]}."
+        )
+    if not np.all(np.isfinite(computed)):
+        raise DataError(f"Model `{chain.name}` does not stay finite along `{record.name}`.")
+    parts = split(record, masks, reversal=reversal)
+    whole = {WHOLE: np.ones(len(record), dtype=bool), **parts}
+    residuals = record.outputs - computed
+    residuals[:skip] = np.nan
+    found = Validation(
+        chain, record, computed, skip, parts, tuple(_scores(record, computed, skip, whole)),
+        tuple(one for k, name in enumerate(record.output_names)
+              for one in stretches(record.times, residuals[:, k], name)),
+        tuple(_white(record, residuals)), tuple(_crossed(record, residuals, level)),
+    )  # fmt: skip
+    return found
+
+
+def _scores(
+    record: Sampled, computed: Numbers, skip: int, parts: dict[str, Numbers]
+) -> Iterable[Score]:
+    late = np.arange(len(record)) >= skip
+    for k, output in enumerate(record.output_names):
+        y = record.outputs[:, k]
+        counted = late & np.isfinite(y)
+        if counted.sum() < FEWEST:
+            raise DataError(
+                f"Output `{output}` of record `{record.name}` has {int(counted.sum())} samples "
+                f"that count, but a validation takes at least {FEWEST}."
+            )
+        for part, mask in parts.items():
+            kept = counted & mask
+            if kept.any():
+                yield score(
+                    record.times[kept], y[kept], computed[kept, k], record=record.name,
+                    output=output, unit=record.units.get(output, "1"), part=part,
+                )  # fmt: skip
+
+
+def _white(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
+    for k, output in enumerate(record.output_names):
+        piece = residuals[known_stretch(residuals[:, k]), k]
+        if len(piece) >= FEWEST:
+            yield whiteness(piece, f"{record.name}, {output}")
+
+
+def _crossed(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
+    for k, output in enumerate(record.output_names):
+        for i, given in enumerate(record.input_names):
+            u = record.inputs[:, i]
+            middle = u - u.mean()
+            for name, signal in ((f"`{given}`", middle), (f"`{given}`²", middle**2)):
+                found = crossed(
+                    residuals[:, k], signal, record.interval, output=output, name=name,
+                    level=level,
+                )  # fmt: skip
+                if found is not None:
+                    yield found
+
+
+def compared(validations: Iterable[Validation]) -> str:
+    """Best and worst of several records, in a sentence.
+
+    Raises:
+        DataError: there are none.
+    """
+    ranked = sorted(validations, key=lambda one: one.fit)
+    if not ranked:
+        raise DataError("There are no validations to compare.")
+    fits = [one.fit for one in ranked]
+    names = joined([f"`{one.record.name}` {one.fit:.2f} %" for one in (ranked[-1], ranked[0])])
+    return f"{len(ranked)} records: median fit {np.median(fits):.2f} %; best and worst {names}."

@@ -1,0 +1,234 @@
+"""Starts for linear | static | linear chains: one linear model shared out between two blocks.
+
+Under a Gaussian input the best linear approximation has the poles and zeros of both blocks, but
+not which is whose. All ways to share out its real and paired poles and zeros are tried: with the
+blocks given, a polynomial between them is linear in its coefficients. The best few are refined.
+
+Source: Sjöberg, Schoukens 2012 (initialising Wiener–Hammerstein models by exhaustive partition).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import lfilter
+
+from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
+from martensite.identify.blocks.polynomial import Polynomial
+from martensite.identify.blocks.state_space import StateSpace
+from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.identify.chains.best_linear import linear_start, weighted
+from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.levenberg import minimise
+from martensite.identify.chains.linear_parts import Orders, orders, poles, zeros
+from martensite.identify.chains.realisation import matched
+from martensite.identify.chains.residuals import Aim, Squares
+from martensite.signals.sampled import Sampled
+
+DEGREE = 5
+"""Of the polynomial that scores a partition."""
+MOST = 400
+"""Partitions that are scored; of more, an even selection."""
+SCORED = 12_000
+"""Samples over which partitions are scored."""
+POLISHED = 30_000
+"""Samples over which linear models are refined."""
+PROBE = 2_000
+"""Samples of noise by which a filter is put into a block."""
+
+
+class Shared(NamedTuple):
+    """A way to share out poles and zeros: filters of both blocks, and how well it does."""
+
+    filters: tuple[tuple[Numbers, Numbers], tuple[Numbers, Numbers]]
+    """Numerator and denominator of each, without delay."""
+    curve: Numbers
+    """Coefficients of the polynomial between them, lowest first."""
+    error: float
+
+
+def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
+    """Whether it is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
+    return (
+        len(blocks) == 3
+        and isinstance(blocks[1], AbstractStatic)
+        and all(orders(block) is not None for block in (blocks[0], blocks[2]))
+    )
+
+
+def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> list[Chain]:
+    """Chains to start from, best first, of the blocks of one `linear | static | linear`.
+
+    The static block of each is adapted to what reaches it.
+
+    Args:
+        chain: the chain.
+        record: a record of one input and one output.
+        most: how many.
+    """
+    first, last = orders(chain.blocks[0]), orders(chain.blocks[2])
+    if first is None or last is None or not is_wiener_hammerstein(chain.blocks):
+        return []
+    short = record.rows(0, SCORED)
+    both = Orders(first.nb + last.nb - 1, first.nf + last.nf, first.nk + last.nk)
+    found: list[Shared] = []
+    for z_poles, z_zeros in _linear_models(both, record):
+        found += shared_out(z_poles, z_zeros, first, last, short)
+    found.sort(key=lambda one: one.error)
+    refined = [_with_polynomial(chain, one, short) for one in found[: 2 * most]]
+    refined.sort(key=lambda one: one[0])
+    return [_begun(chain, one, short) for _, one in refined[:most]]
+
+
+def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers]]:
+    """Poles and zeros of linear models of both blocks together, as found and refined.
+
+    Also with one sample more of delay, which leaves out a zero that records hardly show.
+    """
+    made: list[tuple[Numbers, Numbers]] = []
+    for late in (0, 1) if both.nb > 1 else (0,):
+        block = TransferFunction(nb=both.nb - late, nf=both.nf, nk=both.nk + late)
+        chain = untrained([block, Polynomial(degree=1)], record)
+        start = linear_start(block, record.inputs, record.outputs, record.interval)
+        line = chain.blocks[1]
+        made_line = line.line(start.gain, start.offset) if isinstance(line, Polynomial) else ()
+        theta = np.concatenate([start.theta, made_line])
+        squares = Squares(chain.engine, [Aim(record.rows(0, POLISHED))])
+        for one in (theta, minimise(squares, theta, 40).theta):
+            own = one[: len(start.theta)]
+            made.append((poles(block, own, record.interval), zeros(block, own, record.interval)))
+    return made
+
+
+def shared_out(
+    z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled
+) -> list[Shared]:
+    """All ways to share out poles and zeros, best first."""
+    ways = [
+        (p, z)
+        for p in _choices(z_poles, first.nf, last.nf)
+        for z in _choices(z_zeros, first.nb - 1, last.nb - 1)
+    ]
+    every = max(len(ways) // MOST, 1)
+    delay = first.nk + last.nk
+    u = record.inputs[:, 0]
+    u = np.concatenate([np.full(delay, u[0]), u])[: len(u)]
+    scored = [_scored(p, z, u, record.outputs[:, 0]) for p, z in ways[::every]]
+    return sorted(scored, key=lambda one: one.error)
+
+
+def _choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]:
+    """All ways to give at most `first` of the roots to one and `last` to the other."""
+    pairs = [np.array([one, one.conj()]) for one in z if one.imag > 0.0]
+    groups = pairs + [np.array([one]) for one in z if one.imag == 0.0]
+    made: list[tuple[Numbers, Numbers]] = []
+    for count in range(len(groups) + 1):
+        for chosen in combinations(range(len(groups)), count):
+            parts = ([groups[i] for i in chosen],
+                     [g for i, g in enumerate(groups) if i not in chosen])  # fmt: skip
+            a, b = (np.concatenate([np.zeros(0, complex), *part]) for part in parts)
+            if len(a) <= first and len(b) <= last:
+                made.append((a, b))
+    return made
+
+
+def _scored(
+    p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers
+) -> Shared:
+    """Filters of unit gain at rest (or of unit size), and the best polynomial between them."""
+    filters = tuple(_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
+    x = _filtered(filters[0], u)
+    size = max(float(np.abs(x).max()), 1e-300)
+    basis = [
+        np.ones(len(u)),
+        *(_filtered(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1)),
+    ]
+    known = np.isfinite(y)
+    columns = np.column_stack(basis)[known]
+    with np.errstate(all="ignore"):
+        if not np.all(np.isfinite(columns)):
+            return Shared((filters[0], filters[1]), np.zeros(DEGREE + 1), np.inf)
+    found = np.linalg.lstsq(columns, y[known], rcond=None)[0]
+    error = float(np.mean((y[known] - columns @ found) ** 2))
+    return Shared((filters[0], filters[1]), found / size ** np.arange(DEGREE + 1), error)
+
+
+def _filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
+    b, a = np.real(np.atleast_1d(np.poly(zeros_))), np.real(np.atleast_1d(np.poly(poles_)))
+    gain = float(b.sum() / a.sum())
+    return b / (gain if abs(gain) > 1e-3 * np.abs(b).max() else 1.0), a
+
+
+def _filtered(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
+    """From rest under the first sample."""
+    b, a = one
+    gain = float(b.sum() / a.sum())
+    return gain * x[0] + np.asarray(lfilter(b, a, x - x[0]))
+
+
+def _placed(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
+    """The chain with the numbers for a way to share out, and some static block between."""
+    probe = np.random.default_rng(0).normal(size=PROBE)
+    probe[0] = 0.0
+    dt, u = chain.interval, record.inputs
+    parts: list[Numbers] = []
+    gains: list[float] = []
+    for block, (b, a) in zip((chain.blocks[0], chain.blocks[2]), way.filters, strict=True):
+        shape = orders(block)
+        if shape is None or not isinstance(block, TransferFunction | StateSpace):
+            return chain
+        wanted = np.asarray(lfilter(b, a, np.concatenate([np.zeros(shape.nk), probe])[:PROBE]))
+        known = matched(_padded(a, shape.nf), dt).numbers
+        start = weighted(block, known, [(probe[:, None], wanted[:, None])], dt)
+        parts.append(start.theta)
+        gains.append(start.gain)
+    x = Engine(chain.blocks[:1], dt).simulate(parts[0], u)
+    static = static.adapted(x, dt)
+    curve = gains[1] * np.polyval(way.curve[::-1], gains[0] * x[:, 0])
+    return replace(
+        chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
+        theta=np.concatenate([parts[0], through(static, x[:, 0], curve), parts[1]]),
+    )  # fmt: skip
+
+
+def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
+    """Cost and chain of a way, refined with a polynomial between the blocks."""
+    placed = _placed(chain, way, Polynomial(degree=DEGREE), record)
+    squares = Squares(placed.engine, [Aim(record)])
+    found = minimise(squares, placed.theta, 25)
+    return found.value, placed.with_theta(found.theta)
+
+
+def _begun(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
+    """The chain with the dynamics of another and a static block near its polynomial."""
+    first, curve, last = with_polynomial.split()
+    dt = chain.interval
+    x = Engine(chain.blocks[:1], dt).simulate(first, record.inputs)
+    y = Engine(with_polynomial.blocks[1:2], dt).simulate(curve, x)
+    static = chain.blocks[1].adapted(x, dt)
+    return replace(
+        chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
+        theta=np.concatenate([first, through(static, x[:, 0], y[:, 0]), last]),
+    )  # fmt: skip
+
+
+def _padded(a: Numbers, count: int) -> Numbers:
+    """Poles of a denominator, with fast ones to fill up the order."""
+    z = np.roots(a)
+    return np.concatenate([z, np.full(count - len(z), 1e-3)])
+
+
+def through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400) -> Numbers:
+    """Free numbers of a static block near the curve through points (x, y)."""
+    order = np.argsort(x)[np.linspace(0, len(x) - 1, min(points, len(x))).astype(int)]
+    record = Sampled("curve", 1.0, x[order], y[order], ("x",), ("y",))
+    slope, offset = np.polyfit(x[order], y[order], 1)
+    theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (
+        block.start())  # fmt: skip
+    squares = Squares(Engine([block], 1.0), [Aim(record)], ridge=1e-6, reference=theta)
+    return minimise(squares, theta, 30).theta

@@ -1,0 +1,247 @@
+"""Measured tables as records at equal intervals, and back.
+
+A table whose times lie on a grid (each within a quarter of an interval) is taken row by row; rows
+that are missing on the grid are samples without outputs. Any other table is brought onto a grid:
+inputs are held from row to row, outputs go straight between rows. What was done is said in
+`Sampled.remarks`. Numbers are in units that people read (°C, mm), unless others are named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import cast
+
+import numpy as np
+
+from martensite import units as unit_table
+from martensite.errors import DataError, suggestion
+from martensite.signals.records import Record, out_of_order
+from martensite.signals.resampling import resampled
+from martensite.signals.sampled import Numbers, Sampled
+
+CLOSE = 0.25
+"""How far, in intervals, a row may be from its place on a grid."""
+SAME = 1e-4
+"""Relative difference of intervals that is one of printed times."""
+APART = 3.0
+"""Rows further apart than so many usual distances are a gap, over which nothing is known."""
+
+
+def from_record(
+    record: Record, inputs: Sequence[str], outputs: Sequence[str],
+    interval: float | None = None, units: Mapping[str, str] | None = None,
+) -> Sampled:  # fmt: skip
+    """A measured table as a record at equal intervals.
+
+    Args:
+        record: the table, in SI.
+        inputs: columns that go in; missing samples of them hold the one before.
+        outputs: columns that come out; missing samples stay missing.
+        interval: sample time [s]; by default that of the rows.
+        units: unit of a column in the result; by default the one that people read.
+
+    Raises:
+        DataError: a column does not exist or is empty, or times do not increase.
+        UnitError: a column cannot be had in that unit.
+    """
+    if not inputs or not outputs:
+        raise DataError("A record needs at least one input and one output column.")
+    names = (*inputs, *outputs)
+    spelled, columns = _columns(record, names, units or {})
+    times = np.asarray(record.times)
+    row = out_of_order(record.times)
+    if len(times) < 2 or row is not None:
+        where = f"but row {row} does not" if row is not None else "but there is one row only"
+        raise DataError(f"Times of record `{record.name}` must increase, {where}.")
+    u, y, first, remarks = _held(record.name, columns, inputs, outputs)
+    grid = _grid(times[first:], interval)
+    made, more = _on_grid(times[first:], u[first:], y[first:], grid)
+    found = Sampled(
+        name=record.name, interval=grid.interval, inputs=made[0], outputs=made[1],
+        input_names=tuple(inputs), output_names=tuple(outputs), units=spelled,
+        start=float(times[first]), remarks=(*remarks, *more),
+    )  # fmt: skip
+    if interval is None:
+        return found
+    if abs(interval / found.interval - 1.0) < SAME:
+        return replace(found, interval=interval)
+    return resampled(found, interval)
+
+
+def pieces_of_record(
+    record: Record, inputs: Sequence[str], outputs: Sequence[str], longest: float,
+    interval: float | None = None, units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:  # fmt: skip
+    """The same, cut where inputs are missing or rows are apart for longer than some time [s].
+
+    Pieces of one row are left out.
+
+    Raises:
+        DataError: as `from_record`; or there is no piece of two rows.
+    """
+    known = np.ones(len(record), bool)
+    for name in inputs:
+        known &= np.isfinite(np.asarray(record[name]))
+    rows = np.flatnonzero(known)
+    times = np.asarray(record.times)[rows]
+    ends = np.flatnonzero(np.diff(times) > longest) + 1
+    parts = [part for part in np.split(rows, ends) if len(part) > 1]
+    if not parts:
+        raise DataError(f"Record `{record.name}` has no two rows with inputs within {longest:g} s.")
+    step = interval
+    if step is None:
+        step = min(_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts)
+    return tuple(
+        from_record(_rows(record, part, k, len(parts)), inputs, outputs, step, units)
+        for k, part in enumerate(parts, start=1)
+    )
+
+
+def to_record(sampled: Sampled) -> Record:
+    """A record at equal intervals as a table in SI."""
+    columns, names = {"time": [float(t) for t in sampled.times]}, {"time": "s"}
+    signals = [
+        *zip(sampled.input_names, sampled.inputs.T, strict=True),
+        *zip(sampled.output_names, sampled.outputs.T, strict=True),
+    ]
+    for name, column in signals:
+        spelling = sampled.units.get(name, "1")
+        unit = unit_table.EVERYDAY.get(spelling, (spelling, 1.0, 0.0))[0]
+        factor, offset = unit_table.conversion(spelling, unit)
+        columns[name] = [float(value) for value in column * factor + offset]
+        names[name] = unit
+    return Record(sampled.name, columns, names)
+
+
+def _rows(record: Record, part: Numbers, number: int, count: int) -> Record:
+    kept = slice(int(part[0]), int(part[-1]) + 1)
+    name = record.name if count == 1 else f"{record.name} ({number})"
+    return replace(record, name=name, columns={n: c[kept] for n, c in record.columns.items()})
+
+
+def _columns(
+    record: Record, names: Sequence[str], units: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, Numbers]]:
+    """Units and columns by name."""
+    unknown = next((name for name in units if name not in record.columns), None)
+    if unknown is not None:
+        raise DataError(
+            f"A unit is given for `{unknown}`, but record `{record.name}` has no such column. "
+            f"{suggestion(unknown, record.columns)}"
+        )
+    spelled: dict[str, str] = {}
+    columns: dict[str, Numbers] = {}
+    for name in names:
+        column, unit = np.asarray(record[name], dtype=float), record.units[name]
+        spelled[name] = units.get(name, unit_table.readable(unit))
+        factor, offset = unit_table.conversion(spelled[name], unit)
+        columns[name] = (column - offset) / factor
+    return spelled, columns
+
+
+def _held(
+    record: str, columns: Mapping[str, Numbers], inputs: Sequence[str], outputs: Sequence[str]
+) -> tuple[Numbers, Numbers, int, list[str]]:
+    """Inputs without gaps, outputs, the first row at which all inputs are known, remarks."""
+    first, remarks = 0, list[str]()
+    filled: list[Numbers] = []
+    for name in inputs:
+        known = np.isfinite(columns[name])
+        if not known.any():
+            raise DataError(f"Input `{name}` of record `{record}` is missing throughout.")
+        first = max(first, int(np.argmax(known)))
+        last = np.maximum.accumulate(np.where(known, np.arange(len(known)), 0))
+        filled.append(columns[name][last])
+        missing = int((~known[np.argmax(known) :]).sum())
+        if missing:
+            remarks.append(f"Input `{name}` is missing in {missing} rows; the one before is held.")
+    if first:
+        remarks.append(f"The first {first} rows lack an input and were left out.")
+    y = np.stack([columns[name] for name in outputs], axis=1)
+    none = next((n for n, column in zip(outputs, y.T, strict=True) if np.isnan(column).all()), None)
+    if none is not None:
+        raise DataError(f"Output `{none}` of record `{record}` is missing throughout.")
+    return np.stack(filled, axis=1), y, first, remarks
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Where rows belong on a grid."""
+
+    interval: float
+    places: Numbers | None
+    """Place of every row; None if the rows are on no grid."""
+
+
+def _grid(times: Numbers, wanted: float | None) -> _Grid:
+    """The grid that times lie on, or else the one that they are to be brought onto."""
+    if len(times) < 2:
+        return _Grid(wanted or 1.0, np.zeros(len(times), int))
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    plain = np.arange(len(times))
+    counted = np.concatenate([[0], np.cumsum(np.maximum(np.rint(steps / usual), 1.0))]).astype(int)
+    for places in (plain, counted):
+        interval = float(times[-1] - times[0]) / float(places[-1])
+        if np.max(np.abs(times - times[0] - places * interval)) <= CLOSE * interval:
+            return _Grid(_rounded(interval, len(times)), places)
+    return _Grid(min(usual, wanted or usual), None)
+
+
+def _rounded(interval: float, rows: int) -> float:
+    """An interval without the rounding errors of its times: the shortest number near it."""
+    for digits in range(1, 12):
+        short = float(f"{interval:.{digits}g}")
+        if abs(short - interval) * rows <= 1e-3 * interval:
+            return short
+    return interval
+
+
+def _on_grid(
+    times: Numbers, u: Numbers, y: Numbers, grid: _Grid
+) -> tuple[tuple[Numbers, Numbers], list[str]]:
+    """Inputs and outputs on the grid, and what was done for it."""
+    if grid.places is None:
+        return _interpolated(times, u, y, grid.interval)
+    count = int(grid.places[-1]) + 1
+    if count == len(times):
+        return (u, y), []
+    outputs = np.full((count, y.shape[1]), np.nan)
+    outputs[grid.places] = y
+    before = np.searchsorted(grid.places, np.arange(count), side="right") - 1
+    gaps = sum(int(b - a > 1) for a, b in pairwise(grid.places))
+    remark = (
+        f"{count - len(times)} rows in {gaps} gaps are missing; inputs are held over them, "
+        "outputs are missing there."
+    )
+    return (u[before], outputs), [remark]
+
+
+def _interpolated(
+    times: Numbers, u: Numbers, y: Numbers, interval: float
+) -> tuple[tuple[Numbers, Numbers], list[str]]:
+    steps = np.diff(times)
+    at = times[0] + interval * np.arange(int((times[-1] - times[0]) / interval + 1e-6) + 1)
+    rows = cast("Numbers", np.searchsorted(times, at + 1e-9 * interval, side="right"))
+    before = np.clip(rows - 1, 0, len(u) - 1)
+    columns = [_between(at, times, column) for column in y.T]
+    remark = (
+        f"Times are irregular, {steps.min():.4g} to {steps.max():.4g} s apart; the record was "
+        f"brought to {interval:.4g} s, inputs held, outputs interpolated."
+    )
+    return (u[before], np.stack(columns, axis=1)), [remark]
+
+
+def _between(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
+    """A column at other times; NaN where the known rows around are too far apart."""
+    known = np.isfinite(column)
+    times, column = times[known], column[known]
+    if len(times) < 2:
+        return np.full(len(at), np.nan)
+    right = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
+    wide = times[right] - times[right - 1] > APART * float(np.median(np.diff(times)))
+    on_row = np.isclose(at, times[right]) | np.isclose(at, times[right - 1])
+    outside = (at < times[0] - 1e-9) | (at > times[-1] + 1e-9)
+    return np.where((wide & ~on_row) | outside, np.nan, np.interp(at, times, column))

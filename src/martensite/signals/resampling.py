@@ -1,0 +1,193 @@
+"""Records at other intervals, parts of records, and records that go together.
+
+Going down, a sample is the mean over its new interval, of inputs and outputs alike: averaging
+commutes with every linear system, so that a model of the averages is one of the record, and what
+is faster than the new interval does not appear as something slow. Going up, inputs are held and
+outputs go straight from sample to sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from martensite.errors import DataError, suggestion
+from martensite.signals.sampled import Numbers, Sampled
+
+NEAR = 1e-9
+"""Relative rounding that is forgiven where samples are counted."""
+
+
+def resampled(
+    record: Sampled, interval: float | None = None, *, ratio: float | None = None
+) -> Sampled:
+    """The record at another sample time.
+
+    Args:
+        record: what is resampled.
+        interval: the new sample time [s].
+        ratio: how many samples make a new one, instead; below 1 for a finer record.
+
+    Raises:
+        DataError: neither or both are given, one is not above 0, or the record is too short.
+    """
+    if (interval is None) == (ratio is None):
+        raise DataError("Resampling needs either `interval` or `ratio`.")
+    factor = interval / record.interval if interval is not None else ratio or 0.0
+    if not 0.0 < factor < np.inf:
+        raise DataError(f"The ratio of resampling must be above 0, but is {factor:g}.")
+    if abs(factor - 1.0) < NEAR:
+        return record
+    inputs, outputs = (_averaged if factor > 1.0 else _finer)(record, factor)
+    if not len(inputs):
+        raise DataError(
+            f"Record `{record.name}` of {record.duration:.6g} s is shorter than one sample of "
+            f"{factor * record.interval:.6g} s."
+        )
+    return replace(record, interval=factor * record.interval, inputs=inputs, outputs=outputs)
+
+
+def _averaged(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
+    """Means over new samples; NaN where less than half of one is known."""
+    edges = factor * np.arange(int(len(record) / factor * (1.0 + NEAR)) + 1)
+    known = np.isfinite(record.outputs)
+    shares = _means(known.astype(float), edges)
+    sums = _means(np.where(known, record.outputs, 0.0), edges)
+    enough = shares >= 0.5
+    outputs = np.where(enough, sums / np.where(enough, shares, 1.0), np.nan)
+    return _means(record.inputs, edges), outputs
+
+
+def _means(values: Numbers, edges: Numbers) -> Numbers:
+    """Means of columns held from sample to sample, between edges counted in samples."""
+    if not len(values) or len(edges) < 2:
+        return np.empty((0, values.shape[1]))
+    first = values[0]
+    sums = np.vstack([np.zeros_like(first), np.cumsum(values - first, axis=0)])
+    places = np.arange(len(sums))
+    columns: list[Numbers] = [np.interp(edges, places, column) for column in sums.T]
+    return first + np.diff(np.stack(columns, axis=1), axis=0) / np.diff(edges)[:, None]
+
+
+def _finer(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
+    count = int((len(record) - 1) / factor * (1.0 + NEAR)) + 1
+    places = np.minimum(factor * np.arange(count), len(record) - 1)
+    left = np.floor(places * (1.0 + NEAR)).astype(int)
+    share = np.maximum(places - left, 0.0)[:, None]
+    right = np.minimum(left + 1, len(record) - 1)
+    exact = share < NEAR * len(record)
+    between = (1.0 - share) * record.outputs[left] + share * record.outputs[right]
+    return record.inputs[left], np.where(exact, record.outputs[left], between)
+
+
+def split(
+    record: Sampled, *, share: float | None = None, time: float | None = None
+) -> tuple[Sampled, Sampled]:
+    """The record before and after a moment, as two records.
+
+    Args:
+        record: what is divided.
+        share: of the samples that come before, between 0 and 1.
+        time: the moment [s] instead, on the clock of the record.
+
+    Raises:
+        DataError: neither or both are given, or a part would be empty.
+    """
+    if (share is None) == (time is None):
+        raise DataError("A record is split either at a `share` or at a `time`.")
+    place = (share or 0.0) * len(record)
+    if time is not None:
+        place = (time - record.start) / record.interval
+    place = int(np.clip(np.ceil(place - 1e-6), -1, len(record)))
+    if not 0 < place < len(record):
+        given = f"the share {share:g}" if share is not None else f"{time:g} s"
+        raise DataError(
+            f"Record `{record.name}` goes from {record.start:.6g} to "
+            f"{record.start + record.duration:.6g} s; split at {given}, a part would be empty."
+        )
+    names = (f"{record.name} (first part)", f"{record.name} (second part)")
+    return record.rows(0, place, names[0]), record.rows(place, None, names[1])
+
+
+def experiments(*records: Sampled) -> tuple[Sampled, ...]:
+    """Records of one system for one estimation, checked, each with a name of its own.
+
+    Raises:
+        DataError: they differ in sample time, signals or units.
+    """
+    if not records:
+        raise DataError("Experiments are at least one record, but none is given.")
+    first, names = records[0], [record.name for record in records]
+    for record in records[1:]:
+        fault = _misfit(first, record)
+        if fault:
+            raise DataError(
+                f"Records `{first.name}` and `{record.name}` cannot be fitted together: {fault}."
+            )
+    return tuple(
+        replace(r, name=f"{r.name} ({names[: k + 1].count(r.name)})")
+        if names.count(r.name) > 1 else r
+        for k, r in enumerate(records)
+    )  # fmt: skip
+
+
+def _misfit(one: Sampled, other: Sampled) -> str:
+    if abs(other.interval / one.interval - 1.0) > 1e-6:
+        return f"one is sampled every {one.interval:.6g} s, the other every {other.interval:.6g} s"
+    for word in ("input", "output"):
+        own, its = getattr(one, f"{word}_names"), getattr(other, f"{word}_names")
+        if own != its:
+            return f"their {word}s are {_listed(own)} and {_listed(its)}"
+    names = (*one.input_names, *one.output_names)
+    name = next((n for n in names if _unit(one, n) != _unit(other, n)), None)
+    if name is not None:
+        return f"`{name}` is in {_unit(one, name)} and in {_unit(other, name)}"
+    return ""
+
+
+def _unit(record: Sampled, name: str) -> str:
+    return record.units.get(name, "1")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def selected(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> Sampled:
+    """The record of some of its signals; an output may become an input.
+
+    Missing samples of such an output are interpolated, because inputs must be known.
+
+    Raises:
+        DataError: the record has no such signal, or it is not known at all.
+    """
+    known = dict(zip(record.output_names, record.outputs.T, strict=True))
+    known |= dict(zip(record.input_names, record.inputs.T, strict=True))
+    for name in (*inputs, *outputs):
+        if name not in known:
+            raise DataError(
+                f"Record `{record.name}` has no signal `{name}`. {suggestion(name, known)}"
+            )
+    remarks = list(record.remarks)
+    columns = [_bridged(record.name, name, known[name], remarks) for name in inputs]
+    return replace(
+        record, inputs=np.stack(columns, axis=1),
+        outputs=np.stack([known[name] for name in outputs], axis=1),
+        input_names=tuple(inputs), output_names=tuple(outputs), remarks=tuple(remarks),
+        units={n: record.units[n] for n in (*inputs, *outputs) if n in record.units},
+    )  # fmt: skip
+
+
+def _bridged(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:
+    """A column without gaps."""
+    known = np.isfinite(column)
+    missing = int(len(column) - known.sum())
+    if not missing:
+        return column
+    if missing == len(column):
+        raise DataError(f"Signal `{name}` of record `{record}` is missing throughout.")
+    remarks.append(f"{missing} missing samples of `{name}`, an input here, were interpolated.")
+    places = np.arange(len(column))
+    return np.interp(places, places[known], column[known])

@@ -1,0 +1,70 @@
+"""Public benchmarks of identification: errors of free runs [mV] on the published splits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from martensite.identify.blocks.feedback import Feedback
+from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.estimate import Options, estimate, refine
+from martensite.identify.chains.scores import rms
+from martensite.io import datasets
+from martensite.io.public_benchmarks import SKIP, read_silverbox
+from martensite.signals.sampled import Sampled
+
+FILE = "silverbox/SNLS80mV.csv"
+TESTS = ("multisine", "arrow", "no extrapolation")
+LINEAR = (6.96, 14.4, 6.58)
+"""Published for linear state-space models (arXiv 2405.10779)."""
+FEEDBACK = (0.36, 0.45, 0.30)
+
+pytestmark = pytest.mark.skipif(
+    not datasets.is_here(FILE), reason="data set silverbox is not on this machine"
+)
+
+
+@pytest.fixture(scope="module")
+def silverbox() -> dict[str, Sampled]:
+    return read_silverbox()
+
+
+@pytest.fixture(scope="module")
+def linear(silverbox: dict[str, Sampled], c_compiler: str) -> Chain:
+    options = Options(starts=12, skip=SKIP)
+    return estimate("oe(3,2,0) | poly1", silverbox["estimation"], options).chain
+
+
+def errors(chain: Chain, records: dict[str, Sampled]) -> list[float]:
+    """Root mean squares [mV] on the three tests."""
+    tests = [records[name] for name in TESTS]
+    return [1e3 * float(rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests]
+
+
+def test_splits_are_the_published_ones(silverbox):
+    sizes = {name: len(record) for name, record in silverbox.items()}
+    assert sizes == {
+        "estimation": 65062, "multisine": 21688, "arrow": 40475, "no extrapolation": 32000
+    }  # fmt: skip
+    assert silverbox["estimation"].interval == pytest.approx(1.0 / 610.35, rel=1e-5)
+
+
+def test_the_linear_model_is_as_good_as_published(silverbox, linear):
+    assert errors(linear, silverbox) == pytest.approx(LINEAR, abs=0.05)
+
+
+def test_feedback_from_the_linear_model(silverbox, linear):
+    record = silverbox["estimation"]
+    before, line = linear.blocks
+    poles, own = linear.split()
+    assert isinstance(before, TransferFunction)
+    first = Feedback(order=2, degree=3).adapted(record.inputs, record.interval)
+    begun = first.like(before, poles, record.interval)
+    chain = replace(linear, blocks=(first, line), theta=np.concatenate([begun, own]))
+    assert errors(chain, silverbox) == pytest.approx(errors(linear, silverbox), rel=1e-6)
+    found = refine(chain, [record], Options(skip=SKIP))
+    better = errors(chain.with_theta(found.theta), silverbox)
+    assert all(ours <= bound for ours, bound in zip(better, FEEDBACK, strict=True)), better

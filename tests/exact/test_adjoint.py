@@ -1,0 +1,70 @@
+"""Derivatives backwards through a graph are those that dual numbers give forwards."""
+
+import numpy as np
+import pytest
+
+from martensite.identify.blocks.polynomial import Polynomial
+from martensite.runtimes.adjoint import gradient
+from martensite.runtimes.graph import VARYING
+from martensite.runtimes.partials import partials
+from martensite.runtimes.program import Function, Program
+
+RNG = np.random.default_rng(1)
+
+
+def everything(xp, v):
+    """All operations, kinks and choices among them."""
+    a, b, c = v
+    choice = xp.where(a < b, xp.sin(a * b), xp.cos(c) / (1.0 + b * b))
+    smooth = xp.exp(-a * a) + xp.log(1.0 + c * c) + xp.tanh(b - c) + xp.sqrt(xp.abs(a) + 0.1)
+    kinked = xp.minimum(a, c) * xp.maximum(b, 0.0) + xp.clip(c, -0.5, 0.5)
+    inside = xp.clip(0.5 + 0.2 * a, 0.0, 1.0)
+    special = xp.quarter_sine(inside) + xp.erfcx(xp.abs(b))
+    held = xp.detach(a) * b + xp.store(c) * a
+    return [choice + smooth - kinked + special + held + xp.solved(a, a - (a * a - b) / 2.0)]
+
+
+def both_ways(kernel, count):
+    program = Program()
+    moving = [program.graph.input(f"x{i}", VARYING) for i in range(count)]
+    values, (ahead,) = partials(program.xp, kernel, moving)
+    back = gradient(values[0], moving)
+    assert back is not None
+    for name, slopes in (("ahead", ahead), ("back", back)):
+        row = tuple(slopes.get(i, program.graph.constant(0.0)) for i in range(count))
+        program.functions[name] = Function(name, tuple(f"x{i}" for i in range(count)), row)
+    functions = program.bind_floats()
+    return functions["ahead"], functions["back"]
+
+
+def test_all_operations():
+    ahead, back = both_ways(everything, 3)
+    for point in RNG.uniform(-2.0, 2.0, (50, 3)):
+        assert back(*point) == pytest.approx(ahead(*point), rel=1e-12, abs=1e-13)
+
+
+def test_what_does_not_count_is_left_out():
+    program = Program()
+    a, b = (program.graph.input(name, VARYING) for name in "ab")
+    found = gradient(program.graph.apply("exp", a), [a, b])
+    assert found is not None
+    assert set(found) == {0}
+    assert gradient(program.graph.constant(2.0), [a, b]) == {}
+
+
+def test_loops_are_not_gone_through():
+    program = Program()
+    a = program.graph.input("a", VARYING)
+    (value,) = program.xp.repeat(3, lambda x: [0.5 * x + a], a)
+    assert gradient(value, [a]) is None
+
+
+def test_a_block():
+    block = Polynomial(degree=4, low=-1.0, high=2.0)
+
+    def kernel(xp, v):
+        return [block.value(xp, v[1:], v[0])]
+
+    ahead, back = both_ways(kernel, 6)
+    point = RNG.uniform(-1.0, 1.0, 6)
+    assert back(*point) == pytest.approx(ahead(*point), rel=1e-12)

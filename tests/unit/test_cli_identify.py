@@ -1,0 +1,179 @@
+"""`martensite identify` and `martensite blocks`: what is read, printed and written; bad input.
+
+Source of truth: the system that the logs were computed with (`first_order`), and the same
+estimation in Python.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from command import Command
+from first_order import LINE, STRUCTURE, log, pulses, ramps
+
+from martensite.cli import identify_run
+from martensite.cli.identify_show import warnings
+from martensite.identify.blocks.base import BLOCKS
+from martensite.identify.chains.estimate import INTERRUPTED, Options
+from martensite.identify.chains.stages import identify_stages
+from martensite.io.model_files import read_model
+from martensite.io.sampled_files import read_sampled, write_sampled
+
+IDENTIFY = Command("identify")
+SIGNALS = ("--input", "duty", "--unit", "duty=%", "--starts", "3")
+ONE = (*SIGNALS, "--output", "temperature", "--stage", STRUCTURE)
+TWO = (*SIGNALS, "--output", "position", "--stage", STRUCTURE, "--stage", LINE)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    write_sampled(log("pulses", pulses(1)), "pulses.csv")
+    write_sampled(log("ramps", ramps(), seed=2), "ramps.csv")
+    return tmp_path
+
+
+# ---------------------------------------------------------------- what is found
+
+
+def test_a_single_stage() -> None:
+    text = IDENTIFY.fine("pulses.csv", *ONE, "--validate", "ramps.csv")
+    assert "Model: `duty` -> `temperature`: poly(2) | oe(1,1,1)" in text
+    assert "free runs: no measured output is fed back" in text
+    assert "3 of 3 refined searches agree" in text
+    assert "estimation" in text
+    assert "validation" in text
+    assert "no proof" not in text
+    assert "poor optimum" not in text
+
+
+def test_without_another_record_nothing_is_proved() -> None:
+    text = IDENTIFY.fine("pulses.csv", *ONE)
+    assert "which is no proof" in text
+    assert "another cadence" in text
+
+
+def test_json_holds_what_python_finds() -> None:
+    found = IDENTIFY.report("pulses.csv", *ONE, "--validate", "ramps.csv")
+    records = [
+        read_sampled(f"{name}.csv", ["duty"], ["temperature"], units={"duty": "%"})
+        for name in ("pulses", "ramps")
+    ]
+    same = identify_stages(records[0], STRUCTURE, records[1], options=Options(starts=3, anchor=0.1))
+    fits = {score["role"]: score["fit"] for score in found["scores"]}
+    assert fits["validation"] == pytest.approx(same.fit()[0], abs=1e-6)
+    assert fits["validation"] > 98.0
+    assert found["free_run"] is True
+    assert found["stages"][0]["agreeing"] == 3
+    assert set(found["stages"][0]["numbers"]) == set(same.model.names())
+
+
+def test_stages_in_series_are_saved_and_drawn(folder: Path) -> None:
+    wanted = ("--save", "model.json", "--figure", "model.svg")
+    text = IDENTIFY.fine("pulses.csv", *TWO, "--other", "ramps.csv", *wanted)
+    assert "Stage 2: `temperature` -> `position`: poly(1)" in text
+    assert "series" in text
+    assert sorted(p.name for p in folder.iterdir() if p.suffix != ".csv") == [
+        "model.json", "model.stage1.json", "model.stage2.json", "model.svg",
+    ]  # fmt: skip
+    model = read_model("model.json")
+    slow = read_sampled("ramps.csv", ["duty"], ["position"], units={"duty": "%"})
+    assert abs(model.simulate(slow) - slow.outputs).max() < 0.06
+    written = json.loads(Path("model.json").read_text())
+    assert len(written["provenance"]["stages"]) == 2
+    assert "is there already" in IDENTIFY.refused("pulses.csv", *TWO, *wanted)
+
+
+def test_a_search_and_what_it_uses_up() -> None:
+    given = (*SIGNALS, "--output", "temperature", "--search", "poly{1,2} | oe(1,1,1)")
+    text = IDENTIFY.fine("pulses.csv", *given, "--validate", "ramps.csv")
+    assert "> poly2 | oe(1,1,1)" in text
+    assert "no final figure" in text
+    found = IDENTIFY.report(
+        "pulses.csv", *given, "--validate", "ramps.csv", "--other", "pulses.csv"
+    )
+    assert found["stages"][0]["search"]["chosen"] == "poly2 | oe(1,1,1)"
+    assert [c["numbers"] for c in found["stages"][0]["search"]["candidates"]] == [4, 3]
+    assert not any("final figure" in sentence for sentence in found["warnings"])
+
+
+def test_few_searches_that_agree_are_warned_of() -> None:
+    one = log("pulses", pulses(1))
+    few = identify_stages(one, [STRUCTURE, LINE], one, options=Options(starts=2, refined=2))
+    assert any("only 2 of 2 refined searches" in s for s in warnings(few, [one]))
+
+
+def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    from martensite.identify.chains import stages
+
+    whole = stages.identify_stages
+
+    def interrupted(*arguments: object) -> object:
+        arguments[-1](f"stage 1: {INTERRUPTED}", 0.5)  # type: ignore[operator]
+        return whole(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(stages, "identify_stages", interrupted)
+    done = IDENTIFY("pulses.csv", *ONE)
+    assert done.exit_code == 1
+    assert "best so far" in done.stderr
+    assert "temperature" in done.stdout
+
+
+# ---------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("absent.csv", *ONE), "There is no file `absent.csv`"),
+        (("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"),
+         "Did you mean `duty`"),
+        (("pulses.csv", "--output", "temperature", "--stage", "poly1"), "needs --input"),
+        (("pulses.csv", "--input", "duty", "--stage", "poly1"), "needs --output"),
+        (("pulses.csv", "--input", "duty", "--output", "temperature"), "give one of the two"),
+        (("pulses.csv", *ONE, "--search", "poly{1,2}"), "give one of the two"),
+        (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"),
+         "There is no block `polly`"),
+        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE),
+         "The last stage gives `temperature`"),
+        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", "poly1", "--stage", "poly1"),
+         "names no output"),
+        (("pulses.csv", *ONE, "--initial", "resting"), "Did you mean `rest`"),
+        (("pulses.csv", *ONE, "--interval", "20"), "`--interval`"),
+        (("pulses.csv", *ONE, "--interval", "0 s"), "above 0 s"),
+        (("pulses.csv", *ONE, "--unit", "duty"), "write `COLUMN=UNIT`"),
+        (("pulses.csv", *ONE, "--unit", "temperature=mm"), "cannot be converted"),
+        (("pulses.csv", *ONE, "--skip", "1000 s"), "no known samples that count"),
+        (("pulses.csv", *ONE, "--save", "model.txt"), "must end in .json"),
+    ],
+)  # fmt: skip
+def test_bad_input(arguments: tuple[str, ...], words: str) -> None:
+    assert words in IDENTIFY.refused(*arguments)
+
+
+def test_the_anchor_is_on_where_a_record_begins_at_rest() -> None:
+    def given(initial: str, anchor: float | None) -> float:
+        one = identify_run.Given([], [], None, [], None, [], [], None, [], 1, 0, None, initial,
+                                 anchor, 0.0)  # fmt: skip
+        return one.options(0.1).anchor
+
+    assert given("rest", None) == identify_run.ANCHOR
+    assert given("zero", None) == 0.0
+    assert given("estimate", 0.5) == 0.5
+
+
+# ---------------------------------------------------------------- blocks
+
+
+def test_blocks_are_listed_and_described() -> None:
+    text = Command("blocks").fine()
+    for name in BLOCKS.names():
+        assert name in text
+    assert "oe(nb,nf,nk)" in text
+    listed = Command("blocks").report()
+    assert {row["name"] for row in listed} == set(BLOCKS.names())  # type: ignore[index]
+    for name in ("transfer-function", "oe"):
+        assert "number of poles" in Command("blocks").fine(name)
+    assert "Did you mean `polynomial`" in Command("blocks").refused("polynomal")

@@ -1,0 +1,228 @@
+"""Search of structures, stages in series, and scores.
+
+Source of truth: the system that the records were computed with (`first_order`); its noise sets
+the fit that a right structure reaches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
+
+from martensite.errors import DataError, InputError, SolveError
+from martensite.identify.chains.estimate import Options, at_rest, coarse, estimate
+from martensite.identify.chains.patterns import MOST, expanded
+from martensite.identify.chains.scored import free_run, mean_fit, scored
+from martensite.identify.chains.search import Candidate, Searched, search
+from martensite.identify.chains.search import _decided as decided
+from martensite.identify.chains.stages import Identified, Stage, identify_stages
+from martensite.signals.resampling import resampled, selected
+from martensite.signals.sampled import Sampled
+
+FEW = Options(starts=3, refined=3)
+PATTERN = "poly{1,2} | oe(1,1,1)"
+
+
+def stage_one(record: Sampled) -> Sampled:
+    return selected(record, ["duty"], ["temperature"])
+
+
+FITTED, SLOW = log("pulses", pulses(1)), log("ramps", ramps(), seed=2)
+
+
+@pytest.fixture(scope="module")
+def found() -> Identified:
+    return identify_stages(FITTED, [STRUCTURE, LINE], SLOW, options=replace(FEW, anchor=0.1))
+
+
+@pytest.fixture(scope="module")
+def searched() -> Searched:
+    return search(PATTERN, stage_one(FITTED), stage_one(SLOW), FEW)
+
+
+# ---------------------------------------------------------------- patterns
+
+
+def test_patterns() -> None:
+    assert expanded("poly2 | unit") == ["poly2 | unit"]
+    assert expanded("poly{1..3}") == ["poly1", "poly2", "poly3"]
+    assert expanded("oe({2..3},3,1) | {pwl,sigmoid}{5,10}") == [
+        f"oe({k},3,1) | {kind}{n}" for k in (2, 3) for kind in ("pwl", "sigmoid") for n in (5, 10)
+    ]
+    assert expanded("poly{2,2}") == ["poly2"]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "words"),
+    [("poly{1..", "not closed"), ("poly{3..1}", "empty"), ("poly{1,}", "empty choice"),
+     ("poly{1..10}{1..10}{1..10}", str(MOST)), ("{a{b}}", "nested")],
+)  # fmt: skip
+def test_bad_patterns(pattern: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        expanded(pattern)
+
+
+# ---------------------------------------------------------------- the search
+
+
+def test_the_right_structure_is_chosen(searched: Searched) -> None:
+    assert [c.structure for c in searched.candidates] == ["poly2 | oe(1,1,1)", "poly1 | oe(1,1,1)"]
+    assert searched.chosen.structure == "poly2 | oe(1,1,1)"
+    assert searched.complete
+    assert "`ramps`" in searched.by
+    best, line = searched.candidates
+    assert best.validation > 98.0 > line.validation + 2.0
+    assert (best.agreeing, best.searches) == (3, 3)
+    tau = dict(zip(best.found.chain.names(), best.found.chain.theta, strict=True))["2.log_tau"]  # type: ignore[union-attr]
+    assert np.exp(tau) == pytest.approx(TAU, rel=0.02)
+
+
+def test_the_smaller_of_equals_is_chosen() -> None:
+    anything: Any = object()  # what was found does not matter here
+
+    def candidate(name: str, numbers: int, fit: float) -> Candidate:
+        return Candidate(name, numbers, anything, 99.0, fit, 1.0)
+
+    near = [candidate("large", 20, 95.0), candidate("small", 5, 94.6), candidate("tiny", 2, 94.4)]
+    assert decided(near, [], True).chosen.structure == "small"
+    assert decided(near[:1], [], True).chosen.structure == "large"
+    failed = Candidate("none", 1, None, np.nan, np.nan, 0.0, "no way")
+    assert [c.structure for c in decided([failed, *near], [], True).candidates][-1] == "none"
+    with pytest.raises(SolveError, match="no way"):
+        decided([failed], [], True)
+
+
+def test_cross_validation_without_a_record_to_validate_with() -> None:
+    made = search(PATTERN, stage_one(FITTED), options=replace(FEW, starts=1))
+    assert made.chosen.structure == "poly2 | oe(1,1,1)"
+    assert "cross-validation" in made.by
+    assert all(c.validation <= c.estimation + 0.5 for c in made.candidates)
+
+
+def test_a_search_tells_how_far_it_is_and_can_be_ended() -> None:
+    told: list[float] = []
+
+    def watch(text: str, share: float) -> None:
+        told.append(share)
+        if text.startswith("2 of 2"):
+            raise KeyboardInterrupt
+
+    made = search(PATTERN, stage_one(FITTED), stage_one(SLOW), replace(FEW, starts=1), watch)
+    assert not made.complete
+    assert [c.structure for c in made.candidates] == ["poly1 | oe(1,1,1)"]
+    assert told == sorted(told)
+
+
+def test_a_search_refuses_before_it_estimates() -> None:
+    with pytest.raises(InputError, match="no block `polly`"):
+        search(["poly1 | oe(1,1,1)", "polly{1,2}"], stage_one(FITTED))
+
+
+# ---------------------------------------------------------------- stages
+
+
+def test_stages_and_their_series(found: Identified) -> None:
+    assert [s.output for s in found.stages] == ["temperature", "position"]
+    assert found.model.text() == "poly(2) | oe(1,1,1) | poly(1)"
+    assert (found.model.input_names, found.model.output_names) == (("duty",), ("position",))
+    rows = {(s.model, s.role): s for s in found.scores}
+    assert len(rows) == 6
+    assert min(found.fit()) > 98.0
+    assert rows["stage 1", "validation"].rms == pytest.approx(0.1, rel=0.15)  # the noise
+    assert rows["series", "validation"].rms == pytest.approx(0.01, rel=0.2)
+    assert rows["stage 1", "validation"].unit == "degC"
+    run = found.model.simulate(selected(SLOW, ["duty"], ["position"]))
+    assert rows["series", "validation"].worst == pytest.approx(
+        np.max(np.abs(run - SLOW.outputs[:, 1:]))
+    )
+
+
+def test_rest_is_anchored(found: Identified) -> None:
+    still = np.zeros((50, 1))
+    assert found.estimates[0].chain.simulate(still)[-1, 0] == pytest.approx(AMBIENT, abs=0.05)
+    level = at_rest(stage_one(FITTED)).outputs[0, 0]
+    assert level == pytest.approx(FITTED.outputs[:20, 0].mean())
+
+
+def test_a_stage_may_give_several_outputs() -> None:
+    made = identify_stages(
+        FITTED, "ss(1,1,2,1) -> temperature, position", options=replace(FEW, starts=1)
+    )
+    assert made.model.output_names == ("temperature", "position")
+    assert [s.output for s in made.scores] == ["temperature", "position"]
+
+
+def test_what_stages_need() -> None:
+    assert Stage.read("poly2 -> temperature") == Stage("poly2", "temperature")
+    assert Stage.read("poly2", "y") == Stage("poly2", "y")
+    assert Stage.read("unit -> T, y").outputs == ("T", "y")
+    with pytest.raises(InputError, match="names no output"):
+        identify_stages(FITTED, ["poly1", "poly1"])
+    with pytest.raises(DataError, match="no signal `temprature`"):
+        identify_stages(FITTED, ["poly1 -> temprature", "poly1"])
+    with pytest.raises(InputError, match="at least one stage"):
+        identify_stages(FITTED, [])
+
+
+# ---------------------------------------------------------------- scores and records
+
+
+def test_free_runs_begin_as_is_said(found: Identified) -> None:
+    chain = found.estimates[0].chain
+    late = stage_one(log("late", ramps()[120:], noise=0.0))
+    late = late.rows(5)  # in motion, neither at rest nor at zero
+    fits = {
+        start: mean_fit(scored(chain, [late], "other", start)) for start in ("rest", "estimate")
+    }
+    assert fits["estimate"] > 99.0 > fits["rest"] + 1.0
+    assert free_run(chain, late, "zero")[0, 0] == 0.0
+    assert free_run(chain, late, "rest")[0, 0] > 20.0
+
+
+def test_a_record_of_another_sample_time_is_brought_to_that_of_the_model(found: Identified) -> None:
+    fine = resampled(stage_one(SLOW), ratio=0.5)
+    (score,) = scored(found.estimates[0].chain, [fine], "other")
+    assert (score.role, score.fit > 98.0) == ("other", True)
+
+
+def test_records_thinned_together_have_one_sample_time() -> None:
+    long, short = log("long", ramps(1200)), log("short", ramps(900), seed=5)
+    thin = coarse([long, short], most=100)
+    assert thin[0].interval == pytest.approx(thin[1].interval, rel=1e-12)
+    assert thin[0].interval > long.interval
+    pair = [stage_one(long), stage_one(short)]
+    made = estimate("poly2 | oe(1,1,1)", pair, replace(FEW, starts=1))
+    assert mean_fit(scored(made.chain, [stage_one(SLOW)], "other")) > 98.0
+
+
+def test_records_that_say_nothing_are_refused() -> None:
+    one = stage_one(FITTED)
+    still = replace(one, inputs=np.full((len(one), 1), 7.0))
+    empty = one.with_outputs(np.full((len(one), 1), np.nan))
+    level = one.with_outputs(np.full((len(one), 1), 3.0))
+    short = one.rows(19, 22)
+    cases = (
+        (still, "`duty` is 7 throughout"), (empty, "no known samples"),
+        (level, "is 3 throughout"), (short, "4 free numbers, but the records hold 3"),
+    )  # fmt: skip
+    for record, words in cases:
+        with pytest.raises(InputError, match=words):
+            estimate("poly2 | oe(1,1,1)", record, Options(starts=1))
+
+
+def test_missing_outputs_do_not_hurt() -> None:
+    one = stage_one(FITTED)
+    outputs = one.outputs.copy()
+    outputs[::3] = np.nan
+    made = estimate("poly2 | oe(1,1,1)", one.with_outputs(outputs), replace(FEW, starts=1))
+    assert scored(made.chain, [stage_one(SLOW)], "other")[0].fit > 98.0
+
+
+def test_a_wrong_structure_would_be_noticed(searched: Searched) -> None:
+    """The fit that the right structure reaches is out of reach for a straight line."""
+    line = searched.candidates[-1]
+    assert line.validation < 97.0
