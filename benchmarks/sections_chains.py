@@ -29,7 +29,7 @@ from martensite.identify.chains.estimate import estimate
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.written import parse_chain
 from martensite.runtimes import floats
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 TEXT = "poly2 | oe(3,3,1) | pwl10"
 LONG = "wavelet(88) | oe(3,3,1) | sigmoid(10)"

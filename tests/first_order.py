@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DT, TAU, AMBIENT = 0.1, 2.0, 23.0
 STRUCTURE = "poly2 | oe(1,1,1) -> temperature"

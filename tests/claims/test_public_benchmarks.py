@@ -14,7 +14,7 @@ from martensite.identify.chains.estimate import Options, estimate, refine
 from martensite.identify.chains.scores import rms
 from martensite.io import datasets
 from martensite.io.public_benchmarks import SKIP, read_silverbox
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 FILE = "silverbox/SNLS80mV.csv"
 TESTS = ("multisine", "arrow", "no extrapolation")

@@ -12,7 +12,7 @@ from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.wiener_hammerstein import wiener_hammerstein_starts
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

@@ -9,7 +9,7 @@ from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.heated_duhem import HeatedDuhem
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Estimate, Options, estimate
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1
 SIGMA = (0.3, 0.05)

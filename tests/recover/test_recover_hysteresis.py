@@ -14,7 +14,7 @@ from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.estimate import Estimate, Options, estimate
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1
 NOISE = 0.01

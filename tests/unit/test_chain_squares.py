@@ -8,7 +8,7 @@ from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.levenberg import Normal, minimise
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 RNG = np.random.default_rng(5)
 SAMPLES = 500

@@ -11,7 +11,7 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.runtimes import floats
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 RNG = np.random.default_rng(5)
 DT = 0.1

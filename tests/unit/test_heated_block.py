@@ -12,7 +12,7 @@ from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.estimate import Options, aims, estimate, expected
 from martensite.identify.chains.starts import aligned
 from martensite.identify.chains.written import parse_block
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 BLOCK = HeatedDuhem(gain=7.0, stroke=9.0)
 NAMES = BLOCK.numbers()

@@ -26,7 +26,7 @@ from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.realisation import matched, realised
 from martensite.identify.chains.scores import fit_percent
 from martensite.runtimes import floats
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1
 WILD = st.floats(-1e3, 1e3)

@@ -17,7 +17,7 @@ from martensite.identify.chains.linearise import (
     static_loop,
 )
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.05
 

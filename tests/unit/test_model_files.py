@@ -26,7 +26,7 @@ from martensite.io.model_files import (
 from martensite.io.scenario import load
 from martensite.parameters import part
 from martensite.signals.base import AbstractDrive
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

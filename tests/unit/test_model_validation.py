@@ -20,7 +20,7 @@ from martensite.plot.model_axes import thinned
 from martensite.plot.model_blocks import plot_linear_blocks, plot_static_blocks
 from martensite.plot.model_tests import plot_model_tests
 from martensite.report.model_report import write_model_report
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 DT = 0.05

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from martensite.errors import DataError
-from martensite.signals.gridded import from_record, pieces_of_record, to_record
-from martensite.signals.periods import periods
+from martensite.signals.sampling.gridded import from_record, pieces_of_record, to_record
+from martensite.signals.sampling.periods import periods
 from martensite.signals.records import Record
-from martensite.signals.resampling import experiments, resampled, selected, split
-from martensite.signals.sampled import Sampled
-from martensite.signals.trends import detrended, trend
+from martensite.signals.sampling.resampling import experiments, resampled, selected, split
+from martensite.signals.sampling.sampled import Sampled
+from martensite.signals.sampling.trends import detrended, trend
 
 DT = 0.1
 

@@ -18,7 +18,7 @@ from scipy.io import savemat
 
 from martensite.errors import DataError, InputError
 from martensite.io.sampled_files import read_sampled, write_sampled
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 TIMES = 0.02 * np.arange(50)
 DUTY = np.where(TIMES > 0.3, 20.0, 0.0)

@@ -27,7 +27,7 @@ from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.written import parse_block, parse_chain
 from martensite.runtimes import floats
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 RANGE = {"low": -2.0, "high": 6.0}
 X = np.linspace(-5.0, 9.0, 57)

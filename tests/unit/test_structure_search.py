@@ -20,8 +20,8 @@ from martensite.identify.chains.scored import free_run, mean_fit, scored
 from martensite.identify.chains.search import Candidate, Searched, search
 from martensite.identify.chains.search import _decided as decided
 from martensite.identify.chains.stages import Identified, Stage, identify_stages
-from martensite.signals.resampling import resampled, selected
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.resampling import resampled, selected
+from martensite.signals.sampling.sampled import Sampled
 
 FEW = Options(starts=3, refined=3)
 PATTERN = "poly{1,2} | oe(1,1,1)"

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from martensite.identify.chains.estimate import Options
     from martensite.identify.chains.stages import Identified, Stage
-    from martensite.signals.sampled import Sampled
+    from martensite.signals.sampling.sampled import Sampled
 
 ANCHOR = 0.1
 """Weight of rest where a record begins there, in shares of all rows."""

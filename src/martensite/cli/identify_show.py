@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
     from martensite.identify.chains.search import Candidate, Searched
     from martensite.identify.chains.stages import Identified
-    from martensite.signals.sampled import Sampled
+    from martensite.signals.sampling.sampled import Sampled
 
 ENOUGH = 3
 """Searches that should end alike."""

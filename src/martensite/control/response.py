@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.errors import InputError
-from martensite.signals.sampled import Numbers
+from martensite.signals.sampling.sampled import Numbers
 
 RISE, BAND, LAST = 0.90, 0.05, 0.1
 

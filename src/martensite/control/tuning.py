@@ -20,7 +20,7 @@ from martensite.control.closed_loop import ControlledModel, Trajectory, logs
 from martensite.control.pid import Gains
 from martensite.control.response import StepResponse, step_responses, steps
 from martensite.errors import ParameterError
-from martensite.signals.sampled import Numbers
+from martensite.signals.sampling.sampled import Numbers
 
 STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
 """Gains that searches begin with, in the units of the cost."""

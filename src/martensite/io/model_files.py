@@ -23,7 +23,7 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import fit_percent, rms
 from martensite.io.block_tables import block_of, block_table
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Estimate

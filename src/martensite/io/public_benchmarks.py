@@ -15,10 +15,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from martensite.io.datasets import describe, locate
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
-    from martensite.signals.sampled import Numbers
+    from martensite.signals.sampling.sampled import Numbers
 
 SKIP = 50
 """Samples at the start of a test that do not count."""

@@ -25,9 +25,9 @@ from martensite.errors import DataError, InputError, suggestion
 from martensite.files import replacing
 from martensite.io.layout import CLOCK, IGNORED, read_headings
 from martensite.io.tables import PREFIX, read_table
-from martensite.signals.gridded import from_record
+from martensite.signals.sampling.gridded import from_record
 from martensite.signals.records import Record, out_of_order
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 _UDUNITS = {"degree_Celsius": "degC", "degrees_Celsius": "degC", "celsius": "degC", "": "1"}
@@ -41,7 +41,7 @@ def read_sampled(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Sampled:
-    """Read a log as a record at equal intervals; `signals.gridded` says how.
+    """Read a log as a record at equal intervals; `signals.sampling.gridded` says how.
 
     Args:
         path: the file, or `data:<data set>/<file>`.

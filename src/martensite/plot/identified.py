@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.identify.chains.stages import Identified
-    from martensite.signals.sampled import Sampled
+    from martensite.signals.sampling.sampled import Sampled
 
 MOST_PANELS = 6
 """Records drawn at most."""
@@ -45,7 +45,7 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
 def _panel(panel: Any, found: Identified, record: Sampled) -> None:
     from martensite.identify.chains.scored import free_run
     from martensite.identify.chains.scores import fit_percent
-    from martensite.signals.resampling import selected
+    from martensite.signals.sampling.resampling import selected
 
     names = found.stages[-1].outputs
     own = selected(record, found.model.input_names, names)

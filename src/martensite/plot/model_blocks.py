@@ -17,7 +17,7 @@ from martensite.identify.chains.linear_system import Linear
 from martensite.identify.chains.linearise import linearise
 from martensite.plot.fit import SEEN, headline, plain_title
 from martensite.plot.style import FAINT, INK, SIMULATED, new_figure, styled
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

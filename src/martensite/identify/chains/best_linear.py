@@ -29,7 +29,7 @@ from martensite.identify.chains.levenberg import minimise
 from martensite.identify.chains.realisation import Matched, Realised, entering, matched, realised
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.runtimes import floats
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 LAGS = 256
 """Most lags of an impulse response, over the number of inputs."""

@@ -12,7 +12,7 @@ from martensite.errors import InputError, ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.native import Taps
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from martensite.errors import InputError
 from martensite.identify.chains.chain import Chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 
 def check_records(records: Sequence[Sampled]) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from martensite.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 REVERSAL = 0.02
 """Share of the range by which a signal must come back to have turned."""

@@ -19,8 +19,8 @@ from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.scored import free_run
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.resampling import resampled
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.sampled import Sampled
 
 COARSE = 5000
 """Samples per record to which first searches thin long records."""

@@ -25,7 +25,7 @@ from martensite.identify.chains.wiener_hammerstein import (
     is_wiener_hammerstein,
     wiener_hammerstein_starts,
 )
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 LOST = 0.002
 """Most of the variance of an output that thinning may average away."""

@@ -22,7 +22,7 @@ from martensite.errors import InputError, SolveError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 SETTLED = 1e-9
 """Change of the state in one more stretch, over its size, at which it has settled."""

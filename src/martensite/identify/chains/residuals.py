@@ -21,7 +21,7 @@ from martensite.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import Engine, Start
 from martensite.identify.chains.levenberg import Normal
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
 """How the state at the first sample of a record is chosen."""

@@ -16,8 +16,8 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.levenberg import minimise
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.scores import fit_percent, rms
-from martensite.signals.resampling import resampled
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.sampled import Sampled
 
 ROLES = ("estimation", "validation", "other")
 """What a record was used for: to fit, to choose, or for nothing yet."""

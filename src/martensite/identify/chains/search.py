@@ -24,7 +24,7 @@ from martensite.identify.chains.patterns import expanded
 from martensite.identify.chains.scored import free_run, mean_fit, scored
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 MARGIN = 0.5
 """Points of fit within which the smaller structure is preferred."""

@@ -16,8 +16,8 @@ from martensite.identify.chains.estimate import Estimate, Options, estimate
 from martensite.identify.chains.scored import ROLES, Score, scored
 from martensite.identify.chains.search import Searched, search
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.resampling import experiments, selected
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.resampling import experiments, selected
+from martensite.signals.sampling.sampled import Sampled
 
 SERIES = "series"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import AbstractStatic, Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 
 def drawn(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:

@@ -31,7 +31,7 @@ from martensite.identify.chains.residuals import Squares
 from martensite.identify.chains.sandwich import Sums, block_lengths, sums
 from martensite.identify.chains.shown_errors import Shown, shown, slopes_of_shown
 from martensite.identify.fitting.words import number
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 LEVEL = 0.95
 UNDETERMINED = 1e-3

@@ -22,7 +22,7 @@ from martensite.identify.chains.stretches import Stretch, known_stretch, stretch
 from martensite.identify.fitting.scores import Score, score
 from martensite.identify.fitting.whiteness import FEWEST, Whiteness, whiteness
 from martensite.identify.fitting.words import joined, number
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 WHOLE = "whole"
 """Name of the score of all samples."""

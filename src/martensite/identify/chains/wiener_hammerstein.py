@@ -28,7 +28,7 @@ from martensite.identify.chains.levenberg import minimise
 from martensite.identify.chains.linear_parts import Orders, orders, poles, zeros
 from martensite.identify.chains.realisation import matched
 from martensite.identify.chains.residuals import Aim, Squares
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 
 DEGREE = 5
 """Of the polynomial that scores a partition."""

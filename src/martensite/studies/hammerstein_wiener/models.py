@@ -16,7 +16,7 @@ from functools import cache
 
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate, refine
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import records
 
 FIRST = "poly2 | oe(3,3,1) | pwl10"

@@ -20,7 +20,7 @@ import numpy as np
 
 from martensite.errors import ParameterError
 from martensite.sensors.base import Numbers
-from martensite.signals.sampled import Sampled
+from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
 
 LEAD = 2.0

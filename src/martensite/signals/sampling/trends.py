@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from martensite.errors import DataError, suggestion
-from martensite.signals.sampled import Numbers, Sampled
+from martensite.signals.sampling.sampled import Numbers, Sampled
 
 KINDS = ("mean", "line", "rest")
 """What can be taken off."""

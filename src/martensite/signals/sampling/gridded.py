@@ -18,8 +18,8 @@ import numpy as np
 from martensite import units as unit_table
 from martensite.errors import DataError, suggestion
 from martensite.signals.records import Record, out_of_order
-from martensite.signals.resampling import resampled
-from martensite.signals.sampled import Numbers, Sampled
+from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.sampled import Numbers, Sampled
 
 CLOSE = 0.25
 """How far, in intervals, a row may be from its place on a grid."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from martensite.errors import DataError
-from martensite.signals.sampled import Numbers, Sampled
+from martensite.signals.sampling.sampled import Numbers, Sampled
 
 DIFFERING = 0.05
 """Spread of an input over periods, in its standard deviations, that is remarked on."""

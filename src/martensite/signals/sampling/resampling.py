@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from martensite.errors import DataError, suggestion
-from martensite.signals.sampled import Numbers, Sampled
+from martensite.signals.sampling.sampled import Numbers, Sampled
 
 NEAR = 1e-9
 """Relative rounding that is forgiven where samples are counted."""

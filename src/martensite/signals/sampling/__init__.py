@@ -1,0 +1,1 @@
+"""Records at equal intervals: cut, resampled, detrended, averaged over periods, from tables."""
