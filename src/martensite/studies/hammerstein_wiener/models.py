@@ -22,12 +22,14 @@ from martensite.studies.hammerstein_wiener import records
 FIRST = "poly2 | oe(3,3,1) | pwl10"
 SECOND = "wavelet88 | oe(3,3,1) | sigmoid10"
 SMALL = "wavelet12 | oe(3,3,1) | sigmoid10"
-HYSTERESIS = "oe(2,1,0) | pi12 | sigmoid10 | oe(1,1,1)"
+HYSTERESIS = "oe(2,2,0) | pi12 | sigmoid10 | oe(1,1,1)"
 WHOLE = "heated"
 THIN = 10
 """Samples of which one is kept for searches."""
 ANCHOR = 0.14
 """Weight of rest: that of 40 s at rest in a record of 283.5 s."""
+RESTLESS, AFTER = "stage 2, not anchored", 22.0
+"""A model of the record after this time [s]: the wire is warm from then on."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +45,13 @@ class Recipe:
 RECIPES = {
     "stage 1": Recipe(FIRST, Options(starts=12, anchor=ANCHOR, iterations=80), 20),
     "stage 2": Recipe(
-        SECOND, Options(starts=3, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=40), 0
+        SECOND, Options(starts=2, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=30), 3
     ),
     "stage 2, 12 wavelets": Recipe(
-        SMALL, Options(starts=6, refined=2, anchor=ANCHOR, ridge=1e-6, iterations=60), 10
+        SMALL, Options(starts=4, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=50), 6
     ),
     "stage 2, not anchored": Recipe(
-        SMALL, Options(starts=6, refined=2, ridge=1e-6, iterations=60), 10
+        SMALL, Options(starts=2, refined=1, iterations=50, start="estimate"), 0
     ),
     "stage 2, hysteresis": Recipe(
         HYSTERESIS, Options(starts=8, refined=3, anchor=ANCHOR, ridge=1e-7, iterations=80), 20
@@ -70,8 +72,8 @@ def record(name: str) -> Sampled:
 
 
 def seen(model: str, whole: Sampled) -> Sampled:
-    """What a model maps: a stage, or the whole from duty to both outputs."""
-    if model == "whole":
+    """What a model maps: a stage, or the whole (or a series of stages) from duty to outputs."""
+    if model in ("whole", "series"):
         return whole
     return records.stages(whole)[1 if model.startswith("stage 2") else 0]
 
@@ -80,6 +82,8 @@ def seen(model: str, whole: Sampled) -> Sampled:
 def model(name: str) -> Chain:
     """A model, by its recipe."""
     recipe, full = RECIPES[name], seen(name, record("estimation"))
+    if name == RESTLESS:
+        full = full.rows(round(AFTER / full.interval))
     thin = replace(
         full, interval=THIN * full.interval, inputs=full.inputs[::THIN],
         outputs=full.outputs[::THIN],

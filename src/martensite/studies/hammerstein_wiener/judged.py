@@ -1,0 +1,122 @@
+"""How models do on records of the bench, heating and cooling apart. All runs are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from statistics import median
+
+import numpy as np
+
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.scores import fit_percent
+from martensite.sensors.base import Numbers
+from martensite.signals.sampling.sampled import Sampled
+from martensite.studies.hammerstein_wiener import models, records
+from martensite.studies.hammerstein_wiener.bench import Bench, Plant
+
+SMOOTH = 500
+"""Samples over which the course of a duty is judged."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Of one output on one record."""
+
+    fit: float
+    """NRMSE fit [%]."""
+    heating: float
+    """The same over the samples that heat, and over those that cool [%]."""
+    cooling: float
+    worst_heating: float
+    """Largest error while it heats, in the unit of the output."""
+    worst_cooling: float
+
+    @property
+    def worst(self) -> float:
+        """Largest error of all."""
+        return max(self.worst_heating, self.worst_cooling)
+
+
+def judged(model: Chain, whole: Sampled, name: str) -> Score:
+    """The last output of a model on a record."""
+    seen = models.seen(name, whole)
+    computed = model.simulate(seen)[:, -1]
+    return scored(seen.outputs[:, -1], computed, heating(whole.inputs[:, 0]))
+
+
+def scored(measured: Numbers, computed: Numbers, hot: Numbers) -> Score:
+    """Fits and largest errors, where it heats (`hot`) and where it cools."""
+    parts = (slice(None), hot, ~hot)
+    whole, warm, cold = (fit(measured[part], computed[part]) for part in parts)
+    away = np.abs(measured - computed)
+    return Score(whole, warm, cold, float(away[hot].max()), float(away[~hot].max()))
+
+
+def fit(measured: Numbers, computed: Numbers) -> float:
+    """NRMSE fit of one signal [%]."""
+    return float(fit_percent(measured[:, None], computed[:, None])[0])
+
+
+def heating(duty: Numbers) -> Numbers:
+    """Where pulses are on, and where ramps go up."""
+    if np.mean(duty == 0.0) > 0.3:
+        return duty > 0.0
+    ahead = np.roll(duty, -SMOOTH)
+    ahead[-SMOOTH:] = duty[-1]
+    return ahead >= duty
+
+
+@cache
+def on(model: str, record: str) -> Score:
+    """The position by a model of the study, on one of its records."""
+    return judged(models.model(model), models.record(record), model)
+
+
+@cache
+def in_series(second: str, record: str) -> Score:
+    """The position by stage 1 and a second stage, from the duty alone."""
+    return judged(models.series(second), models.record(record), "series")
+
+
+@cache
+def sealed(model: str, seeds: tuple[int, ...]) -> tuple[float, float]:
+    """Median and least fit [%] on records that nothing was chosen with."""
+    fits = [on(model, f"sealed {seed}").fit for seed in seeds]
+    return median(fits), min(fits)
+
+
+VARIANTS = {
+    "fan": Bench(fan=1.5),
+    "5 K warmer": Bench(ambient=301.15),
+    "5 K colder": Bench(ambient=291.15),
+    "load +20 %": Bench(load=1.2),
+    "load -20 %": Bench(load=0.8),
+    "crimps": Bench(cells=4.0),
+}
+"""Benches that no model has seen."""
+
+
+@cache
+def elsewhere(variant: str) -> Sampled:
+    """The validation record of another bench; with a fan, of more power."""
+    bench = VARIANTS[variant]
+    return records.record(records.validation().scaled(bench.fan), bench)
+
+
+@cache
+def abroad(model: str, variant: str) -> Score:
+    """The position by a model on another bench."""
+    return judged(models.model(model), elsewhere(variant), model)
+
+
+@cache
+def rest(model: str) -> float:
+    """Largest position that a model gives in a minute without power, from the bench's rest [m]."""
+    ambient = Plant(Bench()).temperature
+    signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
+    one = models.series(model.removeprefix("series ")) if model.startswith("series") else (
+        models.model(model)
+    )  # fmt: skip
+    still = np.full((30_000, 1), signal)
+    return float(np.abs(one.simulate(still)[:, -1]).max())

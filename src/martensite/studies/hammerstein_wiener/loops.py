@@ -1,0 +1,96 @@
+"""Controllers tuned on models alone, and what the models and the bench then do under them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from martensite.control.closed_loop import ControlledModel, Trajectory
+from martensite.control.pid import Gains
+from martensite.control.response import StepResponse, step_responses
+from martensite.control.tuning import Tuned, tune
+from martensite.identify.chains.chain import Chain
+from martensite.studies.hammerstein_wiener import loop, models
+from martensite.studies.hammerstein_wiener.bench import INTERVAL
+from martensite.studies.hammerstein_wiener.judged import fit
+
+LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis", "whole")
+"""Models that controllers are tuned on: second stages behind stage 1, and the whole one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Both:
+    """A model and the bench under the same gains."""
+
+    tuned: Tuned
+    model: Trajectory
+    bench: Trajectory
+
+    @property
+    def likeness(self) -> float:
+        """Fit of the trajectory of the model to that of the bench [%]."""
+        return fit(self.bench.output, self.model.output)
+
+    def responses(self) -> list[tuple[StepResponse, StepResponse]]:
+        """Every step, by model and bench."""
+        rows = (step_responses(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
+        return list(zip(*rows, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Sines:
+    """The same following a sine; root mean squares after the first 20 s."""
+
+    model: Trajectory
+    bench: Trajectory
+
+    @property
+    def tracking(self) -> float:
+        """Of the bench against the reference [m]."""
+        return _rms(self.bench.reference - self.bench.output)
+
+    @property
+    def apart(self) -> float:
+        """Of the bench against the model [m]."""
+        return _rms(self.bench.output - self.model.output)
+
+
+def _rms(error: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(error[round(loop.SINE_SCORED / INTERVAL) :] ** 2)))
+
+
+@cache
+def controlled(name: str) -> ControlledModel:
+    """A model of the study with its position in a loop."""
+    chain: Chain = models.model("whole") if name == "whole" else models.series(name)
+    return ControlledModel(chain)
+
+
+@cache
+def gains(name: str) -> Tuned:
+    """Gains found on a model alone."""
+    return tune(controlled(name), loop.TUNING)
+
+
+@cache
+def steps(name: str) -> Both:
+    """Both on a staircase."""
+    reference, found = loop.staircase(), gains(name)
+    return Both(
+        found, controlled(name).run(found.gains, reference),
+        loop.controlled(found.gains, reference),
+    )  # fmt: skip
+
+
+@cache
+def sines(name: str) -> Sines:
+    """Both on a sine."""
+    reference, found = loop.sine(), gains(name).gains
+    return Sines(controlled(name).run(found, reference), loop.controlled(found, reference))
+
+
+def moved(found: Gains) -> float:
+    """How far the bench gets under some gains [m]."""
+    return float(np.ptp(loop.controlled(found, loop.staircase()).output))
