@@ -21,7 +21,10 @@ from martensite.elements.limits import Limits
 from martensite.io.scenario import Run
 from martensite.thermal.base import Environment
 
-DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration")
+DRAWN = (
+    "migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration",
+    "hammerstein-wiener",
+)  # fmt: skip
 """Studies whose figure is shown; the others need a record that may be absent."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
