@@ -14,7 +14,9 @@ from command import Command
 from first_order import LINE, STRUCTURE, log, pulses, ramps
 
 from martensite.cli import identify_run
+from martensite.cli.identify_columns import chosen
 from martensite.cli.identify_show import warnings
+from martensite.errors import InputError
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
@@ -47,6 +49,21 @@ def test_a_single_stage() -> None:
     assert "validation" in text
     assert "no proof" not in text
     assert "poor optimum" not in text
+
+
+def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:
+    rows = Path("pulses.csv").read_text(encoding="utf-8").splitlines()
+    assert rows[0].split(",")[3].startswith("position")
+    two = [",".join(row.split(",")[:3]) for row in rows]
+    Path("two.csv").write_text("\n".join([*two, ""]), encoding="utf-8")
+    assert chosen("two.csv", [], None, []) == (["duty"], "temperature")
+    assert chosen("two.csv", [], "temperature", []) == (["duty"], "temperature")
+    assert chosen("pulses.csv", [], None, ["temperature", "position"]) == (["duty"], "position")
+    assert chosen("pulses.csv", ["duty"], None, ["temperature"]) == (["duty"], "temperature")
+    with pytest.raises(InputError, match="--input, a column of the logs: `duty`, `temperature`"):
+        chosen("pulses.csv", [], None, [])
+    with pytest.raises(InputError, match="--output"):
+        chosen("pulses.csv", ["duty"], None, [])
 
 
 def test_without_another_record_nothing_is_proved() -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import typer
 
+from martensite.cli.identify_columns import chosen
 from martensite.cli.options import quantity
 from martensite.cli.outputs import Outputs, parts
 from martensite.cli.waiting import share_bar, spinner
@@ -57,23 +58,30 @@ class Given:
                 "Identification needs --stage, blocks such as `poly2 | oe(3,3,1) | pwl10`, or "
                 "--search, a pattern of them; give one of the two."
             )
-        if not self.inputs or self.output is None:
-            lacking = "--output" if self.inputs else "--input"
-            raise InputError(f"Identification needs {lacking}, a column of the logs; none given.")
         texts = [self.search] if self.search is not None else list(self.stages)
+        output = self.output or ""
         read = [
-            Stage.read(text, self.output if k == len(texts) else None)
+            Stage.read(text, output if k == len(texts) else None)
             for k, text in enumerate(texts, start=1)
         ]
-        if read[-1].outputs != Stage("", self.output).outputs:
+        if read[-1].outputs != Stage("", output).outputs:
             raise InputError(
-                f"The last stage gives `{read[-1].output}`, but --output is `{self.output}`."
+                f"The last stage gives `{read[-1].output}`, but --output is `{output}`."
             )
         return read
 
-    def columns(self) -> list[str]:
-        """Columns that go in."""
-        return [name.strip() for text in self.inputs for name in text.split(",") if name.strip()]
+    def completed(self) -> Given:
+        """With the columns that the first log leaves no choice of.
+
+        Raises:
+            InputError: it leaves a choice.
+        """
+        given = [name.strip() for text in self.inputs for name in text.split(",") if name.strip()]
+        arrows = [text.partition("->")[2].strip() for text in self.stages]
+        named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
+        last = arrows[-1] if arrows else ""
+        inputs, output = chosen(self.logs[0], given, self.output or last or None, named)
+        return replace(self, inputs=inputs, output=output)
 
     def records(self, outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
         """Records to fit, to validate with, and others, all of one sample time."""
@@ -93,7 +101,7 @@ class Given:
     def _read(self, log: str, outputs: Sequence[str], interval: float | None) -> Sampled:
         from martensite.io.sampled_files import read_sampled
 
-        return read_sampled(log, self.columns(), outputs, interval, self._units())
+        return read_sampled(log, self.inputs, outputs, interval, self._units())
 
     def _units(self) -> dict[str, str]:
         found: dict[str, str] = {}
@@ -127,6 +135,7 @@ def run_identify(given: Given, outputs: Outputs, json: bool) -> bool:
     from martensite.cli import show
     from martensite.cli.identify_show import as_dict, print_identified
 
+    given = given.completed()
     stages = given.planned()
     with spinner("reading logs"):
         names = list(dict.fromkeys(name for stage in stages for name in stage.outputs))

@@ -1,0 +1,54 @@
+"""Which columns go in and which come out, where the command line does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from martensite.errors import InputError
+
+
+def columns_of(log: str) -> list[str]:
+    """Names of the columns of a text log, without its time; none for logs of other kinds."""
+    from martensite.io.sampled_files import TEXT
+    from martensite.io.tables import read_table
+
+    if not log.startswith("data:") and not log.lower().endswith(TEXT):
+        return []
+    return [name for name in read_table(log, gaps=True, interval=None).columns if name != "time"]
+
+
+def chosen(
+    log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]
+) -> tuple[list[str], str]:
+    """Inputs and last output: those given, else what alone is left in the log.
+
+    Args:
+        log: the first log.
+        inputs: columns given as inputs.
+        output: the column given as output.
+        named: columns that stages name as what they give, in their order.
+
+    Raises:
+        InputError: the log leaves a choice.
+    """
+    if inputs and output is not None:
+        return list(inputs), output
+    found = columns_of(log)
+    free = [name for name in found if name not in (*inputs, *named, output)]
+    if not inputs:
+        last = output is not None or bool(named)
+        if len(free) != (1 if last else 2):
+            raise InputError(_lacking("--input", found))
+        inputs, free = free[:1], free[1:]
+    if output is None and named:
+        output = named[-1]
+    if output is None:
+        if len(free) != 1:
+            raise InputError(_lacking("--output", found))
+        output = free[0]
+    return list(inputs), output
+
+
+def _lacking(option: str, found: Sequence[str]) -> str:
+    listed = f": {', '.join(f'`{name}`' for name in found)}" if found else ""
+    return f"Identification needs {option}, a column of the logs{listed}; none given."
