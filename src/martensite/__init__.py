@@ -20,9 +20,14 @@ globals().pop("simulate", None)
 if TYPE_CHECKING:
     from martensite.control.averaging import Averaging as Averaging
     from martensite.control.averaging import compare_averaging as compare_averaging
+    from martensite.control.closed_loop import ControlledModel as ControlledModel
     from martensite.control.constant_power import ConstantPower as ConstantPower
     from martensite.control.latched import LatchedOnOff as LatchedOnOff
     from martensite.control.on_off import OnOff as OnOff
+    from martensite.control.pid import Gains as Gains
+    from martensite.control.pid import Pid as Pid
+    from martensite.control.tuning import Tuning as Tuning
+    from martensite.control.tuning import tune as tune
     from martensite.electrical.current import CurrentSource as CurrentSource
     from martensite.electrical.furst_seelecke import (
         FurstSeeleckeResistance as FurstSeeleckeResistance,
@@ -44,6 +49,8 @@ if TYPE_CHECKING:
     from martensite.errors import InputError as InputError
     from martensite.errors import MartensiteError as MartensiteError
     from martensite.errors import SolveError as SolveError
+    from martensite.export.control_systems import to_control as to_control
+    from martensite.export.control_systems import to_state_space as to_state_space
     from martensite.export.mjcf import bridge_of as bridge_of
     from martensite.export.mjcf import tendon_signals as tendon_signals
     from martensite.export.mjcf import to_mjcf as to_mjcf
@@ -52,6 +59,18 @@ if TYPE_CHECKING:
     from martensite.export.mujoco_render import render_mujoco as render_mujoco
     from martensite.export.mujoco_rest import holding_tensions as holding_tensions
     from martensite.export.mujoco_result import MujocoResult as MujocoResult
+    from martensite.identify.blocks.shared.play import PlaySum as PlaySum
+    from martensite.identify.chains.chain import Chain as _BlockChain
+    from martensite.identify.chains.estimate import estimate as _estimate_model
+    from martensite.identify.chains.linearise import linearise as linearise
+    from martensite.identify.chains.linearise import static_curve as static_curve
+    from martensite.identify.chains.options import Options as _EstimateOptions
+    from martensite.identify.chains.search import search as _search_structures
+    from martensite.identify.chains.stages import Stage as Stage
+    from martensite.identify.chains.stages import identify_stages as identify_stages
+    from martensite.identify.chains.uncertainty import uncertainty as _model_uncertainty
+    from martensite.identify.chains.validation import validate as _validate_model
+    from martensite.identify.chains.written import parse_chain as parse_chain
     from martensite.identify.estimate import Estimate as Estimate
     from martensite.identify.film import FilmFit as FilmFit
     from martensite.identify.film import fit_film as fit_film
@@ -85,9 +104,15 @@ if TYPE_CHECKING:
     from martensite.io.fitting.api import fit as fit
     from martensite.io.fitting.api import read_problem as read_problem
     from martensite.io.material_files import write_material as write_material
+    from martensite.io.model_files import read_model as read_model
+    from martensite.io.model_files import write_model as write_model
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
     from martensite.io.netcdf import to_dataset as to_dataset
+    from martensite.io.public_benchmarks import read_silverbox as read_silverbox
+    from martensite.io.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein
+    from martensite.io.sampled_files import read_sampled as read_sampled
+    from martensite.io.sampled_files import write_sampled as write_sampled
     from martensite.io.scenario import Scenario as Scenario
     from martensite.io.scenario import load as load
     from martensite.io.staircase import plateaus as plateaus
@@ -138,12 +163,18 @@ if TYPE_CHECKING:
     from martensite.plot.fit_likelihood import plot_likelihood as plot_likelihood
     from martensite.plot.fit_residuals import plot_fit_residuals as plot_fit_residuals
     from martensite.plot.law_paths import plot_point as plot_point
+    from martensite.plot.model import plot_model as plot_model
+    from martensite.plot.model import plot_model_loop as plot_model_loop
+    from martensite.plot.model_tests import plot_model_tests as plot_model_tests
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
     from martensite.plot.profile import plot_profile as plot_profile
     from martensite.plot.tangents import plot_tangents as plot_tangents
     from martensite.plot.workspace import plot_workspace as plot_workspace
     from martensite.report.fit_report import write_report as write_report
+    from martensite.report.model_report import write_model_report as write_model_report
+    from martensite.sensors.infrared import InfraredSensor as InfraredSensor
+    from martensite.sensors.position import PositionSensor as PositionSensor
     from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
     from martensite.signals.held import Held as Held
@@ -151,6 +182,9 @@ if TYPE_CHECKING:
     from martensite.signals.ramp import Ramp as Ramp
     from martensite.signals.records import Record as Record
     from martensite.signals.records import table_waveform as table_waveform
+    from martensite.signals.sampling.resampling import resampled as resampled
+    from martensite.signals.sampling.sampled import Sampled as Sampled
+    from martensite.signals.sampling.trends import detrended as detrended
     from martensite.signals.sine import Sine as Sine
     from martensite.signals.staircase import Staircase as Staircase
     from martensite.signals.step import Step as Step
@@ -192,6 +226,13 @@ if TYPE_CHECKING:
     from martensite.thermal.radiation import Radiation as Radiation
 
     __version__: str
+    # Names that are others at home; an import under another name is not public by itself.
+    BlockChain = _BlockChain
+    EstimateOptions = _EstimateOptions
+    estimate_model = _estimate_model
+    model_uncertainty = _model_uncertainty
+    search_structures = _search_structures
+    validate_model = _validate_model
 
 _HOME = {
     "Actuator": "system.actuator",
@@ -206,6 +247,7 @@ _HOME = {
     "BeamModes": "mechanisms.shared.beam_modes",
     "BeamMotor": "mechanisms.beam_motor",
     "BiasSpring": "mechanisms.bias_spring",
+    "BlockChain": "identify.chains.chain:Chain",
     "Brinson": "laws.brinson",
     "Bundle": "elements.bundle",
     "CantileverBeam": "mechanisms.shared.beam_modes",
@@ -219,11 +261,13 @@ _HOME = {
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
     "ConstantPower": "control.constant_power",
+    "ControlledModel": "control.closed_loop",
     "CurrentSource": "electrical.current",
     "DeadWeight": "mechanisms.dead_weight",
     "Elahinia": "laws.elahinia",
     "Environment": "thermal.base",
     "Estimate": "identify.estimate",
+    "EstimateOptions": "identify.chains.options:Options",
     "Experiment": "identify.fitting.experiment",
     "FilmFit": "identify.film",
     "FilmPoints": "identify.film_points",
@@ -231,9 +275,11 @@ _HOME = {
     "Finger": "mechanisms.finger",
     "Fit": "identify.fitting.fit",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
+    "Gains": "control.pid",
     "Group": "system.actuator",
     "Hand": "mechanisms.hand",
     "Held": "signals.held",
+    "InfraredSensor": "sensors.infrared",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
     "LatchedOnOff": "control.latched",
@@ -259,9 +305,12 @@ _HOME = {
     "OnOff": "control.on_off",
     "ParallelPlatform": "mechanisms.parallel_platform",
     "PerLengthResistance": "electrical.per_length",
+    "Pid": "control.pid",
     "Plates": "mechanisms.shared.platform_kinematics",
+    "PlaySum": "identify.blocks.shared.play",
     "PointResult": "simulate.point",
     "PolynomialCooling": "thermal.polynomial",
+    "PositionSensor": "sensors.position",
     "PowerPwm": "electrical.power_pwm",
     "PowerSource": "electrical.power",
     "PrescribedTemperature": "electrical.temperature",
@@ -274,11 +323,13 @@ _HOME = {
     "Result": "simulate.result",
     "Ribbon": "elements.ribbon",
     "Rise": "identify.rise",
+    "Sampled": "signals.sampling.sampled",
     "Scenario": "io.scenario",
     "Sensitivity": "simulate.batch",
     "Sine": "signals.sine",
     "SolveError": "errors",
     "SpectralPeak": "identify.spectrum",
+    "Stage": "identify.chains.stages",
     "Staircase": "signals.staircase",
     "Step": "signals.step",
     "System": "system.single",
@@ -289,6 +340,7 @@ _HOME = {
     "TendonActuator": "export.mujoco_bridge",
     "TensileTestingMachine": "mechanisms.testing_machine",
     "Triangle": "signals.triangle",
+    "Tuning": "control.tuning",
     "VoltageSource": "electrical.voltage",
     "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
@@ -299,11 +351,15 @@ _HOME = {
     "bridge_of": "export.mjcf",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
+    "detrended": "signals.sampling.trends",
+    "estimate_model": "identify.chains.estimate:estimate",
     "fit": "io.fitting.api",
     "fit_film": "identify.film",
     "fit_rise": "identify.rise",
     "holding_tensions": "export.mujoco_rest",
+    "identify_stages": "identify.chains.stages",
     "judge_film": "identify.film_report",
+    "linearise": "identify.chains.linearise",
     "load": "io.scenario",
     "load_material": "materials.base",
     "load_wires": "materials.wires",
@@ -311,10 +367,12 @@ _HOME = {
     "material_names": "materials.base",
     "material_point": "simulate.point",
     "modal_numbers": "mechanisms.beam_motor",
+    "model_uncertainty": "identify.chains.uncertainty:uncertainty",
     "motor_constants": "identify.motor",
     "moving_average": "identify.smoothing",
     "natural_frequency": "identify.spectrum",
     "open_result": "io.netcdf",
+    "parse_chain": "identify.chains.written",
     "plateaus": "io.staircase",
     "platform_angles": "mechanisms.shared.platform_kinematics",
     "platform_lengths": "mechanisms.shared.platform_kinematics",
@@ -324,6 +382,9 @@ _HOME = {
     "plot_fit_loops": "plot.fit",
     "plot_fit_residuals": "plot.fit_residuals",
     "plot_likelihood": "plot.fit_likelihood",
+    "plot_model": "plot.model",
+    "plot_model_loop": "plot.model",
+    "plot_model_tests": "plot.model_tests",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
@@ -335,11 +396,17 @@ _HOME = {
     "problem": "identify.fitting.problem",
     "profiled": "identify.fitting.profiled",
     "reachable_angles": "mechanisms.shared.platform_workspace",
+    "read_model": "io.model_files",
     "read_problem": "io.fitting.api",
+    "read_sampled": "io.sampled_files",
+    "read_silverbox": "io.public_benchmarks",
     "read_table": "io.tables",
+    "read_wiener_hammerstein": "io.public_benchmarks",
     "render_mujoco": "export.mujoco_render",
+    "resampled": "signals.sampling.resampling",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
+    "search_structures": "identify.chains.search:search",
     "sensitivity": "simulate.batch",
     "simulate": "simulate.api",
     "simulate_batch": "simulate.batch",
@@ -347,19 +414,27 @@ _HOME = {
     "simulate_loop": "simulate.closed_loop",
     "size_wire": "sizing.candidates",
     "solve": "identify.fitting.solve",
+    "static_curve": "identify.chains.linearise",
     "steady_running": "identify.motor_tests",
     "table_waveform": "signals.records",
     "tangent_fit": "identify.tangent_fit",
     "tangent_points": "identify.tangents",
     "tendon_signals": "export.mjcf",
+    "to_control": "export.control_systems",
     "to_dataset": "io.netcdf",
     "to_mjcf": "export.mjcf",
+    "to_state_space": "export.control_systems",
+    "tune": "control.tuning",
     "unwrap_counter": "io.staircase",
+    "validate_model": "identify.chains.validation:validate",
     "winding_resistance": "identify.motor_tests",
     "write_material": "io.material_files",
+    "write_model": "io.model_files",
+    "write_model_report": "report.model_report",
     "write_report": "report.fit_report",
+    "write_sampled": "io.sampled_files",
 }
-"""Public name -> module of this package that defines it."""
+"""Public name -> module of this package that defines it, and the name there if it is another."""
 
 
 def __getattr__(name: str) -> Any:
@@ -368,7 +443,8 @@ def __getattr__(name: str) -> Any:
         return _version()
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    module, _, own = _HOME[name].partition(":")
+    value = getattr(import_module(f"{__name__}.{module}"), own or name)
     globals()[name] = value
     return value
 

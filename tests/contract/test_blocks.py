@@ -6,6 +6,8 @@ kernel, plain Python for C, and what the interface declares.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -39,7 +41,7 @@ KINKED = {
 """Blocks whose output bends, where differences are less exact."""
 
 
-def example(name: str) -> AbstractBlock:
+def example(name: str) -> Any:
     """A small block of that name; side by side stand two that differ."""
     if name == "side-by-side":
         return SideBySide(blocks=(Polynomial(degree=3.0), BLOCKS["transfer-function"]()))

@@ -17,27 +17,33 @@ import martensite
 TREE = ast.parse(Path(martensite.__file__).read_text(encoding="utf-8"))
 
 
-def imported_for_checkers() -> dict[str, str]:
+def imported_for_checkers() -> dict[str, tuple[str, str]]:
+    """Public name -> module, and name there: imported, or assigned from such an import."""
     (block,) = [node for node in TREE.body if isinstance(node, ast.If)]
-    return {
-        name.name: str(node.module)
+    found = {
+        str(name.asname): (str(node.module), name.name)
         for node in block.body
         if isinstance(node, ast.ImportFrom)
         for name in node.names
     }
+    for node in block.body:
+        if isinstance(node, ast.Assign):
+            found[ast.unparse(node.targets[0])] = found.pop(ast.unparse(node.value))
+    return found
 
 
 def test_lists_agree() -> None:
     expected = imported_for_checkers()
-    home = {name: f"martensite.{module}" for name, module in martensite._HOME.items()}
-    assert home == expected
+    home = {name: place.partition(":")[::2] for name, place in martensite._HOME.items()}
+    found = {name: (f"martensite.{where}", own or name) for name, (where, own) in home.items()}
+    assert found == expected
     assert dir(martensite) == sorted([*expected, "__version__"])
 
 
 def test_every_name_is_what_its_module_defines() -> None:
-    for name, module in imported_for_checkers().items():
+    for name, (module, own) in imported_for_checkers().items():
         found = getattr(martensite, name)
-        assert found is getattr(import_module(module), name)
+        assert found is getattr(import_module(module), own)
         assert found.__module__ == module, f"{name} is defined elsewhere"
 
 

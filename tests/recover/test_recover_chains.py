@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from martensite.errors import InputError
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.scores import fit_percent
@@ -127,3 +128,15 @@ def test_poles_are_shared_out_as_they_belong() -> None:
     start = wiener_hammerstein_starts(untrained(parse_chain(text), record), record, 2)[0]
     np.testing.assert_allclose(start.split()[0], parts[0], atol=0.2)
     np.testing.assert_allclose(start.split()[2][:2], parts[2][:2], atol=0.2)
+
+
+def test_a_search_begins_with_a_simpler_chain() -> None:
+    truth = _truth(*TRUTHS["hammerstein"])
+    record = _record(truth, 1)
+    simple = estimate("poly1 | oe(1,1,1)", record, Options(starts=1, iterations=20)).chain
+    options = Options(starts=0, refined=1, iterations=60, begin=(simple,))
+    assert _validated(truth, estimate("poly3 | oe(2,2,1)", record, options).chain) >= 99.0
+    own = Options(starts=0, refined=1, iterations=1, begin=(truth,))
+    assert _validated(truth, estimate("poly3 | oe(2,2,1)", record, own).chain) >= 99.5
+    with pytest.raises(InputError, match="cannot begin with"):
+        estimate("oe(2,2,1)", record, own)

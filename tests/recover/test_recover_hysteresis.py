@@ -6,6 +6,8 @@ no fit has seen: there the outputs without noise are reproduced to 99 %.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -75,7 +77,9 @@ def test_plays_before_a_linear_system(c_compiler: str) -> None:
     truth = hammerstein()
     made, fit = found_again(truth, HAMMERSTEIN, Options(starts=3, refined=1, iterations=60))
     assert fit > 99.0
-    plays, meant = (chain.blocks[0].operator(chain.split()[0]) for chain in (made.chain, truth))
+    blocks: list[Any] = [made.chain.blocks[0], truth.blocks[0]]
+    own = [made.chain.split()[0], truth.split()[0]]
+    plays, meant = (block.operator(theta) for block, theta in zip(blocks, own, strict=True))
     assert plays.thresholds == pytest.approx(meant.thresholds, rel=1e-9)
     assert np.abs(np.array(plays.weights) - WEIGHTS).max() < 0.03
     x = np.linspace(20.0, 80.0, 200)
@@ -98,7 +102,7 @@ def test_preisach_after_a_linear_system(c_compiler: str, seed: int) -> None:
     preisach = chain.blocks[1]
     own = preisach.drawn(np.random.default_rng(seed), 150.0, DT)
     truth = chain.with_theta(np.concatenate([[np.log(2.0)], own]))
-    made, fit = found_again(truth, text, Options(starts=1))
+    made, fit = found_again(truth, text, Options())
     assert fit > 99.0
     assert np.exp(made.chain.theta[0]) == pytest.approx(2.0, rel=0.03)
 
@@ -136,5 +140,6 @@ def test_generalised_plays_before_a_linear_system(c_compiler: str) -> None:
 def test_plays_stand_in_for_preisach(c_compiler: str) -> None:
     """Another hysteresis, of even density: plays and a curve come close."""
     chain = untrained(parse_chain("preisach(8,8) | oe(1,1,1)"), blank(1))
-    truth = chain.with_theta(np.concatenate([chain.blocks[0].line(0.1, 0.0), [np.log(0.5)]]))
+    first: Any = chain.blocks[0]
+    truth = chain.with_theta(np.concatenate([first.line(0.1, 0.0), [np.log(0.5)]]))
     assert found_again(truth, "pi12 | poly3 | oe(1,1,1)", Options(starts=4, refined=2))[1] > 98.0

@@ -1,20 +1,24 @@
 """The benchmark sections of chains still run, and judge; times say nothing here."""
 
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import sections_chains
+from benchmarks import sections_chains, sections_records
 from benchmarks.engines import available
+from benchmarks.peers import jaxsysid_fit
 from benchmarks.sections import SECTIONS, Options
 
+from martensite.errors import DataError
+from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.residuals import Aim, Squares
 
 OURS = Options(available(["ours"]), repeats=1)
 
 
 def test_the_sections_are_entered():
-    assert {"chains", "searches", "chain_memory"} <= set(SECTIONS)
+    assert {"chains", "searches", "chain_memory", "records"} <= set(SECTIONS)
 
 
 def test_ways_to_derivatives(c_compiler, monkeypatch):
@@ -45,3 +49,33 @@ def test_normal_equations_take_bounded_memory(c_compiler):
     assert peak < 0.2 * whole
     assert at_once > whole
     assert len(kept[0]) == len(record)
+
+
+def split() -> dict[str, Any]:
+    _, record = sections_chains.first_stage(600)
+    return {"estimation": record.rows(0, 400), "test": record.rows(400, None)}
+
+
+def test_records_beside_a_peer(c_compiler):
+    ours = sections_records.searched("oe(1,1,1) | poly2", Search(starts=1, iterations=5))
+    budget = jaxsysid_fit.Budget(2, 3, adam=2, lbfgs=2)
+    peers = {"linear": budget, "sandwich": budget, "network": budget}
+    task = sections_records.Task(split, [ours], peers)
+    there = jaxsysid_fit.available()
+    found = sections_records.compared("made up", task, there)
+    assert len(found.rows) == 1 + 3 * there
+    assert found.rows[0]["error ratio"] == found.rows[0]["cpu ratio"] == 1.0
+    assert all(np.isfinite(row["test [mV]"]) for row in found.rows)
+    assert there or jaxsysid_fit.VARIABLE in found.note
+
+
+def test_what_is_not_there_is_said(monkeypatch):
+    def read() -> dict[str, Any]:
+        raise DataError("The record is elsewhere.")
+
+    task = sections_records.Task(read, [], {})
+    assert sections_records.compared("made up", task, False).note == "The record is elsewhere."
+    monkeypatch.setenv(jaxsysid_fit.VARIABLE, "/nowhere/python")
+    jaxsysid_fit.available.cache_clear()
+    assert not jaxsysid_fit.available()
+    jaxsysid_fit.available.cache_clear()

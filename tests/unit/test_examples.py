@@ -16,6 +16,7 @@ from martensite.control.averaging import compare_averaging
 from martensite.errors import DataError
 from martensite.io.compare import compare
 from martensite.io.fitting.api import fit
+from martensite.io.model_files import read_provenance
 from martensite.io.scenario import Scenario, load
 from martensite.io.tables import read_table
 from martensite.simulate.result import Result
@@ -255,3 +256,19 @@ def test_isobaric_scenario_follows_its_log() -> None:
     agreement = {found.quantity: found for found in compare(scenario.run(), log)}
     assert agreement["stress"].rms < 0.02 * 100e6
     assert agreement["strain"].rms < 0.005
+
+
+def test_model_example_runs_as_its_comments_say() -> None:
+    result = load(EXAMPLES / "model_run.toml").run()
+    position = dict(zip(result.times, result["position"], strict=True))
+    assert result.steps == 500
+    assert position[0.0] == pytest.approx(0.0, abs=0.005e-3)
+    assert max(result["position"]) == pytest.approx(4.69e-3, abs=0.005e-3)
+    up, down = (min(position, key=lambda t, at=at: abs(t - at)) for at in (37.5, 62.5))
+    assert position[up] == pytest.approx(0.31e-3, abs=0.03e-3)
+    assert position[down] == pytest.approx(4.69e-3, abs=0.01e-3)
+
+
+def test_model_of_the_example_has_the_fit_of_its_comments() -> None:
+    (record,) = read_provenance(EXAMPLES / "model_run.json")["records"]
+    assert record["fit_percent"]["position"] == pytest.approx(98.8, abs=0.05)

@@ -9,7 +9,8 @@ from martensite.errors import InputError
 from martensite.identify.blocks.heated_duhem import MIDDLE, HeatedDuhem
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.estimate import Options, aims, estimate, expected
+from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.goals import aims, expected
 from martensite.identify.chains.starts import aligned
 from martensite.identify.chains.written import parse_block
 from martensite.signals.sampling.sampled import Sampled

@@ -148,11 +148,11 @@ def test_poles_next_to_one_are_recovered_from_fast_data() -> None:
     wanted = matched(np.array([slow, 0.995]), dt).numbers
     theta = np.append(wanted, 0.3)
     rng = np.random.default_rng(3)
-    u = np.repeat(rng.uniform(-1.0, 1.0, 40), 1000)[:, None]
+    u = np.repeat(rng.uniform(-1.0, 1.0, 20), 1000)[:, None]
     y = Engine([block], dt).simulate(theta, u)
     y += 0.002 * rng.normal(size=y.shape)
     chain = best_linear(_record(u, y, dt), 2)
-    found = poles(chain.blocks[0], chain.split()[0], dt)
+    found: np.ndarray = poles(chain.blocks[0], chain.split()[0], dt)
     np.testing.assert_allclose(np.log(np.sort(found.real)), np.log([0.995, slow]), rtol=0.02)
     assert np.all(found.imag == 0.0)
 
@@ -213,6 +213,23 @@ def test_several_inputs_and_outputs_are_reproduced_with_gaps_and_records() -> No
     y = engine.simulate(theta, records[0].inputs)
     start = linear_start(truth, records[0].inputs, y, DT)
     assert np.min(fit_percent(engine.simulate(theta, u), engine.simulate(start.theta, u))) > 98.0
+
+
+def test_drawn_zeros_lead_and_lag() -> None:
+    rng = np.random.default_rng(8)
+    block = TransferFunction(nb=2, nf=1, nk=0)
+    drawn = np.array([block.drawn(rng, 100.0, DT) for _ in range(400)])
+    weight = drawn[:, 1]
+    shares = [np.mean(weight > 4.0), np.mean(np.abs(weight) < 1.0), np.mean(weight < 0.0)]
+    assert min(shares) > 0.1
+
+
+def test_weights_give_the_zeros_that_they_are_for() -> None:
+    numbers, leads, dt = np.log([2.0, 3.0, 0.4]), np.array([5.0, 0.7, -0.3]), 1e-4
+    block = TransferFunction(nb=4, nf=3, nk=0)
+    theta = np.concatenate([numbers, sections.weights(3, numbers, leads)])
+    found = np.log(zeros(block, theta, dt)) / dt
+    np.testing.assert_allclose(np.sort(-1.0 / found.real), np.sort(leads), rtol=2e-3)
 
 
 @pytest.mark.usefixtures("c_compiler")

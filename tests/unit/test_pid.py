@@ -7,6 +7,7 @@ applied by hand.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -157,8 +158,9 @@ def test_it_holds_a_wire_at_a_temperature() -> None:
                 Kp=0.5, Ki=0.005, law=PidLaw(high=20.0))  # fmt: skip
     result = simulate_controlled(system, {"drive": drive}, 20.0, 0.02)
     assert result["temperature"][-1] == pytest.approx(level, abs=0.01)
-    surroundings = system.environment
-    lost = surroundings.cooling.h * system.element.surface() * (level - surroundings.temperature)
+    wire: Any = system.element
+    surroundings: Any = system.environment
+    lost = surroundings.cooling.h * wire.surface() * (level - surroundings.temperature)
     assert result["drive"][-1] == pytest.approx(lost, rel=1e-3)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from martensite.errors import DataError
+from martensite.signals.records import Record
 from martensite.signals.sampling.gridded import from_record, pieces_of_record, to_record
 from martensite.signals.sampling.periods import periods
-from martensite.signals.records import Record
 from martensite.signals.sampling.resampling import experiments, resampled, selected, split
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sampling.trends import detrended, trend

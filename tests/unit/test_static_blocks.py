@@ -5,6 +5,8 @@ Source of truth: the same formulas in NumPy and SciPy, on whole arrays.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -29,7 +31,7 @@ from martensite.identify.chains.written import parse_block, parse_chain
 from martensite.runtimes import floats
 from martensite.signals.sampling.sampled import Sampled
 
-RANGE = {"low": -2.0, "high": 6.0}
+RANGE: dict[str, Any] = {"low": -2.0, "high": 6.0}
 X = np.linspace(-5.0, 9.0, 57)
 R = (X - 2.0) / 4.0
 RNG = np.random.default_rng(8)
@@ -38,6 +40,11 @@ RNG = np.random.default_rng(8)
 def outputs(block, theta, at=X):
     """Outputs at many inputs, on plain floats."""
     return np.array([block.value(floats, list(theta), float(x)) for x in at])
+
+
+def parsed(text: str) -> Any:
+    """The blocks of a chain, of whatever kind they are."""
+    return parse_chain(text)
 
 
 def shown(block, theta):
@@ -78,7 +85,7 @@ class TestPiecewiseLinear:
     def test_without_offset_it_has_one_number_less_and_passes_zero(self):
         block = self.BLOCK.with_parts(offset="no")
         with_it = outputs(self.BLOCK, [0.0, *self.THETA[1:]])
-        at_zero = outputs(self.BLOCK, [0.0, *self.THETA[1:]], [0.0])
+        at_zero = outputs(self.BLOCK, [0.0, *self.THETA[1:]], np.zeros(1))
         assert outputs(block, self.THETA[1:]) == pytest.approx(with_it - at_zero, abs=1e-12)
 
 
@@ -236,7 +243,8 @@ class TestSideBySide:
         block = SideBySide(blocks=self.BLOCKS)
         u = RNG.normal(size=(20, 3))
         block = block.adapted(u, 0.1)
-        assert block.blocks[0].low == u[:, 0].min()
+        polynomial: Any = block.blocks[0]
+        assert polynomial.low == u[:, 0].min()
         theta = block.drawn(np.random.default_rng(1), 2.0, 0.1)
         found = Engine([block], 0.1, compiled=False).simulate(theta, u)
         parts = block.split(theta, lambda child: len(child.numbers()))
@@ -264,14 +272,14 @@ class TestTexts:
         assert parse_block("[poly3]") == Polynomial(degree=3.0)
 
     def test_one_offset_is_left_on_every_way(self):
-        first, _, last = parse_chain("[poly2 & poly2 & gain] | ss(2,3,3) | [pwl5 & unit & sat]")
+        first, _, last = parsed("[poly2 & poly2 & gain] | ss(2,3,3) | [pwl5 & unit & sat]")
         assert [child.offset for child in first.blocks] == ["no"] * 3
-        first, last = parse_chain("[poly2 & poly2] | [pwl5 & unit]")
+        first, last = parsed("[poly2 & poly2] | [pwl5 & unit]")
         assert [child.offset for child in first.blocks] == ["no", "yes"]
         assert last.blocks[0].offset == "yes"
 
     def test_one_gain_is_left(self):
-        assert [b.gain for b in parse_chain("deadzone | sat")] == ["one", "free"]
+        assert [b.gain for b in parsed("deadzone | sat")] == ["one", "free"]
 
     @pytest.mark.parametrize(
         ("text", "words"),

@@ -14,12 +14,14 @@ import pytest
 from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
 
 from martensite.errors import DataError, InputError, SolveError
-from martensite.identify.chains.estimate import Options, at_rest, coarse, estimate
+from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.goals import at_rest
 from martensite.identify.chains.patterns import MOST, expanded
 from martensite.identify.chains.scored import free_run, mean_fit, scored
 from martensite.identify.chains.search import Candidate, Searched, search
 from martensite.identify.chains.search import _decided as decided
 from martensite.identify.chains.stages import Identified, Stage, identify_stages
+from martensite.identify.chains.thinning import coarse
 from martensite.signals.sampling.resampling import resampled, selected
 from martensite.signals.sampling.sampled import Sampled
 

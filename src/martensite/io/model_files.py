@@ -117,7 +117,7 @@ def model_provenance(found: Estimate) -> dict[str, Any]:
     """
     return {
         "by": _program(),
-        "options": dict(vars(found.options)),
+        "options": vars(found.options) | {"begin": [c.text() for c in found.options.begin]},
         "refined_fits": [float(fit) for fit in found.fits],
         "agreeing": int(found.agreeing),
         "iterations": int(found.found.iterations),

@@ -25,8 +25,8 @@ from martensite.errors import DataError, InputError, suggestion
 from martensite.files import replacing
 from martensite.io.layout import CLOCK, IGNORED, read_headings
 from martensite.io.tables import PREFIX, read_table
-from martensite.signals.sampling.gridded import from_record
 from martensite.signals.records import Record, out_of_order
+from martensite.signals.sampling.gridded import from_record
 from martensite.signals.sampling.sampled import Sampled
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")

@@ -126,21 +126,16 @@ C_DIALECT = Dialect(
 )
 
 
-def c_source(program: Program, functions: Iterable[Function], *, alike: bool = False) -> str:
-    """C of `prepare` and of some traced functions of a program, over lanes.
-
-    Lanes that are `alike` share their parameters; `prepare` is then called for one lane.
-    """
+def c_source(program: Program, functions: Iterable[Function]) -> str:
+    """C of `prepare` and of some traced functions of a program, over lanes."""
     printer = Printer(program.graph, C_DIALECT)
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
     parts = [prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
-    lane = "{}" if alike else "{} * n + l"
 
     def constant(i: int) -> str:
-        text = f"c[{lane.format(i)}]"
-        return f"({text} != 0.0)" if flags[i] else text
+        return f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
 
     printer.share(program.hoisted, constant)
     parts += [_traced(printer, function) for function in functions]
@@ -205,8 +200,12 @@ def compiler() -> str | None:
     return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc")
 
 
-def load_library(source: str) -> Any:
+def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     """Compile C source to a shared library in the cache (by hash) and load it.
+
+    Args:
+        source: the C.
+        more: further flags of the compiler, which come last.
 
     Raises:
         MartensiteError: there is no compiler, or it failed.
@@ -217,10 +216,11 @@ def load_library(source: str) -> Any:
             "The C runtime needs a C compiler and none was found; install gcc or clang, "
             "or use the runtime `floats`."
         )
-    key = hashlib.sha256(" ".join((cc, *FLAGS, _machine(), source)).encode()).hexdigest()[:24]
+    flags = (*FLAGS, *more)
+    key = hashlib.sha256(" ".join((cc, *flags, _machine(), source)).encode()).hexdigest()[:24]
     path = cache_folder() / "c" / f"{key}.so"
     if not path.exists():
-        _compile(cc, source, path)
+        _compile((cc, *flags), source, path)
     return ctypes.CDLL(str(path))
 
 
@@ -233,13 +233,17 @@ def _machine() -> str:
     return next((line for line in text.splitlines() if line.startswith("flags")), "")
 
 
-def _compile(cc: str, source: str, path: Path) -> None:
+def _compile(command: Sequence[str], source: str, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
         code.write_text(source)
-        command = [cc, *FLAGS, str(code), "-o", str(library), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [*command, str(code), "-o", str(library), "-lm"],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
         if done.returncode != 0:
-            raise MartensiteError(f"The C compiler `{cc}` failed: {done.stderr.strip()[:500]}")
+            raise MartensiteError(
+                f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}"
+            )
         library.replace(path)

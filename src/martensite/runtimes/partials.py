@@ -61,8 +61,7 @@ class _Choosing(GraphNamespace):
 
 
 class _Partials(DualNamespace):
-    """Dual numbers with sparse tangents; loops over what has none stay loops, others are
-    written out."""
+    """Dual numbers with sparse tangents; loops over what has none stay loops."""
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         if any(isinstance(s, Dual) for s in state):

@@ -79,6 +79,26 @@ class AbstractBlock(Parametrised):
         """Random values to begin with, for records of some duration [s]."""
         return self.start()
 
+    def twin(self) -> AbstractBlock | None:
+        """The linear block that it is without its nonlinear terms; itself if it is linear.
+
+        None if it has no linear dynamics of its own. A search begins at the best linear one.
+        """
+        return None
+
+    def as_linear(
+        self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
+    ) -> tuple[Self, Numbers]:
+        """The block, and free numbers with which it runs as a linear one, nonlinear terms 0.
+
+        Args:
+            linear: what `twin` gives.
+            theta: its free numbers.
+            x: what enters, shape (samples, inputs): fixed numbers may suit it.
+            dt: sample time [s].
+        """
+        return self, theta
+
     def priors(self) -> tuple[Numbers, Numbers]:
         """Expected values of the free numbers, and 1/σ of each; 0 for those of which none is known.
 

@@ -138,6 +138,18 @@ class Feedback(AbstractBlock):
         made[: int(self.order)] = sections.drawn(int(self.order), rng, duration, dt)
         return made
 
+    def twin(self) -> AbstractBlock:
+        """A transfer function of the same order, with as many numerator coefficients."""
+        delay = self.feedthrough == "no"
+        return TransferFunction(nb=self._zeros + 1, nf=self.order, nk=int(delay))
+
+    def as_linear(
+        self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
+    ) -> tuple[Feedback, Numbers]:
+        """The block and `like`."""
+        own = isinstance(linear, TransferFunction)
+        return self, self.like(linear, theta, dt) if own else self.start()
+
     def like(self, linear: TransferFunction, theta: Numbers, dt: float) -> Numbers:
         """Free numbers with which it is a transfer function, nothing fed back: a start for a fit.
 

@@ -4,9 +4,11 @@
 
 A, B, C are those of the linear block (`state_space`), so that without nonlinear terms this is the
 best linear approximation. The monomials are of the states before the sample and of the input, on
-the scale of the range of the input, (v - c)/h and Δ/(h √d₂), and limited to three times that range:
-what they feed back is bounded, and so is the whole, whatever E and F are. The general block where
-nothing is known of where the nonlinearity sits; it has many numbers, so keep order and degree low.
+the scale of the range of the input, (v - c)/(h g) and Δ/(h g √d₂), u as (u - c)/h, and limited to
+1.5 times that range: what they feed back is bounded, and so is the whole, whatever E and F are.
+c and h are middle and half width of the range of the input; g is the reach of the states beyond
+it, as that of a resonance. The general block where nothing is known of where the nonlinearity
+sits; it has many numbers, so keep order and degree low.
 
 Source: Paduart et al. 2010.
 """
@@ -17,15 +19,20 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from martensite.identify.blocks.base import BLOCKS, Column, Numbers
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.shared.fixed_point import fixed_point
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.parameters import option, param
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
-FARTHEST = 3.0
+FARTHEST = 1.5
 """Limit of what enters a monomial, in half widths of the range."""
+USUAL = 3.0
+"""Size of usual nonlinear terms; the weak pull to 0 tames those that records do not tell."""
+LEAST = 1e-3
+"""Least reach of the states."""
 
 
 @BLOCKS.register("nonlinear-state-space")
@@ -34,7 +41,7 @@ class NonlinearStateSpace(StateSpace):
 
     short = "nlss"
     shape = ("order", "degree", "outs", "nk")
-    fixed = ("low", "high")
+    fixed = ("low", "high", "reach")
     linear = False
 
     order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
@@ -51,6 +58,7 @@ class NonlinearStateSpace(StateSpace):
     )
     low: float = param("1", "lower end of the range of the input", default=-1.0)
     high: float = param("1", "upper end of the range of the input", default=1.0)
+    reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
 
     def monomials(self) -> list[tuple[int, ...]]:
         """The variables that each is a product of: states from 0 on, then the input."""
@@ -75,14 +83,15 @@ class NonlinearStateSpace(StateSpace):
     ) -> list[Scalar]:
         """h φ."""
         half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
+        wide = half * self.reach
         scaled: list[Scalar] = []
         for k, value in enumerate(held):
             away = k - int(self.order) % 2
             if away > 0 and away % 2:  # the change in a section of second order
                 d2 = sections.second_order(xp, poles[k - 1], poles[k], dt).d2
-                scaled.append(value / (half * xp.sqrt(d2)))
+                scaled.append(value / (wide * xp.sqrt(d2)))
             else:
-                scaled.append((value - middle) / half)
+                scaled.append((value - middle) / wide)
         scaled.append((u - middle) / half)
         limited = [xp.clip(r, -FARTHEST, FARTHEST) for r in scaled]
         return [half * _product(limited, monomial) for monomial in self.monomials()]
@@ -146,11 +155,42 @@ class NonlinearStateSpace(StateSpace):
         spread = high - low if high > low else max(abs(high), 1.0)
         return self.with_parts(low=low, high=low + spread)
 
+    def twin(self) -> AbstractBlock:
+        """The linear system."""
+        return StateSpace(order=self.order, outs=self.outs, nk=self.nk, offset=self.offset)
+
+    def as_linear(
+        self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
+    ) -> tuple[NonlinearStateSpace, Numbers]:
+        """The linear system, with the reach that its states have under an input."""
+        made = np.zeros(len(self.numbers()))
+        made[: self._linear] = theta
+        return self.with_parts(reach=self._reached(theta, x[:, 0], dt)), made
+
+    def _reached(self, theta: Numbers, x: Numbers, dt: float) -> float:
+        """Greatest departure of a state from the middle of the input, in half widths of that."""
+        n = int(self.order)
+        poles, state = [float(p) for p in theta[:n]], sections.resting(n, float(x[0]))
+        half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
+        most = 0.0
+        for u in map(float, x):
+            made = sections.cascade(floats, n, poles, state, u, dt)
+            state = made.state
+            pairs = zip(made.signals, made.unit_gain, strict=True)
+            most = max(most, *(abs(v - middle * gain) for v, gain in pairs))
+        return max(most / half, LEAST)
+
     def start(self) -> Numbers:
         """The linear system."""
         made = np.zeros(len(self.numbers()))
         made[: self._linear] = super().start()[: self._linear]
         return made
+
+    def priors(self) -> tuple[Numbers, Numbers]:
+        """Nonlinear terms are not huge; nothing is expected of the linear system."""
+        weights = np.zeros(len(self.numbers()))
+        weights[self._linear :] = 1.0 / USUAL
+        return np.zeros(len(weights)), weights
 
     def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """A random linear system with small nonlinear terms."""

@@ -107,6 +107,10 @@ class StateSpace(AbstractBlock):
                 y[j] = y[j] + weight * signal
         return y, (*line[: nk * m], *made.state)
 
+    def twin(self) -> AbstractBlock:
+        """Itself."""
+        return self
+
     def start(self) -> Numbers:
         """Time constants of one second, inputs alike, the last section as the outputs."""
         n, m, p = int(self.order), self.inputs, self.outputs

@@ -17,6 +17,9 @@ from martensite.identify.blocks.shared import sections
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
+RIGHT = 0.2
+"""Share of drawn zeros in the right half plane."""
+
 
 @BLOCKS.register("transfer-function")
 class TransferFunction(AbstractBlock):
@@ -64,10 +67,23 @@ class TransferFunction(AbstractBlock):
         return (y + rest * signals[0],), (*line[:-1], *made.state, *[w, *past][: self._taps])
 
     def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Time constants spread over a thousandth to a quarter of the record; zeros anywhere."""
+        """Time constants spread over a thousandth to a quarter of the record, of zeros as well.
+
+        One zero in five is to the right, where the output first moves the wrong way.
+        """
+        nf, nb = int(self.nf), int(self.nb)
         made = rng.uniform(-0.3, 1.3, len(self.numbers()))
-        made[: int(self.nf)] = sections.drawn(int(self.nf), rng, duration, dt)
+        made[:nf] = sections.drawn(nf, rng, duration, dt)
+        count = min(nb - 1, nf)
+        if count:
+            leads = np.exp(rng.uniform(*sections.spread(duration, dt), count))
+            leads *= np.where(rng.random(count) < RIGHT, -1.0, 1.0)
+            made[nf : nf + count] = sections.weights(nf, made[:nf], leads)
         return made
+
+    def twin(self) -> AbstractBlock:
+        """Itself."""
+        return self
 
     def start(self) -> Numbers:
         """Poles about one second apart in scale, and no zeros that matter."""

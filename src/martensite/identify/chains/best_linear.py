@@ -10,11 +10,10 @@ linear blocks, whatever the static ones are (Bussgang's theorem): a start for th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.errors import InputError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
@@ -23,11 +22,12 @@ from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain, untrained
-from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.impulse_response import Pair, impulse_response
 from martensite.identify.chains.levenberg import minimise
+from martensite.identify.chains.linear_weights import LinearStart, weighted
 from martensite.identify.chains.realisation import Matched, Realised, entering, matched, realised
 from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.thinning import thinned
 from martensite.runtimes import floats
 from martensite.signals.sampling.sampled import Sampled
 
@@ -37,18 +37,8 @@ SCORED = 20_000
 """Samples over which poles found at several sample times are compared."""
 FEWEST = 200
 """Samples that a record must keep to be seen at a longer sample time."""
-
-
-class LinearStart(NamedTuple):
-    """Numbers with which y ≈ gain · block(w) + offset."""
-
-    theta: Numbers
-    gain: float
-    """1 for a block whose gain is free."""
-    offset: float
-    """0 for a block with offsets of its own, or of several outputs."""
-    error: float
-    """Sum of squared errors over the outputs' variances."""
+Linear: TypeAlias = TransferFunction | StateSpace
+"""Blocks that these starts are for."""
 
 
 def linear_start(
@@ -66,7 +56,7 @@ def linear_start(
         InputError: the block is neither an `oe` nor an `ss`.
         DataError: too few samples are known.
     """
-    if not isinstance(block, TransferFunction | StateSpace):
+    if not isinstance(block, TransferFunction | StateSpace) or not block.linear:
         raise InputError(f"Block `{block.text()}` is no `oe` or `ss`; there is no start for it.")
     pairs = _paired(w, y)
     short = _shortened(pairs)
@@ -95,18 +85,42 @@ def best_linear(
     records = (records,) if isinstance(records, Sampled) else tuple(records)
     first = max(records, key=len)
     ins, outs = first.inputs.shape[1], first.outputs.shape[1]
-    block: AbstractBlock = StateSpace(order=order, ins=ins, outs=outs, nk=nk, offset="yes")
-    single = (ins, outs) == (1, 1)
-    if single:
+    block: Linear = StateSpace(order=order, ins=ins, outs=outs, nk=nk, offset="yes")
+    if (ins, outs) == (1, 1):
         block = TransferFunction(nb=order + (nk == 0), nf=order, nk=nk)
-    chain = untrained([block, Polynomial(degree=1)] if single else [block], first)
-    known = [(r.inputs, _skipped(r.outputs, skip)) for r in records]
-    start = linear_start(block, [u for u, _ in known], [y for _, y in known], first.interval)
-    theta = start.theta
+    known = [r.with_outputs(_skipped(r.outputs, skip)) for r in records]
+    return polished(block, known, "rest", skip, iterations)
+
+
+def polished(
+    block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0,
+    iterations: int = 60,
+) -> Chain:  # fmt: skip
+    """A linear block, with the line that its gain and offset need, refined from its start.
+
+    Args:
+        block: an `oe` or `ss`.
+        records: one or several, of one sample time.
+        start: state at the first sample: `rest`, `zero`, `estimate`.
+        skip: samples at the start of every record that do not count.
+        iterations: most steps of the search; 0 leaves the start.
+
+    Raises:
+        DataError: too few samples are known.
+    """
+    first = max(records, key=len)
+    lined = block.outputs == 1 and (isinstance(block, TransferFunction) or block.offset == "no")
+    chain = untrained([block, Polynomial(degree=1)] if lined else [block], first)
+    found = linear_start(
+        block, [r.inputs for r in records], [r.outputs for r in records], first.interval
+    )
+    theta = found.theta
     if isinstance(line := chain.blocks[-1], Polynomial):
-        theta = np.concatenate([theta, line.line(start.gain, start.offset)])
-    squares = Squares(chain.engine, [Aim(record, skip) for record in records])
-    return chain.with_theta(minimise(squares, theta, iterations).theta if iterations else theta)
+        theta = np.concatenate([theta, line.line(found.gain, found.offset)])
+    squares = Squares(chain.engine, [Aim(record, skip, None, start) for record in records])
+    if iterations:
+        theta = minimise(squares, squares.extended(theta), iterations).theta[: len(theta)]
+    return chain.with_theta(theta)
 
 
 def _skipped(y: Numbers, skip: int) -> Numbers:
@@ -142,22 +156,6 @@ def _factors(pairs: Sequence[Pair]) -> list[int]:
     """Multiples of the sample time at which records are looked at."""
     longest = max(len(u) for u, _ in pairs)
     return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= FEWEST]
-
-
-def thinned(pairs: Sequence[Pair], factor: int) -> list[Pair]:
-    """Records averaged over so many samples, inputs and outputs alike."""
-    if factor <= 1:
-        return list(pairs)
-    made: list[Pair] = []
-    for u, y in pairs:
-        count = len(u) // factor
-        if count:
-            blocks = y[: count * factor].reshape(count, factor, -1)
-            known = np.isfinite(blocks)
-            sums, counts = np.where(known, blocks, 0.0).sum(axis=1), known.sum(axis=1)
-            mean = np.where(2 * counts >= factor, sums / np.maximum(counts, 1), np.nan)
-            made.append((u[: count * factor].reshape(count, factor, -1).mean(axis=1), mean))
-    return made
 
 
 def _found(
@@ -201,74 +199,3 @@ def _mixing(
     own = sections.poles(n, found.numbers, dt)
     b = entering(joined, z[found.places], Realised(a, fed[:, :1], model.c), own)
     return np.linalg.solve(fed, b)[:, :-1].ravel()
-
-
-def weighted(
-    block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float
-) -> LinearStart:
-    """The start with given first numbers; all others are linear and follow from least squares."""
-    theta = np.zeros(len(block.numbers()))
-    theta[: len(known)] = known
-    own = _weighing(block, len(known))
-    found, error = _squares(Engine([block], dt), theta, own, pairs)
-    if not np.isfinite(error):
-        return LinearStart(theta, 1.0, 0.0, np.inf)
-    if isinstance(block, TransferFunction):
-        gain = float(found[0, 0])
-        least = 1e-3 * float(np.abs(found[:-1, 0]).max())
-        gain = gain if abs(gain) > least else max(least, 1e-300)
-        theta[own] = found[1:-1, 0] / gain
-        return LinearStart(theta, gain, float(found[-1, 0]), error)
-    # C and D row by row, then the offsets
-    n, d = int(block.order), block.inputs * (block.nk < 1.0)
-    parts = [found[:n].T.ravel(), found[n : n + d].T.ravel()]
-    if block.offset == "yes":
-        parts.append(found[-1])
-    theta[len(known) :] = np.concatenate(parts)
-    single = block.offset == "no" and block.outputs == 1
-    return LinearStart(theta, 1.0, float(found[-1, 0]) if single else 0.0, error)
-
-
-def _weighing(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
-    """Places of the linear numbers; those of the first output, as all sum the same signals."""
-    first = ("weight", "c1_", "d1_")
-    names = block.numbers()
-    return np.array([i for i in range(known, len(names)) if names[i].startswith(first)], np.intp)
-
-
-def _squares(
-    engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
-) -> tuple[Numbers, float]:
-    """Weights of the signals and a constant (the last), and the error over the variances."""
-    outputs = np.concatenate([y for _, y in pairs])
-    outs = outputs.shape[1]
-    total: Numbers | None = None
-    for x, y in _signals(engine, theta, own, pairs):
-        rows = np.hstack([x, y])
-        rows = rows if total is None else np.vstack([total, rows])
-        if not np.all(np.isfinite(rows)):
-            return np.zeros((0, 0)), np.inf
-        total = np.asarray(np.linalg.qr(rows, mode="r"))
-    if total is None or len(total) < total.shape[1]:
-        return np.zeros((0, 0)), np.inf
-    count = total.shape[1] - outs
-    top, right = total[:count, :count], total[:count, count:]
-    scale = np.maximum(np.linalg.norm(top, axis=0), 1e-300)
-    found = np.linalg.lstsq(top / scale, right, rcond=1e-12)[0] / scale[:, None]
-    left = np.sum((right - top @ found) ** 2, axis=0) + np.sum(total[count:, count:] ** 2, axis=0)
-    spread = np.nanvar(outputs, axis=0)
-    return found, float(np.sum(left / np.where(spread > 0.0, spread, 1.0)))
-
-
-def _signals(
-    engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
-) -> Iterator[Pair]:
-    """What the linear numbers weigh, with a constant, and the outputs: rows known in all."""
-    single = isinstance(engine.blocks[0], TransferFunction)
-    for u, y in pairs:
-        for chunk in engine.sensitivities(theta, u):
-            known = np.all(np.isfinite(y[chunk.rows]), axis=1)
-            first = chunk.outputs[:, :1] if single else chunk.outputs[:, :0]
-            ones = np.ones((len(chunk.outputs), 1))
-            x = np.hstack([first, chunk.slopes[:, 0, own], ones])
-            yield x[known], y[chunk.rows][known]

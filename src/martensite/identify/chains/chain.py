@@ -11,7 +11,7 @@ import numpy as np
 from martensite.errors import InputError, ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.native import Taps
+from martensite.identify.chains.native_source import Taps
 from martensite.signals.sampling.sampled import Sampled
 
 

@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
-from martensite.identify.chains.native import Native, Taps
+from martensite.identify.chains.native import Native
+from martensite.identify.chains.native_columns import TILE, padded
+from martensite.identify.chains.native_source import Taps
 from martensite.identify.chains.plain import Plain
 from martensite.identify.chains.plan import Plan, plan
 from martensite.runtimes.c99 import compiler
@@ -102,7 +104,7 @@ class Engine:
         u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
         start = self.rest(theta, u[0]) if start is None else start
         state, slopes = start.state.copy(), np.array(start.slopes)
-        shape = len(self.taps), slopes.shape[1], min(chunk, len(u))
+        shape = len(self.taps), slopes.shape[1], padded(min(chunk, len(u)), TILE)
         room = np.empty(shape)
         for first in range(0, len(u), chunk):
             part = u[first : first + chunk]

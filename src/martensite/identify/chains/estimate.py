@@ -1,65 +1,40 @@
-"""Estimating a chain from records: many starts, the best refined at the full rate."""
+"""Estimating a chain from records: many starts, the best of them refined with more samples.
+
+First searches run on about 5000 samples per record, the best few go on with 25 000, and the best
+of these ends at the full rate. Records without so many samples skip a level.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from martensite.errors import InputError, SolveError
-from martensite.identify.blocks.base import AbstractBlock, Numbers
+from martensite.identify.blocks.base import AbstractBlock
+from martensite.identify.chains.begun import begun
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.checks import check_enough, check_informative, check_records
-from martensite.identify.chains.informed import PART, begins, thinnest
+from martensite.identify.chains.goals import aims, squares_of
+from martensite.identify.chains.informed import begins
 from martensite.identify.chains.levenberg import Found, minimise
-from martensite.identify.chains.noise_model import noise_model
+from martensite.identify.chains.options import Options as Options
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.scored import free_run
 from martensite.identify.chains.scores import fit_percent
+from martensite.identify.chains.thinning import MIDDLE, coarse
+from martensite.identify.chains.whitening import whitened
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampling.resampling import resampled
 from martensite.signals.sampling.sampled import Sampled
 
-COARSE = 5000
-"""Samples per record to which first searches thin long records."""
-LEAST = 20
-"""Samples that a record keeps at least when it is thinned."""
 INTERRUPTED = "interrupted"
 """What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
-TURNS = 3
-"""How often noise model and chain follow each other."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """How a chain is estimated."""
-
-    starts: int = 12
-    """Searches from different starts; 1 takes the plainest start only."""
-    refined: int = 3
-    """How many of the best go on at the full rate."""
-    iterations: int = 100
-    """Most steps of a search at the full rate; first searches take half."""
-    seed: int = 0
-    skip: int = 0
-    """Samples at the start of every record that do not count."""
-    start: str = "rest"
-    """State at the first sample: rest, zero, estimate."""
-    anchor: float = 0.0
-    """Weight of the first known outputs as those at rest, in shares of all samples."""
-    ridge: float = 0.0
-    """Pull towards the start of the last search, per sample."""
-    sigma: tuple[float, ...] = ()
-    """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
-    priors: bool = True
-    """Whether what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
-    noise: int = 0
-    """Order of the noise model; 0 minimises the simulation error, else the prediction error."""
-    threads: int = 2
+Tell = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +45,10 @@ class Estimate:
     records: tuple[Sampled, ...]
     aims: tuple[Aim, ...]
     found: Found
+    """Where the last search ended, which ran at the full rate."""
     fits: tuple[float, ...]
-    """Fit [%] at the ends of all refined searches, best first."""
+    """Fit [%] at the ends of all refined searches, best first; of long records over the thinner
+    ones that these ran on."""
     coarse: tuple[float, ...]
     """Relative costs at the ends of the first searches, best first."""
     options: Options = field(default_factory=Options)
@@ -86,11 +63,20 @@ class Estimate:
         return Squares(self.chain.engine, self.aims)
 
 
+class End(NamedTuple):
+    """Where a search ended."""
+
+    cost: float
+    """Sum of squares per known output, each over its scale."""
+    found: Found
+    chain: Chain
+
+
 def estimate(
     blocks: str | Sequence[AbstractBlock],
     records: Sampled | Sequence[Sampled],
     options: Options | None = None,
-    watch: Callable[[str, float], None] | None = None,
+    watch: Tell | None = None,
 ) -> Estimate:
     """A chain of blocks that reproduces the outputs of records in free run.
 
@@ -113,33 +99,27 @@ def estimate(
     chain = untrained(made, max(records, key=len))
     check_enough(chain, records, options.skip)
     tell = watch or (lambda text, share: None)
-    first = _searched(chain, records, options, tell)
-    ends: list[tuple[float, Found, Chain]] = []
-    for k, (_, begun) in enumerate(first[: max(options.refined, 1)]):
-        try:
-            found = refine(begun, records, options)
-        except KeyboardInterrupt:
-            if not ends:
-                raise
-            tell(INTERRUPTED, 1.0)
-            break
-        end = begun.with_theta(found.theta[: len(begun.theta)])
-        ends.append((_fit(end, records, options), found, end))
-        tell(f"refined {k + 1}", 0.5 + 0.5 * (k + 1) / min(options.refined, len(first)))
-    ends.sort(key=lambda end: end[1].value)
-    if not ends or not np.isfinite(ends[0][1].value):
+    thin, middle = coarse(records), coarse(records, MIDDLE)
+    first = _first(chain, thin, _thin(options, thin, records), tell)
+    best = [end.chain for end in first[: max(options.refined, 1)]]
+    own = _thin(options, middle, records)
+    refined = _ends(best, middle, own, _told(tell, "refined", 0.5, 0.9))
+    if not refined:
         raise SolveError(
             f"No search for `{chain.text()}` gave a model that can be simulated; try more "
             "starts, fewer units or a lower order."
         )
-    _, best, chain = ends[0]
+    last = _finished(refined, middle, records, options)
+    tell("full rate", 1.0)
     wanted = tuple(aims(records, options))
+    found, chain = last.found, last.chain
     if options.noise:
-        best, wanted = whitened(chain, best, wanted, options)
-        chain = chain.with_theta(best.theta[: len(chain.theta)])
+        found, wanted = whitened(chain, found, wanted, options)
+        chain = chain.with_theta(found.theta[: len(chain.theta)])
+    fits = (_fit(end.chain, middle, own) for end in refined)
     return Estimate(
-        chain, records, wanted, best, tuple(sorted((fit for fit, _, _ in ends), reverse=True)),
-        tuple(value for value, _ in first), options,
+        chain, records, wanted, found, tuple(sorted(fits, reverse=True)),
+        tuple(end.cost for end in first), options,
     )  # fmt: skip
 
 
@@ -157,121 +137,97 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
             )
 
 
-def aims(records: Sequence[Sampled], options: Options) -> list[Aim]:
-    """What is fitted: the records, on one scale, and what they say of rest."""
-    weights = 1.0 / _spread(records, options)
-    found = [Aim(r, options.skip, weights, options.start) for r in records]
-    if options.anchor > 0.0:
-        for record in records:
-            heavy = weights * np.sqrt(options.anchor * len(record))
-            found.append(Aim(at_rest(record), 0, heavy))
-    return found
-
-
-def at_rest(record: Sampled) -> Sampled:
-    """One sample: the first inputs, and the mean of the outputs until an input changes."""
-    moved = np.any(record.inputs != record.inputs[0], axis=1)
-    count = int(np.argmax(moved)) if moved.any() else len(record)
-    before = record.outputs[:count]
-    known = np.isfinite(before).sum(axis=0)
-    levels = np.where(known > 0, np.nansum(before, axis=0) / np.maximum(known, 1), np.nan)
-    first = record.rows(0, 1, f"{record.name} at rest")
-    return first.with_outputs(levels[None, :])
-
-
-def _spread(records: Sequence[Sampled], options: Options) -> Numbers:
-    """What a residual of every output is measured in."""
-    if not options.sigma:
-        spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
-        return np.where(spread > 0.0, spread, 1.0)
-    if len(options.sigma) != records[0].outputs.shape[1] or not min(options.sigma) > 0.0:
-        raise InputError(
-            f"`sigma` must hold a number above 0 for each of the {records[0].outputs.shape[1]} "
-            f"outputs, but is {', '.join(f'{s:g}' for s in options.sigma)}."
-        )
-    return np.array(options.sigma)
-
-
-def expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
-    """Where θ is pulled, and the 1/σ of priors: to what blocks expect, else to where it is."""
-    found = [block.priors() for block in chain.blocks]
-    centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
-    weights = weights * options.priors
-    return np.where(weights > 0.0, centres, chain.theta), weights
-
-
 def refine(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
     """The nearest minimum from the numbers of a chain, at the full rate."""
-    squares = Squares(
-        chain.engine, aims(records, options), options.ridge, *expected(chain, options)
-    )
+    squares = squares_of(chain, records, options)
     return minimise(squares, squares.extended(chain.theta), options.iterations)
 
 
-def whitened(
-    chain: Chain, found: Found, wanted: Sequence[Aim], options: Options
-) -> tuple[Found, tuple[Aim, ...]]:
-    """The minimum of the prediction error: noise model and chain in turns, from a minimum."""
-    aims_ = tuple(wanted)
-    prior = expected(chain, options)
-    for _ in range(TURNS):
-        squares = Squares(chain.engine, aims_, options.ridge, *prior)
-        left: list[Numbers] = []
-        theta = found.theta[: len(chain.theta)]
-        for aim, state in zip(aims_, squares.initial(found.theta), strict=True):
-            computed = chain.with_theta(theta).simulate(aim.record, state)
-            left.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
-        filter_ = noise_model(left, options.noise)
-        # a record of one sample, such as that of rest, has no noise to be whitened
-        aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
-        squares = Squares(chain.engine, aims_, options.ridge, *prior)
-        found = minimise(squares, found.theta, options.iterations)
-    return found, aims_
+def _thin(options: Options, thin: Sequence[Sampled], records: Sequence[Sampled]) -> Options:
+    """The options for thinner records: as long a start that does not count."""
+    return replace(options, skip=round(options.skip * records[0].interval / thin[0].interval))
 
 
-def _searched(
-    chain: Chain, records: Sequence[Sampled], options: Options,
-    tell: Callable[[str, float], None],
-) -> list[tuple[float, Chain]]:  # fmt: skip
-    """Ends of searches on thinned records, best first."""
-    thin = coarse(records)
-    factor = thin[0].interval / records[0].interval
-    slow = replace(chain, interval=thin[0].interval)
-    own = replace(options, skip=round(options.skip / factor))
+def _first(chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell) -> list[End]:
+    """Ends of first searches over thin records, from given chains and from others."""
+    slow = replace(chain, interval=records[0].interval)
+    given = [begun(slow, one, records) for one in options.begin]
     rng = np.random.default_rng(options.seed)
-    begun = begins(slow, thin, rng, options.starts)
+    begin = [*given, *begins(slow, records, rng, options.starts, options.start)]
+    half = replace(options, iterations=max(options.iterations // 2, 1))
+    return _ends(begin, records, half, _told(tell, "start", 0.0, 0.5))
 
-    def search(one: Chain) -> tuple[float, Chain]:
-        squares = Squares(one.engine, aims(thin, own), own.ridge, *expected(one, own))
-        theta = squares.extended(one.theta)
-        found = minimise(squares, theta, max(options.iterations // 2, 1))
-        end = one.with_theta(found.theta[: len(one.theta)])
-        return found.value / squares.count, replace(end, interval=chain.interval)
 
-    ends: list[tuple[float, Chain]] = []
+def _told(tell: Tell, word: str, low: float, high: float) -> Callable[[int, int], None]:
+    """What tells how many searches have ended of how many; none is an interruption."""
+
+    def told(count: int, of: int) -> None:
+        if count:
+            tell(f"{word} {count} of {of}", low + (high - low) * count / of)
+        else:
+            tell(INTERRUPTED, high)
+
+    return told
+
+
+def _ends(
+    chains: Sequence[Chain], records: Sequence[Sampled], options: Options,
+    told: Callable[[int, int], None],
+) -> list[End]:  # fmt: skip
+    """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
+    ends: list[End] = []
     with ThreadPoolExecutor(options.threads) as pool:
-        found = pool.map(search, begun)
+        found = pool.map(lambda chain: _end(chain, records, options), chains)
         try:
-            for k, end in enumerate(found):
+            for end in found:
                 ends.append(end)
-                tell(f"start {k + 1} of {len(begun)}", 0.5 * (k + 1) / len(begun))
+                told(len(ends), len(chains))
         except KeyboardInterrupt:  # go on with what there is
             pool.shutdown(wait=False, cancel_futures=True)
             if not ends:
                 raise
-            tell(INTERRUPTED, 0.5)
-    return sorted((end for end in ends if np.isfinite(end[0])), key=lambda end: end[0])
+            told(0, len(chains))
+    return sorted((end for end in ends if np.isfinite(end.cost)), key=lambda end: end.cost)
 
 
-def coarse(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
-    """Thinner records of one sample time: means over some samples, of inputs and outputs alike.
+def _end(chain: Chain, records: Sequence[Sampled], options: Options) -> End:
+    """The nearest minimum over records of any sample time."""
+    chain = replace(chain, interval=records[0].interval)
+    found = refine(chain, records, options)
+    end = chain.with_theta(found.theta[: len(chain.theta)])
+    known = sum(int(np.isfinite(r.outputs[options.skip :]).sum()) for r in records)
+    return End(found.value / known, found, end)
 
-    Where the outputs change too fast for that, only the first part of a record is taken.
+
+def _finished(
+    refined: Sequence[End], middle: Sequence[Sampled], records: Sequence[Sampled], options: Options
+) -> End:
+    """The end of the best search at the full rate.
+
+    Raises:
+        SolveError: no model that was found on thinner records can be simulated there.
     """
-    factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
-    if (kept := thinnest(records, factor)) < factor:
-        factor, records = kept, [r.rows(0, PART * kept) for r in records]
-    return [r if factor < 2 else resampled(r, ratio=float(factor)) for r in records]
+    if all(a is b for a, b in zip(middle, records, strict=True)):
+        return refined[0]
+    full = [replace(end.chain, interval=records[0].interval) for end in refined]
+    best = min(full, key=lambda chain: _cost(chain, records, options))
+    last = _end(best, records, replace(options, iterations=max(options.iterations // 4, 1)))
+    if not np.isfinite(last.cost):
+        raise SolveError(
+            f"`{best.text()}` fits thinner records, but cannot be simulated at the full rate; "
+            "thin the records or lower the order."
+        )
+    return last
+
+
+def _cost(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
+    """What a search minimises, with the best initial states where these are estimated."""
+    squares = squares_of(chain, records, options)
+    theta = squares.extended(chain.theta)
+    if options.start != "estimate":
+        return squares.value(theta)
+    free = np.arange(squares.size) >= squares.columns
+    return minimise(squares, theta, 10, free=free).value
 
 
 def _fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:

@@ -2,8 +2,11 @@
 
 The poles of a linear block between static ones are those of the best linear approximation of the
 whole (see `best_linear`), so these begin some of the searches, with static blocks as lines or as
-drawn. Ranges of static blocks are those of what reaches them then. The other searches begin at
-random, and one with the plainest numbers.
+drawn; blocks with linear dynamics of their own, such as nonlinear feedback, begin as the linear
+system that they are without their nonlinear terms, or with some of these. Ranges of the blocks are
+those of what reaches them then. Where there is hysteresis, a linear model takes it for lag and
+these ranges are too narrow: half of the searches that begin at random keep those of the plainest
+numbers, with which one search begins.
 """
 
 from __future__ import annotations
@@ -14,10 +17,10 @@ from dataclasses import replace
 import numpy as np
 
 from martensite.errors import DataError
-from martensite.identify.blocks.base import AbstractStatic, Numbers
+from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import linear_start, thinned
+from martensite.identify.chains.best_linear import Linear, linear_start, polished
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.starts import aligned, drawn
@@ -27,98 +30,110 @@ from martensite.identify.chains.wiener_hammerstein import (
 )
 from martensite.signals.sampling.sampled import Sampled
 
-LOST = 0.002
-"""Most of the variance of an output that thinning may average away."""
-WORTH = 5
-"""Least factor of thinning that is worth what it blurs."""
-PART = 12_000
-"""Samples of a record that cannot be thinned with which first searches begin."""
+POLISH = 40
+"""Steps by which a linear model is refined before nonlinear terms are added to it."""
 
 
 def begins(
-    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int
-) -> list[Chain]:
-    """Chains to start from: one the plainest, some from linear models, others at random."""
-    if count <= 1:
+    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int,
+    state: str = "rest",
+) -> list[Chain]:  # fmt: skip
+    """Chains to start from: one the plainest, some from linear models, others at random.
+
+    Args:
+        chain: the structure, adapted to a record.
+        records: one or several, of its sample time.
+        rng: what draws.
+        count: how many.
+        state: at the first sample of the records: `rest`, `zero`, `estimate`.
+    """
+    if count < 1:
+        return []
+    if count == 1:
         return [aligned(chain, records)]
     if is_wiener_hammerstein(chain.blocks) and records[0].outputs.shape[1] == 1:
-        shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
-        base = shared[0] if shared else chain
-        more = range(max(count - 1 - len(shared), 0))
-        others = [chain, *(base.with_theta(drawn(base, rng, records[0])) for _ in more)]
-        return [*shared, *(aligned(one, records) for one in others)]
-    linear = from_linear(chain, records)
-    known = linear or chain
-    plain = [b.start() for b in known.blocks]
-    made = [known.with_theta(np.concatenate([np.zeros(0), *plain]))]
+        return _shared_out(chain, records, rng, count)
+    linear = from_linear(chain, records, state)
+    made = [chain]
     if linear is not None:
         made.append(linear)
-        made += [_bent(linear, rng, records[0]) for _ in range(count // 4)]
-    more = range(count - len(made))
-    made = made[:count] + [known.with_theta(drawn(known, rng, records[0])) for _ in more]
-    return [aligned(one, records) for one in made]
+        made += [_bent(linear, rng, records[0]) for _ in range(max(count // 4, 1))]
+    for k in range(count - len(made)):
+        base = linear if linear is not None and k % 2 else chain
+        made.append(base.with_theta(drawn(base, rng, records[0])))
+    return [aligned(one, records) for one in made[:count]]
 
 
-def from_linear(chain: Chain, records: Sequence[Sampled]) -> Chain | None:
-    """The chain with its one linear block as the best linear model; None if it has not one."""
-    places = [i for i, b in enumerate(chain.blocks) if isinstance(b, TransferFunction | StateSpace)]
-    if len(places) != 1 or chain.taps is not None:
+def _shared_out(
+    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int
+) -> list[Chain]:
+    """Of linear | static | linear: one linear model shared out, then at random."""
+    shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
+    base = shared[0] if shared else chain
+    more = range(max(count - 1 - len(shared), 0))
+    others = [chain, *(base.with_theta(drawn(base, rng, records[0])) for _ in more)]
+    return [*shared, *(aligned(one, records) for one in others)]
+
+
+def linear_twin(block: AbstractBlock) -> Linear | None:
+    """The `oe` or `ss` that a block is without its nonlinear terms; None if there is none."""
+    twin = block.twin()
+    return twin if isinstance(twin, TransferFunction | StateSpace) else None
+
+
+def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -> Chain | None:
+    """The chain with its one dynamic block as the best linear model; None if it has not one."""
+    twins = [(i, twin) for i, b in enumerate(chain.blocks) if (twin := linear_twin(b)) is not None]
+    if len(twins) != 1 or chain.taps is not None:
         return None
-    place = places[0]
-    block = chain.blocks[place]
-    single = block.outputs == 1 and records[0].outputs.shape[1] == 1
+    place, twin = twins[0]
+    single = twin.outputs == 1 and records[0].outputs.shape[1] == 1
     if not single and place != len(chain.blocks) - 1:
         return None
     reaching = [chain.before(place, record) for record in records]
     try:
-        start = linear_start(block, reaching, [r.outputs for r in records], chain.interval)
+        own = _best(twin, twin is chain.blocks[place], reaching, records, state)
     except DataError:
         return None
-    if not np.isfinite(start.error) or not np.all(np.isfinite(start.theta)):
-        return None
-    parts = [start.theta if i == place else b.start() for i, b in enumerate(chain.blocks)]
-    return _readapted(chain, parts, max(records, key=len))
+    return None if own is None else _readapted(chain, place, own, max(records, key=len))
 
 
-def _readapted(chain: Chain, parts: Sequence[Numbers], record: Sampled) -> Chain:
-    """The chain with its blocks adapted to what reaches them, static ones as lines again."""
-    blocks, theta, x = list(chain.blocks), list(parts), record.inputs
+def _best(
+    twin: Linear, linear: bool, reaching: Sequence[Numbers], records: Sequence[Sampled], state: str
+) -> Numbers | None:
+    """Numbers of the best linear model; refined where nonlinear terms are to follow."""
+    if linear:
+        start = linear_start(twin, reaching, [r.outputs for r in records], records[0].interval)
+        theta = start.theta if np.isfinite(start.error) else np.full(1, np.nan)
+    else:
+        names = tuple(f"x{i + 1}" for i in range(twin.inputs))
+        pairs = zip(records, reaching, strict=True)
+        between = [replace(r, inputs=x, input_names=names, units={}) for r, x in pairs]
+        theta = polished(twin, between, state, iterations=POLISH).split()[0]
+    return theta if np.all(np.isfinite(theta)) else None
+
+
+def _readapted(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain:
+    """The chain, one block as a linear one, all adapted to what reaches them then."""
+    blocks, theta, x = list(chain.blocks), list[Numbers](), record.inputs
     for i, block in enumerate(blocks):
         blocks[i] = block.adapted(x, chain.interval)
-        if not block.linear:
-            theta[i] = blocks[i].start()
-        x = Engine([blocks[i]], chain.interval).simulate(theta[i], x)
+        numbers = blocks[i].start()
+        if i == place and (twin := linear_twin(block)) is not None:
+            blocks[i], numbers = blocks[i].as_linear(twin, own, x, chain.interval)
+        theta.append(numbers)
+        x = Engine([blocks[i]], chain.interval).simulate(numbers, x)
     return replace(chain, blocks=tuple(blocks), theta=np.concatenate([np.zeros(0), *theta]))
 
 
 def _bent(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chain:
-    """The same dynamics between static blocks as drawn."""
-    parts = [
-        b.drawn(rng, record.duration, record.interval) if isinstance(b, AbstractStatic) else own
-        for b, own in zip(chain.blocks, chain.split(), strict=True)
-    ]
+    """The same linear dynamics, between static blocks and with nonlinear terms as drawn."""
+    parts: list[Numbers] = []
+    for block, own in zip(chain.blocks, chain.split(), strict=True):
+        some = block.drawn(rng, record.duration, record.interval)
+        if isinstance(block, AbstractStatic):
+            own = some
+        elif not block.linear and block.twin() is not None:
+            own = np.where(own == 0.0, some, own)  # nonlinear terms are those that are 0
+        parts.append(own)
     return chain.with_theta(np.concatenate([np.zeros(0), *parts]))
-
-
-def thinnest(records: Sequence[Sampled], factor: int) -> int:
-    """The largest factor, up to a given one, whose averages keep the outputs' variance.
-
-    White noise, which averages away as well, is told by what averages of two samples lose.
-    """
-    if factor <= 1:
-        return factor
-    most, pair = factor, _lost(records, 2)
-    while factor > 1 and np.any(_lost(records, factor) - 2.0 * (1.0 - 1.0 / factor) * pair > LOST):
-        factor //= 2
-    return factor if factor >= min(WORTH, most) else 1
-
-
-def _lost(records: Sequence[Sampled], factor: int) -> Numbers:
-    """Share of the variance of every output that averages over some samples lose."""
-    pairs = [(r.inputs, r.outputs) for r in records]
-    means = np.concatenate([y for _, y in thinned(pairs, factor)])
-    outputs = np.concatenate([y for _, y in pairs])
-    if np.any(np.isfinite(means).sum(axis=0) < 2):
-        return np.ones(outputs.shape[1])
-    whole = np.nanvar(outputs, axis=0)
-    return 1.0 - np.nanvar(means, axis=0) / np.where(whole > 0.0, whole, 1.0)

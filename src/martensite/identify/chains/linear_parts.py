@@ -49,7 +49,7 @@ def orders(block: AbstractBlock) -> Orders | None:
     """Orders of an `oe` or `ss` of one input and one output."""
     if isinstance(block, TransferFunction):
         return Orders(int(block.nb), int(block.nf), int(block.nk))
-    if isinstance(block, StateSpace) and (block.inputs, block.outputs) == (1, 1):
+    if isinstance(block, StateSpace) and block.linear and (block.inputs, block.outputs) == (1, 1):
         n, nk = int(block.order), int(block.nk)
         return Orders(n + (nk == 0), n, nk)
     return None

@@ -127,7 +127,7 @@ class Squares:
         return total if np.isfinite(total) else np.inf
 
     def normal(self, theta: Numbers) -> Normal:
-        """The sum of squares with gradient and JᵀJ; not finite where the run is not."""
+        """The sum of squares with gradient and JᵀJ; infinite where the run is not finite."""
         with np.errstate(all="ignore"):
             return self._normal(theta)
 
@@ -148,7 +148,7 @@ class Squares:
                     square += weight**2 * (rows.T @ rows)
             gradient[where] += own
             hessian[np.ix_(where, where)] += square
-        return Normal(value, gradient, hessian)
+        return Normal(value if np.isfinite(value) else np.inf, gradient, hessian)
 
     def parts(self, theta: Numbers) -> Iterator[tuple[int, Part]]:
         """Number of the record, and weighted residuals with derivatives, piece by piece."""

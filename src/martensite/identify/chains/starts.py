@@ -28,7 +28,11 @@ def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
     the same line serves. Outputs that are proportional to a number of the last block get that
     number by least squares. A chain with neither stays as it is.
     """
-    chain = _proportional(chain, records)
+    with np.errstate(all="ignore"):  # a drawn chain may grow without bound
+        return _aligned(_proportional(chain, records), records)
+
+
+def _aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
     static = [(i, b) for i, b in enumerate(chain.blocks) if isinstance(b, AbstractStatic)]
     if not static or len(chain.output_names) != 1:
         return chain

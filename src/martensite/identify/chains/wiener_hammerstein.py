@@ -21,11 +21,12 @@ from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbe
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import linear_start, weighted
+from martensite.identify.chains.best_linear import linear_start
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.levenberg import minimise
 from martensite.identify.chains.linear_parts import Orders, orders, poles, zeros
+from martensite.identify.chains.linear_weights import weighted
 from martensite.identify.chains.realisation import matched
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.signals.sampling.sampled import Sampled

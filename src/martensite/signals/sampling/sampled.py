@@ -2,8 +2,8 @@
 
 The data object of identification. Missing outputs are NaN; missing inputs are not allowed,
 because a model cannot be run over them. Numbers are in the units that `units` names. What can be
-done with records: `signals.sampling.resampling`, `signals.sampling.trends`, `signals.sampling.periods`; from tables and back:
-`signals.sampling.gridded`.
+done with records: `resampling`, `trends` and `periods` of this package; from tables and back:
+`gridded`.
 """
 
 from __future__ import annotations

@@ -144,9 +144,47 @@ def poles(order: int, numbers: Numbers, dt: float) -> Numbers:
     return np.array([np.exp(complex(max(one.real * dt, -700.0), one.imag * dt)) for one in s])
 
 
+def spread(duration: float, dt: float) -> tuple[float, float]:
+    """Logarithms of the shortest and longest time constants [s] that a record may tell."""
+    return float(np.log(max(5.0 * dt, 1e-3 * duration))), float(np.log(0.25 * duration))
+
+
+def weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
+    """Weights of the second signal on, from the last section back, for zeros at s = -1/lead.
+
+    As many signals take part as there are zeros and one, the input of all last; as if samples
+    were dense: the signals have numerators in s of ascending degree, and the sum is to have that
+    of the zeros.
+    """
+    count = len(leads) + 1
+    matrix = np.zeros((count, count))
+    for k, signal in enumerate(_numerators(order, numbers)[:count]):
+        matrix[: len(signal), k] = signal
+    wanted = np.poly1d([1.0])
+    for lead in leads:
+        wanted = wanted * np.poly1d([lead, 1.0])
+    full = np.zeros(count)
+    full[: len(wanted.c)] = wanted.c[::-1]
+    return np.linalg.solve(matrix, full)[1:]
+
+
+def _numerators(order: int, numbers: Numbers) -> list[Numbers]:
+    """Numerators of the signals, coefficients of s^0, s^1, …, from the last section back."""
+    made: list[Numbers] = []
+    behind = np.ones(1)
+    for k in range(order - 2, -1, -2):
+        tau, zeta = np.exp(-numbers[k]), np.exp(numbers[k + 1])
+        made += [behind, np.convolve(behind, [0.0, tau])]
+        behind = np.convolve(behind, [1.0, 2.0 * zeta * tau, tau * tau])
+    if order % 2:
+        made.append(behind)
+        behind = np.convolve(behind, [1.0, np.exp(numbers[0])])
+    return [*made, behind]
+
+
 def drawn(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
     """Time constants spread over a thousandth to a quarter of a record; damping near 1."""
-    short, long = np.log(max(5.0 * dt, 1e-3 * duration)), np.log(0.25 * duration)
+    short, long = spread(duration, dt)
     made, first = np.zeros(order), order % 2
     made[:first] = rng.uniform(short, long, first)
     made[first::2] = -rng.uniform(short, long, order // 2)

@@ -1,0 +1,202 @@
+"""C of a chain: its state at rest, its simulation, and both with derivatives.
+
+Samples go through in tiles that stay in the cache, columns of derivatives as rows of a tile. A
+block without memory is evaluated for a whole tile at once, its own columns as they come. One with
+memory goes sample by sample: first its values with the partial derivatives of every sample, then
+the columns, several at a time, which need a tile laid out the other way (`native_columns`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from martensite.identify.chains.native_columns import TILE, at_once, in_sequence, room
+from martensite.identify.chains.native_kernels import Kernels
+from martensite.identify.chains.plan import Piece, Plan
+from martensite.runtimes.c99 import prelude
+
+Taps = tuple[tuple[int, int], ...]
+"""What is given out: numbers of blocks, and of their outputs."""
+
+
+def chain_source(plan: Plan, taps: Taps, extra: bool) -> str:
+    """C of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
+    columns = plan.columns + plan.states * extra
+    writer = _Writer(plan, taps, columns, Kernels(plan.program))
+    parts = [prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.kernels.prepare]
+    numbers = range(len(plan.pieces))
+    if not extra:
+        parts += [*(writer.block(k, False) for k in numbers), writer.march(False)]
+    parts += [*(writer.block(k, True) for k in numbers), writer.march(True)]
+    return "\n".join([*parts, *([] if extra else [writer.rest()])])
+
+
+@dataclass(frozen=True)
+class _Writer:
+    """The functions of one chain. `columns` is M, those of the initial state included."""
+
+    plan: Plan
+    taps: Taps
+    columns: int
+    kernels: Kernels
+
+    @property
+    def direct(self) -> bool:
+        """Whether just the outputs of the last block are given out: it may write where they go."""
+        last = len(self.plan.pieces) - 1
+        return self.taps == tuple((last, i) for i in range(self.plan.pieces[last].block.outputs))
+
+    def block(self, k: int, slopes: bool) -> str:
+        """One block over a tile: signals w[signal][TILE] are replaced."""
+        piece = self.plan.pieces[k]
+        named = self.kernels.statements(piece.step.name if slopes else f"v{piece.step.name}")
+        before, inside, after = list[str](), list[str](), list[str]()
+        if slopes:
+            make = in_sequence if piece.block.states() else at_once
+            before, inside, after = make(piece, named.results)
+        last = slopes and self.direct and k == len(self.plan.pieces) - 1
+        tail = ", double *restrict ds, double *restrict dw, double *restrict z" if slopes else ""
+        tail += ", double *restrict to, const long stride" if last else ""
+        head = [f"enum {{ lo = M - {self.plan.columns - piece.first}, count = {piece.count} }};",
+                "(void)ds; (void)dw; (void)z;"] if slopes else []  # fmt: skip
+        head += ["enum { stride = TILE };", "double *const to = dw;"] if slopes and not last else []
+        head += ["(void)to;"] if slopes else []
+        lines = [*head, *before, *_loop(piece, named.lines, named.results, inside, slopes), *after]
+        return _function(
+            f"static void block{k}{'d' if slopes else ''}(long n, const double *restrict c,\n"
+            f"    double *restrict w, double *restrict s{tail})",
+            ["(void)n; (void)c; (void)s;", *lines],
+        )
+
+    def march(self, slopes: bool) -> str:
+        """The loop over tiles; the columns of signals are dw[signal][M][TILE]."""
+        plan, inputs = self.plan, self.plan.pieces[0].block.inputs
+        state, beside, steps = 0, 0, list[str]()
+        for k, piece in enumerate(plan.pieces):
+            tail = f", ds + {state} * M, dw, z + {beside}" if slopes else ""
+            last = slopes and self.direct and k == len(plan.pieces) - 1
+            tail += ", dy, stride" if last else ""
+            steps.append(f"block{k}{'d' if slopes else ''}(n, c, w, s + {state}{tail});")
+            state += piece.block.states()
+            beside += room(piece, self.columns - plan.columns)
+            steps += self._tapped(k, slopes and not last)
+        zeros = f"memset(dw + i * M * TILE, 0, sizeof(double) * TILE * (M - {plan.columns}));"
+        scratch = [f"double *restrict z = dw + {plan.width} * TILE * M;"] if slopes else []
+        lines = [
+            f"double c[{self.kernels.constants}], w[{plan.width} * TILE] = {{0.0}};",
+            *scratch,
+            "prepare(p, c);",
+            "for (long done = 0; done < samples; done += TILE) {",
+            "    const long n = samples - done < TILE ? samples - done : TILE;",
+            f"    for (long t = 0; t < n; t++) for (long i = 0; i < {inputs}; i++)",
+            f"        w[i * TILE + t] = u[t * {inputs} + i];",
+            *([f"    for (long i = 0; i < {inputs}; i++) {zeros}"] if slopes else []),
+            *(f"    {line}" for line in steps),
+            f"    u += n * {inputs}; y += n * {len(self.taps)};{' dy += n;' if slopes else ''}",
+            "}",
+        ]
+        more = "double *restrict ds, double *restrict dw, " if slopes else ""
+        tail = ", double *restrict dy, long stride" if slopes else ""
+        name = "slopes" if slopes else "run"
+        return _function(
+            f"void {name}(long samples, const double *restrict p, const double *restrict u,\n"
+            f"    double *restrict s, {more}double *restrict y{tail})",
+            lines,
+        )
+
+    def _tapped(self, k: int, slopes: bool) -> list[str]:
+        """Give out signals of a block, with zeros for the columns of what comes later."""
+        piece, count, lines = self.plan.pieces[k], len(self.taps), list[str]()
+        known = f"(M - {self.plan.columns - piece.first - piece.count})"
+        for place, channel in ((i, tap[1]) for i, tap in enumerate(self.taps) if tap[0] == k):
+            lines.append(
+                f"for (long t = 0; t < n; t++) y[t * {count} + {place}] = w[{channel} * TILE + t];"
+            )
+            row, size = f"dy + ({place} * M + q) * stride", "sizeof(double) * TILE"
+            if slopes:
+                lines += [
+                    f"for (long q = 0; q < {known}; q++)",
+                    f"    memcpy({row}, dw + ({channel} * M + q) * TILE, {size});",
+                    f"for (long q = {known}; q < M; q++) memset({row}, 0, {size});",
+                ]
+        return lines
+
+    def rest(self) -> str:
+        """The chain at rest: each block under what the block before gives at rest."""
+        plan, inputs = self.plan, self.plan.pieces[0].block.inputs
+        lines = [
+            f"double c[{self.kernels.constants}], w[{plan.width} * TILE] = {{0.0}};",
+            f"double s1[{plan.states + 1}], ds1[{plan.states} * M + 1];",
+            f"double *restrict z = dw + {plan.width} * TILE * M;",
+            "(void)s1; (void)ds1; (void)z;",
+            "prepare(p, c);",
+            f"memset(ds, 0, sizeof(double) * {plan.states} * M);",
+            f"for (long i = 0; i < {inputs}; i++) w[i * TILE] = x[i];",
+        ]
+        state, beside = 0, 0
+        for k, piece in enumerate(plan.pieces):
+            count = piece.block.states()
+            if count:
+                lines += ["{", *(f"    {line}" for line in self._rested(piece, state)), "}"]
+            if k < len(plan.pieces) - 1:
+                lines += [
+                    f"memcpy(s1, s + {state}, sizeof(double) * {count});",
+                    f"memcpy(ds1, ds + {state} * M, sizeof(double) * {count} * M);",
+                    f"block{k}d(1, c, w, s1, ds1, dw, z + {beside});",
+                ]
+            state += count
+            beside += room(piece, 0)
+        return _function(
+            "void rest(const double *restrict p, const double *restrict x, double *restrict s,\n"
+            "    double *restrict ds, double *restrict dw)",
+            lines,
+        )
+
+    def _rested(self, piece: Piece, state: int) -> list[str]:
+        """State of one block with its columns, from its inputs and theirs."""
+        inputs, first = piece.block.inputs, piece.first
+        named = self.kernels.statements(piece.rest.name)
+        lines = [*(f"const double x{i} = w[{i} * TILE];" for i in range(inputs))]
+        lines += ["(void)x0;", *named.lines]
+        lines += [f"s[{state + i}] = {named.results[i]};" for i in range(piece.rest.rows)]
+        for e in piece.rest.entries:
+            target, value = f"ds[{state + e.row} * M", named.results[e.place]
+            lines.append(
+                f"for (long q = 0; q < {first}; q++) "
+                f"{target} + q] += {value} * dw[({e.column} * M + q) * TILE];"
+                if e.column < inputs
+                else f"{target} + {first + e.column - inputs}] += {value};"
+            )
+        return lines
+
+
+def _loop(
+    piece: Piece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
+) -> list[str]:
+    """The loop over samples; the state is in local variables meanwhile."""
+    inputs, outputs, states = piece.block.inputs, piece.block.outputs, piece.block.states()
+    body = [
+        *(f"const double x{i} = w[{i} * TILE + t];" for i in range(inputs)),
+        "(void)x0;",
+        *lines,
+        *inside,
+        *(f"const double y{i} = {results[i]};" for i in range(outputs)),
+        *(f"const double n{i} = {results[outputs + i]};" for i in range(states)),
+        *(f"w[{i} * TILE + t] = y{i};" for i in range(outputs)),
+        *(f"s{i} = n{i};" for i in range(states)),
+    ]
+    whole = slopes and not states
+    return [
+        *(f"double s{i} = s[{i}];" for i in range(states)),
+        *([] if states else ["#pragma omp simd"]),
+        f"for (long t = 0; t < {'TILE' if whole else 'n'}; t++) {{",
+        *(f"    {line}" for line in body),
+        "}",
+        *(f"s[{i}] = s{i};" for i in range(states)),
+    ]
+
+
+def _function(head: str, lines: Sequence[str]) -> str:
+    body = "".join(f"    {line}\n" for line in lines)
+    return f"{head} {{\n{body}}}\n"
