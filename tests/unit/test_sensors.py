@@ -103,8 +103,8 @@ def test_kernels_trace_and_agree_with_floats(name: str) -> None:
         value, after = sensor.step(xp, state, truth, *values[held + width :])
         return value, *after
 
-    outputs = kernel(program.xp, inputs)
-    program.functions["kernel"] = Function("kernel", tuple(names), cast("Any", outputs))
+    made_of: Any = tuple(kernel(program.xp, inputs))
+    program.functions["kernel"] = Function("kernel", tuple(names), made_of)
     numbers = [310.0, 3.0, 350.0, 296.0, 0.7, 0.002][-len(names) :]
     found = program.bind_floats()["kernel"](*numbers)
     assert found == pytest.approx(kernel(floats, numbers), rel=1e-14)
