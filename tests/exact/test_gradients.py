@@ -28,7 +28,7 @@ def differenced(system, path, share):
 PARAMETERS = {"A_f": 1e-4, "C_A": 1e-4, "h0": 1e-4, "diameter": 1e-5}
 
 
-@pytest.mark.parametrize("rule", ["resume", "restart"])
+@pytest.mark.parametrize("rule", ["resume", pytest.param("restart", marks=pytest.mark.slow)])
 def test_slopes_of_the_stroke_are_those_of_differences(rule):
     system = problem_a(rule)
     found = sensitivity(system, SINE_A, 60.0, list(PARAMETERS), **RUN)

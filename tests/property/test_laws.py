@@ -18,7 +18,13 @@ from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.dual import value_and_slope
 
 LAWS = examples("law")
-EVERY = pytest.mark.parametrize("law", LAWS, ids=label)
+SECOND = ("lagoudas-waisted", "mas-polycrystal-constant-31-internal-stress")
+"""Second forms of the laws that take longest: with the slow tests."""
+EVERY = pytest.mark.parametrize(
+    "law",
+    [pytest.param(law, marks=[pytest.mark.slow] if label(law) in SECOND else []) for law in LAWS],
+    ids=label,
+)
 FEW = settings(max_examples=40)
 
 stress = st.floats(0.0, 500e6)
