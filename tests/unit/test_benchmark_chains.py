@@ -21,6 +21,7 @@ def test_the_sections_are_entered():
     assert {"chains", "searches", "chain_memory", "records"} <= set(SECTIONS)
 
 
+@pytest.mark.slow
 def test_ways_to_derivatives(c_compiler, monkeypatch):
     monkeypatch.setattr(sections_chains, "SAMPLES", 400)
     chain, record = sections_chains.first_stage(400)

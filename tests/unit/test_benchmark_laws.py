@@ -33,6 +33,7 @@ def test_the_sections_are_entered():
 
 
 @needs_c
+@pytest.mark.slow
 def test_laws():
     *loops, verdict = sections_laws.laws(OURS, 20, SOME)
     for table in loops:

@@ -84,6 +84,7 @@ def test_written_scenario_runs(folder: Path) -> None:
     assert (folder / "wire.toml").read_text(encoding="utf-8") != before
 
 
+@pytest.mark.slow
 def test_written_bundle_runs(folder: Path) -> None:
     arguments = ("--force", "2 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "12 V")
     report = json.loads(fine(*arguments, "--alloy", "90", "--json", "--out", "b.toml"))
@@ -128,6 +129,7 @@ def test_bad_input_is_refused_in_one_sentence(
     assert list(folder.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_catalogue_is_compared_with_the_model() -> None:
     report = json.loads(fine("--catalogue", "--json"))
     assert len(report["rows"]) == 24
