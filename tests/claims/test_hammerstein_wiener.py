@@ -54,12 +54,13 @@ def test_ramps_heat_where_they_go_up() -> None:
     assert found[:4400].all() and not found[5000:9400].any()
 
 
+@pytest.fixture(scope="module")
+def listed() -> list[Claim]:
+    return HammersteinWiener(full=True).claims()
+
+
 @pytest.mark.slow
 class TestEverything:
-    @pytest.fixture(scope="class")
-    def listed(self) -> list[Claim]:
-        return HammersteinWiener(full=True).claims()
-
     def test_claims_are_complete(self, listed: list[Claim]) -> None:
         check_complete(listed)
         check_decides(claim for claim in listed if claim.tolerance is not None)
