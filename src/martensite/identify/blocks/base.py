@@ -140,13 +140,28 @@ class AbstractBlock(Parametrised):
         return type(self), tuple((name, getattr(self, name)) for name in kept)
 
 
-class AbstractStatic(AbstractBlock):
-    """A block without memory: one signal in, one out. Scaled by the range of its input."""
+class AbstractRanged(AbstractBlock):
+    """A block that is scaled by the range of its input."""
 
     fixed = ("low", "high")
 
     low: float = param("1", "lower end of the range of the input", default=-1.0)
     high: float = param("1", "upper end of the range of the input", default=1.0)
+
+    def adapted(self, x: Numbers, dt: float) -> Self:
+        """Takes the range of the input."""
+        low, high = float(np.min(x)), float(np.max(x))
+        spread = high - low if high > low else max(abs(high), 1.0)
+        return self.with_parts(low=low, high=low + spread)
+
+    def unit(self, x: Scalar) -> Scalar:
+        """The input on a scale where its range is -1 to 1."""
+        return (2.0 * x - self.low - self.high) / (self.high - self.low)
+
+
+class AbstractStatic(AbstractRanged):
+    """A block without memory: one signal in, one out."""
+
     offset: str = option(
         "whether the output at zero input is free; else it is 0", "yes", "no", default="yes"
     )
@@ -175,13 +190,3 @@ class AbstractStatic(AbstractBlock):
     ) -> tuple[Column, Column]:
         """The output of this sample."""
         return (self.value(xp, theta, x[0]),), ()
-
-    def adapted(self, x: Numbers, dt: float) -> Self:
-        """Takes the range of the input."""
-        low, high = float(np.min(x)), float(np.max(x))
-        spread = high - low if high > low else max(abs(high), 1.0)
-        return self.with_parts(low=low, high=low + spread)
-
-    def unit(self, x: Scalar) -> Scalar:
-        """The input on a scale where its range is -1 to 1."""
-        return (2.0 * x - self.low - self.high) / (self.high - self.low)

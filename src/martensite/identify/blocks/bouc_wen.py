@@ -10,14 +10,11 @@ With ϱ > 0 and σ > 1/2, which their logarithms ensure, every model is bounded 
 
 from __future__ import annotations
 
-from typing import Self
-
 import numpy as np
 
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.shared.branches import logistic
 from martensite.identify.blocks.shared.sections import minus_expm1
-from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 
 STRONGEST = 9.0
@@ -25,15 +22,11 @@ STRONGEST = 9.0
 
 
 @BLOCKS.register("bouc-wen")
-class BoucWen(AbstractBlock):
+class BoucWen(AbstractRanged):
     """One input, one output of slope 1 at rest, where w = 0; rate independent."""
 
     short = "boucwen"
-    fixed = ("low", "high")
     cites = ("wen1976", "ikhouane2007")
-
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
 
     def numbers(self) -> tuple[str, ...]:
         """Logit of α, log ϱ, log (2σ - 1)."""
@@ -61,12 +54,6 @@ class BoucWen(AbstractBlock):
         v = _yielded(xp, v, stiffness * xp.abs(x[0] - before) / half, recovery)
         w = xp.where(upward, v, -v)
         return (line * x[0] + (1.0 - line) * half * w / stiffness,), (x[0], w)
-
-    def adapted(self, x: Numbers, dt: float) -> Self:
-        """Takes the range of the input."""
-        low, high = float(np.min(x)), float(np.max(x))
-        spread = high - low if high > low else max(abs(high), 1.0)
-        return self.with_parts(low=low, high=low + spread)
 
     def start(self) -> Numbers:
         """Half a line; yields within a third of the range; σ = 1."""

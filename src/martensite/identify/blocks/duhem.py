@@ -11,11 +11,9 @@ The output is the bare fraction, so that a gain or a static block belongs after 
 
 from __future__ import annotations
 
-from typing import Self
-
 import numpy as np
 
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.shared import branches
 from martensite.identify.blocks.shared.counts import check_whole
 from martensite.parameters import option, param
@@ -23,7 +21,7 @@ from martensite.runtimes.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("duhem")
-class Duhem(AbstractBlock):
+class Duhem(AbstractRanged):
     """One input, one output z; steps in one direction are exact, however long.
 
     At rest z lies on the rising branch, as after a start from far below, or on the falling one.
@@ -31,11 +29,8 @@ class Duhem(AbstractBlock):
 
     short = "duhem"
     shape = ("logistics",)
-    fixed = ("low", "high")
     cites = ("ivshin1994",)
 
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
     logistics: float = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
     history: str = option(
         "where the input came from before the first sample", "below", "above", default="below"
@@ -58,13 +53,10 @@ class Duhem(AbstractBlock):
         half = len(theta) // 2
         return branches.branch_of(xp, theta[:half]), branches.branch_of(xp, theta[half:])
 
-    def _unit(self, x: Scalar) -> Scalar:
-        return (2.0 * x - self.low - self.high) / (self.high - self.low)
-
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """On one of the branches."""
         rising, falling = self._branches(xp, theta)
-        r = self._unit(x[0])
+        r = self.unit(x[0])
         if self.history == "below":
             return r, branches.from_below(xp, rising, r)
         return r, branches.from_above(xp, falling, r)
@@ -75,15 +67,9 @@ class Duhem(AbstractBlock):
         """Along the branch of the direction; an input that stays changes nothing."""
         before, z = state
         rising, falling = self._branches(xp, theta)
-        r = self._unit(x[0])
+        r = self.unit(x[0])
         z = branches.leg(xp, rising, falling, r > before, before, z).fraction(xp, r)
         return (z,), (r, z)
-
-    def adapted(self, x: Numbers, dt: float) -> Self:
-        """Takes the range of the input."""
-        low, high = float(np.min(x)), float(np.max(x))
-        spread = high - low if high > low else max(abs(high), 1.0)
-        return self.with_parts(low=low, high=low + spread)
 
     def start(self) -> Numbers:
         """A loop in the middle of the range, half as wide as it is far from its ends."""

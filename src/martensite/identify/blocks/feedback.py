@@ -22,7 +22,7 @@ from itertools import pairwise
 import numpy as np
 
 from martensite.errors import ParameterError
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.shared.counts import check_whole
 from martensite.identify.blocks.transfer_function import TransferFunction
@@ -35,7 +35,7 @@ NEWTON = 25
 
 
 @BLOCKS.register("feedback")
-class Feedback(AbstractBlock):
+class Feedback(AbstractRanged):
     """One input, one output. The linear part is stable; the whole may grow without bound.
 
     Unit gain at rest where φ = 0. A fit refuses numbers with which a record grows beyond floats.
@@ -43,7 +43,6 @@ class Feedback(AbstractBlock):
 
     short = "fb"
     shape = ("order", "degree", "past")
-    fixed = ("low", "high")
 
     order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
@@ -52,8 +51,6 @@ class Feedback(AbstractBlock):
     feedthrough: str = option(
         "whether the input acts within the sample", "yes", "no", default="yes"
     )
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless orders are whole."""
@@ -119,12 +116,6 @@ class Feedback(AbstractBlock):
         if int(self.order) == 1:
             return sections.first_order(xp, poles[0], dt)
         return xp.sqrt(sections.second_order(xp, poles[-2], poles[-1], dt).d2)
-
-    def adapted(self, x: Numbers, dt: float) -> Feedback:
-        """Takes the range of the input."""
-        low, high = float(np.min(x)), float(np.max(x))
-        spread = high - low if high > low else max(abs(high), 1.0)
-        return self.with_parts(low=low, high=low + spread)
 
     def start(self) -> Numbers:
         """Poles about one second apart in scale; nothing fed back."""

@@ -19,7 +19,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.shared.fixed_point import fixed_point
 from martensite.identify.blocks.state_space import StateSpace
@@ -36,7 +36,7 @@ LEAST = 1e-3
 
 
 @BLOCKS.register("nonlinear-state-space")
-class NonlinearStateSpace(StateSpace):
+class NonlinearStateSpace(AbstractRanged, StateSpace):
     """One input, any number of outputs; bounded for bounded inputs."""
 
     short = "nlss"
@@ -56,8 +56,6 @@ class NonlinearStateSpace(StateSpace):
     output_terms: str = option(
         "whether monomials enter the outputs as well", "yes", "no", default="yes"
     )
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
     reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
 
     def monomials(self) -> list[tuple[int, ...]]:
@@ -128,32 +126,13 @@ class NonlinearStateSpace(StateSpace):
         products = self._products(xp, theta[:n], held, u, dt)
         fed = self._fed(theta, u, products)
         made = sections.cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
-        y = self._summed(theta, [*made.signals, *([u] if nk == 0 else [])])
+        y = self._summed(theta[: self._linear], [*made.signals, *([u] if nk == 0 else [])])
         if self.output_terms == "yes":
             last = theta[len(theta) - p * len(products) :]
             for place, weight in enumerate(last):
                 j, i = divmod(place, len(products))
                 y[j] = y[j] + weight * products[i]
         return y, (*line[:nk], *made.state)
-
-    def _summed(self, theta: Column, signals: Column) -> list[Scalar]:
-        """y₀ + C s + D u."""
-        n, p = int(self.order), self.outputs
-        y: list[Scalar] = [0.0] * p
-        if self.offset == "yes":
-            y = list(theta[self._linear - p : self._linear])
-        for j in range(p):
-            c = theta[n + j * n : n + (j + 1) * n]
-            d = theta[n + p * n + j : n + p * n + j + 1] if len(signals) > n else ()
-            for weight, signal in zip([*c, *d], signals, strict=True):
-                y[j] = y[j] + weight * signal
-        return y
-
-    def adapted(self, x: Numbers, dt: float) -> NonlinearStateSpace:
-        """Takes the range of the input."""
-        low, high = float(np.min(x)), float(np.max(x))
-        spread = high - low if high > low else max(abs(high), 1.0)
-        return self.with_parts(low=low, high=low + spread)
 
     def twin(self) -> AbstractBlock:
         """The linear system."""

@@ -92,20 +92,26 @@ class StateSpace(AbstractBlock):
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
     ) -> tuple[Column, Column]:
         """Delay, sections, sums of their signals."""
-        n, m, p, nk = int(self.order), self.inputs, self.outputs, int(self.nk)
+        n, m, nk = int(self.order), self.inputs, int(self.nk)
         line = [*x, *state[: nk * m]]
-        u, first = line[nk * m :], n + n * (m - 1)
+        u = line[nk * m :]
         fed = self._entering(theta, u)
         more = fed[1:] if m > 1 else ()
         made = sections.cascade(xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more)
-        summed = [*made.signals, *(u if nk == 0 else ())]
+        y = self._summed(theta, [*made.signals, *(u if nk == 0 else ())])
+        return y, (*line[: nk * m], *made.state)
+
+    def _summed(self, theta: Column, signals: Column) -> list[Scalar]:
+        """y₀ + C s + D u, from the numbers of the linear system."""
+        n, m, p = int(self.order), self.inputs, self.outputs
+        first = n + n * (m - 1)
         y: list[Scalar] = list(theta[len(theta) - p :]) if self.offset == "yes" else [0.0] * p
         for j in range(p):
             c = theta[first + j * n : first + (j + 1) * n]
             d = theta[first + p * n + j * m : first + p * n + (j + 1) * m]
-            for weight, signal in zip([*c, *(d if nk == 0 else ())], summed, strict=True):
+            for weight, signal in zip([*c, *(d if len(signals) > n else ())], signals, strict=True):
                 y[j] = y[j] + weight * signal
-        return y, (*line[: nk * m], *made.state)
+        return y
 
     def twin(self) -> AbstractBlock:
         """Itself."""

@@ -22,7 +22,7 @@ from martensite.identify.chains.goals import aims, squares_of
 from martensite.identify.chains.informed import begins
 from martensite.identify.chains.levenberg import Found, minimise
 from martensite.identify.chains.options import Options as Options
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import Aim, Squares, settled
 from martensite.identify.chains.scored import free_run
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.thinning import MIDDLE, coarse
@@ -223,11 +223,9 @@ def _finished(
 def _cost(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
     """What a search minimises, with the best initial states where these are estimated."""
     squares = squares_of(chain, records, options)
-    theta = squares.extended(chain.theta)
     if options.start != "estimate":
-        return squares.value(theta)
-    free = np.arange(squares.size) >= squares.columns
-    return minimise(squares, theta, 10, free=free).value
+        return squares.value(chain.theta)
+    return settled(squares, chain.theta, 10).value
 
 
 def _fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:

@@ -1,4 +1,4 @@
-"""Linear blocks as linear systems: state space, poles, zeros and frequency response.
+"""Linear blocks as linear systems: state space, poles and zeros.
 
     s⁺ = A s + B x,   y = C s + D x
 
@@ -16,6 +16,7 @@ from martensite.errors import ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.identify.chains.linear_system import Linear
 from martensite.runtimes import floats
 
 
@@ -25,19 +26,6 @@ class Orders(NamedTuple):
     nb: int
     nf: int
     nk: int
-
-
-class Linear(NamedTuple):
-    """A discrete linear system."""
-
-    a: Numbers
-    """Shape (states, states)."""
-    b: Numbers
-    """Shape (states, inputs)."""
-    c: Numbers
-    """Shape (outputs, states)."""
-    d: Numbers
-    """Shape (outputs, inputs)."""
 
 
 @runtime_checkable
@@ -77,6 +65,7 @@ def transfer(block: AbstractBlock, theta: Numbers, dt: float) -> Linear:
     return Linear(
         whole[:states, :states], whole[:states, states:],
         whole[states:, :states], whole[states:, states:],
+        dt, np.zeros(inputs), np.zeros(states), zero[states:],
     )  # fmt: skip
 
 
@@ -115,17 +104,3 @@ def fraction(system: Linear) -> tuple[Numbers, Numbers]:
     # det(zI - A + B C) = det(zI - A) (1 + C (zI - A)⁻¹ B)
     closed = np.atleast_1d(np.poly(system.a - system.b @ system.c))
     return closed + (system.d[0, 0] - 1.0) * denominator, denominator
-
-
-def frequency_response(block: AbstractBlock, theta: Numbers, dt: float, omega: Numbers) -> Numbers:
-    """Response y/x at angular frequencies [rad/s], shape (frequencies, outputs, inputs).
-
-    Raises:
-        ParameterError: the block is not linear.
-    """
-    made = transfer(block, theta, dt)
-    z = np.exp(1j * np.asarray(omega, dtype=float) * dt)[:, None, None]
-    through = np.linalg.solve(
-        z * np.eye(len(made.a)) - made.a, np.broadcast_to(made.b + 0j, (len(z), *made.b.shape))
-    )
-    return made.c @ through + made.d

@@ -20,7 +20,7 @@ from scipy.signal import lfilter
 from martensite.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import Engine, Start
-from martensite.identify.chains.levenberg import Normal
+from martensite.identify.chains.levenberg import Found, Normal, minimise
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
@@ -201,6 +201,12 @@ class Squares:
             if len(aim.whitening) > 1:
                 residuals, slopes, memory = _whitened(aim.whitening, residuals, slopes, memory)
             yield Part(chunk.rows, residuals, slopes)
+
+
+def settled(squares: Squares, theta: Numbers, steps: int) -> Found:
+    """The initial states that are estimated, found for a θ of the chain that is held."""
+    theta = squares.extended(theta)
+    return minimise(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 
 
 def _weighed(aim: Aim, y: Numbers, rows: slice) -> Numbers:

@@ -13,8 +13,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.levenberg import minimise
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import Aim, Squares, settled
 from martensite.identify.chains.scores import fit_percent, rms
 from martensite.signals.sampling.resampling import resampled
 from martensite.signals.sampling.sampled import Sampled
@@ -59,8 +58,7 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
     if start == "zero":
         return chain.simulate(record, np.zeros(states))
     squares = Squares(chain.engine, [Aim(record, skip, start=start)])
-    free = np.arange(squares.size) >= squares.columns
-    found = minimise(squares, squares.extended(chain.theta), 20, free=free)
+    found = settled(squares, chain.theta, 20)
     return chain.simulate(record, squares.initial(found.theta)[0])
 
 
