@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from martensite.control.closed_loop import ControlledModel as ControlledModel
     from martensite.control.constant_power import ConstantPower as ConstantPower
     from martensite.control.latched import LatchedOnOff as LatchedOnOff
-    from martensite.control.on_off import OnOff as OnOff
-    from martensite.control.pid import Gains as Gains
-    from martensite.control.pid import Pid as Pid
     from martensite.control.tuning import Tuning as Tuning
     from martensite.control.tuning import tune as tune
+    from martensite.controllers.on_off import OnOff as OnOff
+    from martensite.controllers.pid import Gains as Gains
+    from martensite.controllers.pid import Pid as Pid
     from martensite.electrical.current import CurrentSource as CurrentSource
     from martensite.electrical.furst_seelecke import (
         FurstSeeleckeResistance as FurstSeeleckeResistance,
@@ -275,7 +275,7 @@ _HOME = {
     "Finger": "mechanisms.finger",
     "Fit": "identify.fitting.fit",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
-    "Gains": "control.pid",
+    "Gains": "controllers.pid",
     "Group": "system.actuator",
     "Hand": "mechanisms.hand",
     "Held": "signals.held",
@@ -302,10 +302,10 @@ _HOME = {
     "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeeleckePolycrystal": "laws.mas_polycrystal",
     "Oil": "thermal.fluids.oil",
-    "OnOff": "control.on_off",
+    "OnOff": "controllers.on_off",
     "ParallelPlatform": "mechanisms.parallel_platform",
     "PerLengthResistance": "electrical.per_length",
-    "Pid": "control.pid",
+    "Pid": "controllers.pid",
     "Plates": "mechanisms.shared.platform_kinematics",
     "PlaySum": "identify.blocks.shared.play",
     "PointResult": "simulate.point",

@@ -4,7 +4,8 @@
 
 From this line come conversion of text with units, range checks, the command line's
 `params`, the documentation tables, search bounds for identification and the units of saved
-data. `option` declares a choice between words, `part` a component chosen from a registry.
+data. `option` declares a choice between words, `text` a free one such as the name of a signal,
+`part` a component chosen from a registry.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, dataclass_transform
+from typing import Any, ClassVar, Self, cast, dataclass_transform
 
 from martensite import units
 from martensite.errors import ParameterError, UnitError, suggestion
@@ -23,7 +24,7 @@ REQUIRED: Any = object()
 
 @dataclass(frozen=True)
 class Declared:
-    """What is declared about one field; `kind` is parameter, option, or part."""
+    """What is declared about one field; `kind` is parameter, option, text or part."""
 
     kind: str
     doc: str
@@ -39,6 +40,8 @@ class Declared:
         """Return the checked value in SI, or raise a sentence naming owner and name."""
         if self.kind == "parameter":
             return self._number(owner, name, value)
+        if self.kind == "text":
+            return _texts(owner, name, value)
         if self.kind == "option" and isinstance(value, int):
             value = str(value)  # a count, such as `cells = 20`
         if self.kind == "option" and value not in self.choices:
@@ -111,6 +114,11 @@ def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
     return Declared("option", doc, default, choices=choices)
 
 
+def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED) -> Any:
+    """Declare a free text, or several, such as names of signals; another is another program."""
+    return Declared("text", doc, default)
+
+
 def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED) -> Any:
     """Declare a component, chosen by name from `registry` in files."""
     return Declared("part", doc, default, registry=registry)
@@ -126,8 +134,20 @@ class Leaf:
     owner: str = field(default="")
 
 
+def _texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
+    """A text, or texts as a tuple."""
+    if isinstance(value, str):
+        return value
+    found: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
+    if not all(isinstance(one, str) for one in found):
+        raise ParameterError(
+            f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}."
+        )
+    return found
+
+
 @dataclass_transform(
-    kw_only_default=True, frozen_default=True, field_specifiers=(param, option, part)
+    kw_only_default=True, frozen_default=True, field_specifiers=(param, option, text, part)
 )
 class Parametrised:
     """A frozen object whose fields are declared by `param`, `option` and `part`."""
@@ -137,12 +157,14 @@ class Parametrised:
     declarations: ClassVar[dict[str, Declared]] = {}
 
     def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if isinstance(cls.declarations, property):  # it answers for itself
+            return
         own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
         inherited: dict[str, Declared] = {}
         for base in cls.__bases__:
             inherited |= getattr(base, "declarations", {})
-        if "declarations" not in vars(cls):  # else it answers for itself
-            cls.declarations = {**inherited, **own}
+        cls.declarations = {**inherited, **own}
         for name in own:
             delattr(cls, name)
 
@@ -164,6 +186,10 @@ class Parametrised:
 
     def check(self) -> None:
         """Raise `ParameterError` where values contradict each other; override as needed."""
+
+    def layout(self) -> tuple[int, ...]:
+        """Counts that follow from the numbers and decide how large a traced program is."""
+        return ()
 
     def cautions(self) -> list[str]:
         """Sentences about values that are allowed but probably not meant."""
@@ -220,10 +246,14 @@ class Parametrised:
 
     def with_parts(self, **parts: Any) -> Self:
         """A checked copy with whole components (or numbers) of its own exchanged."""
-        return type(self)(**{**self.__dict__, **parts})
+        return type(self)(**{**self._declared(), **parts})
+
+    def _declared(self) -> dict[str, Any]:
+        """What was given: without what a class has worked out of it."""
+        return {name: self.__dict__[name] for name in self.declarations}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
-        own = dict(self.__dict__)
+        own = self._declared()
         for name, child in self.children():
             below = {p[len(name) + 1 :]: v for p, v in values.items() if p.startswith(name + ".")}
             own[name] = child._with_paths(below) if below else child
@@ -255,6 +285,11 @@ def structure(part: Parametrised) -> tuple[Any, ...]:
     options = tuple(
         (name, getattr(part, name))
         for name, declared in part.declarations.items()
-        if declared.kind == "option"
+        if declared.kind in ("option", "text")
     )
-    return type(part), options, tuple((name, structure(child)) for name, child in part.children())
+    return (
+        type(part),
+        options,
+        part.layout(),
+        tuple((name, structure(child)) for name, child in part.children()),
+    )

@@ -47,7 +47,7 @@ def operations(_, xp, a, b, share):
         xp.where(xp.either(flag, other), a, b), xp.where(a > b, 1.0, b), xp.where(a >= b, a, 0.0),
         xp.minimum(a, b), xp.maximum(a, b), xp.clip(a, -1.0, share), xp.abs(a),
         xp.sqrt(a), xp.exp(0.1 * a), xp.exp(1e3 * a), xp.log(a), xp.sin(a), xp.cos(a), xp.tanh(b),
-        xp.quarter_sine(share), xp.detach(a), xp.store(b), xp.erfcx(share),
+        xp.nearest(3.0 * a), xp.quarter_sine(share), xp.detach(a), xp.store(b), xp.erfcx(share),
         xp.erfcx(9.0 * xp.abs(a)), rows(xp, a, b, share),
         value_and_slope(xp, lambda xp, x: rows(xp, a, x, share), b),
     )  # fmt: skip

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from martensite.control.pid import Gains
+from martensite.controllers.pid import Gains
 from martensite.control.response import step_responses, steps
 from martensite.errors import ParameterError
 from martensite.io import datasets

@@ -14,7 +14,7 @@ import pytest
 from scipy.signal import lfilter
 
 from martensite.control.closed_loop import ControlledModel, Trajectory, logs
-from martensite.control.pid import Gains, PidLaw
+from martensite.controllers.pid import Gains, PidLaw
 from martensite.control.response import StepResponse, steps
 from martensite.control.tuning import Tuning, cost, tune
 from martensite.errors import ParameterError

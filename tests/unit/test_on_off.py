@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import pytest
 from builders import ZERO, hanging_wire
 
-from martensite.control.on_off import OnOff, Switch
+from martensite.controllers.on_off import OnOff, Switch
 from martensite.electrical.power import PowerSource
 from martensite.errors import ParameterError
 from martensite.simulate.controlled import simulate_controlled

@@ -14,7 +14,7 @@ import pytest
 from builders import ZERO, hanging_wire
 from scipy.signal import lfilter
 
-from martensite.control.pid import Gains, Pid, PidLaw, PidMemory, per_sample
+from martensite.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
 from martensite.control.response import rms_error, step_responses, steps
 from martensite.electrical.power import PowerSource
 from martensite.errors import InputError, ParameterError

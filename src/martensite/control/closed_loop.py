@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Self, cast
 
 import numpy as np
 
-from martensite.control.pid import Gains, PidLaw, PidMemory
+from martensite.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.errors import ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Column, Numbers
 from martensite.identify.chains.chain import Chain

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from martensite.control.closed_loop import ControlledModel, Trajectory, logs
-from martensite.control.pid import Gains
 from martensite.control.response import StepResponse, step_responses, steps
+from martensite.controllers.pid import Gains
 from martensite.errors import ParameterError
 from martensite.signals.sampling.sampled import Numbers
 

@@ -138,7 +138,7 @@ class Builder:
         self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str
     ) -> Any:
         """The value as the constructor takes it; text keeps its unit for the messages."""
-        if declared.kind == "option":
+        if declared.kind in ("option", "text"):
             return value
         unit = self.drive_unit if declared.unit == DRIVE else declared.unit
         if not isinstance(value, str):

@@ -47,6 +47,7 @@ _RULES: dict[str, Rule] = {
     "sin": lambda g, bar, y, a: (bar * g.apply("cos", a[0]),),
     "cos": lambda g, bar, y, a: (-(bar * g.apply("sin", a[0])),),
     "tanh": lambda g, bar, y, a: (bar * (1.0 - y * y),),
+    "nearest": lambda g, bar, y, a: (bar,),
     "quarter_sine": lambda g, bar, y, a: (
         bar * (HALF_PI * g.apply("quarter_sine", 1.0 - a[0])),
     ),

@@ -72,6 +72,10 @@ class ArrayNamespace:
         """Natural logarithm; the argument is at least 1e-300."""
         return self.np.log(self.maximum(x, 1e-300))
 
+    def nearest(self, x: Any) -> Any:
+        """The nearest whole number, the even one of two; to differentiation `x` itself."""
+        return x + self.detach(self.np.rint(x) - x)
+
     def quarter_sine(self, x: Any) -> Any:
         """sin(πx/2) for 0 ≤ x ≤ 1 by Horner's rule."""
         return horner(QUARTER_SINE, x * x) * x

@@ -111,6 +111,7 @@ C_DIALECT = Dialect(
         "sin": "sin({})",
         "cos": "cos({})",
         "tanh": "tanh({})",
+        "nearest": "rint({})",
         "quarter_sine": "quarter_sine({})",
         "erfcx": "erfcx({})",
         "detach": "{}",

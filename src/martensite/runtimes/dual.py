@@ -214,6 +214,11 @@ class DualNamespace:
         value = self.base.tanh(v)
         return self.pair(value, None if t is None else t * (1.0 - value * value))
 
+    def nearest(self, x: Any) -> Any:
+        """The nearest whole number, with the tangent of `x`."""
+        v, t = self.parts(x)
+        return self.pair(self.base.nearest(v), t)
+
     def quarter_sine(self, x: Any) -> Any:
         """sin(πx/2); its slope is another quarter sine."""
         v, t = self.parts(x)

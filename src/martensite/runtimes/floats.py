@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 
 HALF_PI = math.pi / 2
 ROOT_PI = math.sqrt(math.pi)
+WHOLE = 2.0**52
+"""From here on all floats are whole numbers."""
 
 
 def where(flag: bool, yes: float, no: float) -> float:
@@ -70,6 +72,11 @@ def log(x: float) -> float:
 sin = math.sin
 cos = math.cos
 tanh = math.tanh
+
+
+def nearest(x: float) -> float:
+    """The nearest whole number, the even one of two; large numbers are whole."""
+    return float(round(x)) if -WHOLE < x < WHOLE else x
 
 
 def quarter_sine(x: float) -> float:

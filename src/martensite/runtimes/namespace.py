@@ -74,6 +74,13 @@ class Namespace(Protocol):
         """Hyperbolic tangent."""
         ...
 
+    def nearest(self, x: Scalar, /) -> Scalar:
+        """The nearest whole number, the even one of two.
+
+        To differentiation it is `x` itself: a staircase has no derivative that is of use.
+        """
+        ...
+
     def quarter_sine(self, x: Scalar, /) -> Scalar:
         """sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
         ...

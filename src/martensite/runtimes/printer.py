@@ -306,6 +306,7 @@ FLOAT_DIALECT = Dialect(
         "sin": "_sin({})",
         "cos": "_cos({})",
         "tanh": "_tanh({})",
+        "nearest": "_nearest({})",
         "quarter_sine": "_sin(1.5707963267948966 * {})",
         "erfcx": "_erfcx({})",
         "detach": "{}",
@@ -328,7 +329,7 @@ ARRAY_DIALECT = Dialect(
             for name, arity in {
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
                 "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
-                "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
+                "nearest": 1, "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
                 "solved": 2,
             }.items()
         },

@@ -34,8 +34,8 @@ Numbers: TypeAlias = NDArray[Any]
 class AbstractSensor(Parametrised):
     """Interface of a sensor. Subclasses declare `noise` and `resolution` in their own unit."""
 
-    unit: ClassVar[str] = "1"
-    """SI unit of its readings."""
+    unit: ClassVar[str | None] = "1"
+    """SI unit of its readings; None if it is that of the first signal it looks at."""
     sees: ClassVar[tuple[str, ...]] = ()
     """What it looks at: names of true signals, in the order in which `step` takes them."""
 

@@ -57,7 +57,7 @@ def simulate(
     _check(duration, tolerance, step, samples, runtime)
     arranged(system, waveform)
     run = _Runner(system, waveform, duration, samples, runtime)
-    step = system.mechanism.sample_time() or step
+    step = system.sample_time() or step
     if step is not None:
         grid, track = run(step)
         return _result(run, grid, track.require(), None)
@@ -106,14 +106,19 @@ class _Runner:
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
-    """A first guess of the step [s]: a tenth of the thermal time constant, or a sample."""
+    """A first guess of the step [s]: the longest one that is sensible, or a sample."""
+    return min(longest_step(system), duration / (samples - 1))
+
+
+def longest_step(system: AbstractSystem) -> float:
+    """A tenth of the least thermal time constant [s], or what the mechanism can bear."""
     constants: list[float] = []
     for one in system.actuators().values():
         warm = one.environment.temperature + 50.0
         lost = one.element.heat_loss(floats, warm, one.environment) / 50.0
         if lost > 0.0:
             constants.append(0.1 * one.element.heat_capacity_total() / lost)
-    return min(*constants, system.mechanism.first_step(), duration / (samples - 1))
+    return min([*constants, system.mechanism.first_step()])
 
 
 def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, float]:

@@ -17,7 +17,7 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import first_step
 from martensite.simulate.driven import arranged
-from martensite.simulate.grid import JUST_AFTER, MOST_STEPS, share
+from martensite.simulate.grid import MOST_STEPS, just_after, share
 from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.patient import patient
@@ -55,7 +55,7 @@ def simulate_controlled(
         SolveError: the run failed, or a controller answered with no number.
     """
     periods = whole_periods(duration, period)
-    interval = system.mechanism.sample_time()
+    interval = system.sample_time()
     longest = min(interval or step or first_step(system, duration, 2), period)
     if interval:
         _check_period(period, interval)
@@ -99,9 +99,10 @@ class _Walk:
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
-        discrete = plan.system.mechanism.sample_time() > 0.0
+        discrete = plan.system.sample_time() > 0.0
         self.shares = [
-            JUST_AFTER if discrete else share(drive.at_end) for drive in plan.system.drives()
+            just_after(drive.ahead) if discrete else share(drive.at_end)
+            for drive in plan.system.drives()
         ]
         self.memories: list[Any] = [drive.init() for drive in plan.drives]
         self.rows: list[tuple[float, ...]] = []

@@ -45,7 +45,7 @@ def arranged(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[K
     """
     known = by_name(system, given)
     found: list[Kind | Constant] = []
-    for name, unit, _ in system.drives():
+    for name, unit, *_ in system.drives():
         if name not in known and unit == "K":
             raise InputError(f"Drive `{name}` sets a temperature and needs a waveform.")
         one = known.get(name, Constant(level=0.0))
@@ -59,8 +59,9 @@ def grid_of(
     system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float
 ) -> Grid:
     """The time grid of a run; a system in discrete time has its own steps, whatever `step`."""
-    interval = system.mechanism.sample_time()
+    interval = system.sample_time()
     if interval:
-        return grid_of_samples(arranged(system, waveform), duration, samples, interval)
+        ahead = [drive.ahead for drive in system.drives()]
+        return grid_of_samples(arranged(system, waveform), duration, samples, interval, ahead)
     at_end = [drive.at_end for drive in system.drives()]
     return build_grid(arranged(system, waveform), duration, samples, step, at_end)

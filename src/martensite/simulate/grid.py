@@ -61,6 +61,11 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
         )
 
 
+def just_after(ahead: bool) -> float:
+    """Where in a sample its signal is read, as a share of it: after its start, or its end."""
+    return JUST_AFTER + (1.0 if ahead else 0.0)
+
+
 def share(at_end: bool) -> float:
     """Where in a step its signal is read, as a share of the step: mid-step, or just before end."""
     return 1.0 - 1e-9 if at_end else 0.5
@@ -76,12 +81,14 @@ def build_grid(
 
 
 def grid_of_samples(
-    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float
-) -> Grid:
+    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float,
+    ahead: Sequence[bool],
+) -> Grid:  # fmt: skip
     """The grid of a system in discrete time: every step is one of its samples, from 0 on.
 
-    Signals are read at the start of a step. What is returned are as many of its samples as
-    were asked for, or all if there are fewer, as evenly spread as whole steps allow.
+    Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
+    returned are as many of its samples as were asked for, or all if there are fewer, as evenly
+    spread as whole steps allow.
 
     Raises:
         InputError: the run has too many steps, or is shorter than one.
@@ -98,9 +105,13 @@ def grid_of_samples(
         tuple(waveform.value((k + JUST_AFTER) * interval) for waveform in waveforms)
         for k in range(steps + 1)
     ]
+    played = [
+        tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
+        for pair in pairwise(signals)
+    ]
     return Grid(
         [k * interval for k in ends], [signals[k] for k in ends],
-        [b - a for a, b in pairwise(ends)], [interval] * steps, signals[:-1],
+        [b - a for a, b in pairwise(ends)], [interval] * steps, played,
     )  # fmt: skip
 
 

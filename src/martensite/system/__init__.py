@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from martensite.system.actuator import Actuator, Group
 from martensite.system.base import AbstractSystem, State
+from martensite.system.course import advanced
 from martensite.system.machine import Machine
+from martensite.system.members import Members
 from martensite.system.outputs import OUTPUTS, PROFILES, Outputs
 from martensite.system.single import System
 
@@ -15,7 +17,9 @@ __all__ = [
     "Actuator",
     "Group",
     "Machine",
+    "Members",
     "Outputs",
     "State",
     "System",
+    "advanced",
 ]

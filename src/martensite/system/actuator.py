@@ -6,10 +6,10 @@ from typing import Any
 
 from martensite.electrical.base import SOURCES, AbstractSource
 from martensite.elements.base import ELEMENTS, AbstractElement, Heating, Profile
-from martensite.errors import ParameterError
 from martensite.mechanisms.base import Load
-from martensite.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.system.members import Members
 from martensite.system.outputs import Outputs
 from martensite.thermal.base import Environment
 
@@ -56,22 +56,8 @@ class Actuator(Parametrised):
         return self.element.profile(state)
 
 
-class Group(Parametrised):
+class Group(Members[Actuator]):
     """Actuators by the names of the ports that they stand at."""
 
-    def __init__(self, **members: Actuator) -> None:
-        for name, member in members.items():
-            if not isinstance(member, Actuator):  # pyright: ignore[reportUnnecessaryIsInstance]
-                raise ParameterError(
-                    f"Actuator `{name}` must be an `Actuator`, but is {type(member).__name__}."
-                )
-            self.__dict__[name] = member
-
-    @property
-    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """One part per actuator."""
-        return {name: Declared("part", "an actuator", REQUIRED) for name in self.__dict__}
-
-    def members(self) -> dict[str, Actuator]:
-        """Name -> actuator."""
-        return dict(self.__dict__)
+    noun = "actuator"
+    kind = Actuator

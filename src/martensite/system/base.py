@@ -31,24 +31,23 @@ class Drive(NamedTuple):
     unit: str
     at_end: bool
     """True if its value at the end of a step counts, not the one at mid-step."""
+    ahead: bool = False
+    """In discrete time: true if it is read at the end of a sample, not at its start."""
 
 
 class AbstractSystem(Parametrised):
-    """Interface of a system: a mechanism and the actuators at its ports."""
+    """Interface of everything that is simulated: elements, what they pull on, what drives them."""
 
-    mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
+    mechanism: AbstractMechanism
+    """What the elements pull on."""
 
     def actuators(self) -> dict[str, Actuator]:
         """The actuator at every port."""
         raise NotImplementedError
 
     def drives(self) -> list[Drive]:
-        """What drives it: one signal per actuator, then those of the mechanism."""
-        own = [
-            Drive(self.drive_at(port), one.source.unit, one.source.sets_temperature)
-            for port, one in self.actuators().items()
-        ]
-        return own + [Drive(name, unit, True) for name, unit in self.mechanism.signals().items()]
+        """The signals that drive it."""
+        raise NotImplementedError
 
     def label(self, port: str, name: str) -> str:
         """What an output of the actuator at a port is called."""
@@ -66,6 +65,47 @@ class AbstractSystem(Parametrised):
         """What it is made of, in words."""
         raise NotImplementedError
 
+    def sample_time(self) -> float:
+        """Time from sample to sample [s] of a system in discrete time; else 0."""
+        return self.mechanism.sample_time()
+
+    def profile(self, state: Any) -> list[Column]:
+        """What differs along the element of a system that has but one."""
+        return []
+
+    def judged(self) -> dict[str, float]:
+        """Outputs whose convergence is judged, with the least range that counts."""
+        raise NotImplementedError
+
+    def init(self, xp: Namespace, *drives: Scalar) -> Any:
+        """The state at rest, at ambient temperature, under the first drive signals."""
+        raise NotImplementedError
+
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar,
+        iterations: int = ITERATIONS,
+    ) -> tuple[Any, Report]:  # fmt: skip
+        """Advance by `dt` [s] under constant drive signals."""
+        raise NotImplementedError
+
+    def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured in a state under drive signals."""
+        raise NotImplementedError
+
+
+class AbstractAssembly(AbstractSystem):
+    """Interface of a mechanism with actuators at its ports."""
+
+    mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
+
+    def drives(self) -> list[Drive]:
+        """One signal per actuator, then those of the mechanism."""
+        own = [
+            Drive(self.drive_at(port), one.source.unit, one.source.sets_temperature)
+            for port, one in self.actuators().items()
+        ]
+        return own + [Drive(name, unit, True) for name, unit in self.mechanism.signals().items()]
+
     def of_mechanism(self) -> dict[str, Output]:
         """What can be observed on the mechanism, with the signals that drive it."""
         signals = self.mechanism.signals()
@@ -76,12 +116,8 @@ class AbstractSystem(Parametrised):
         """Numbers in the order of `outputs`."""
         raise NotImplementedError
 
-    def profile(self, state: State) -> list[Column]:
-        """What differs along the element of a system that has but one."""
-        return []
-
     def judged(self) -> dict[str, float]:
-        """Outputs whose convergence is judged, with the least range that counts."""
+        """Temperatures, fractions, and what the mechanism names."""
         found: dict[str, float] = {}
         for port in self.actuators():
             found[self.label(port, "temperature")] = 1.0

@@ -9,11 +9,11 @@ from martensite.mechanisms.base import Column, Output
 from martensite.parameters import part
 from martensite.runtimes.namespace import Scalar
 from martensite.system.actuator import Actuator, Group
-from martensite.system.base import AbstractSystem
+from martensite.system.base import AbstractAssembly
 from martensite.system.outputs import OUTPUTS, Outputs
 
 
-class Machine(AbstractSystem):
+class Machine(AbstractAssembly):
     """A mechanism and the actuators at its ports; outputs are called `port.temperature`."""
 
     group: Group = part("actuators by port", default=Group())

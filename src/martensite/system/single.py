@@ -6,14 +6,14 @@ from martensite.errors import ParameterError
 from martensite.mechanisms.base import Column, Output
 from martensite.runtimes.namespace import Scalar
 from martensite.system.actuator import Actuator
-from martensite.system.base import AbstractSystem, State
+from martensite.system.base import AbstractAssembly, State
 from martensite.system.outputs import OUTPUTS, Outputs
 
 FIRST = 8
 """Outputs of the element that come before those of the mechanism."""
 
 
-class System(Actuator, AbstractSystem):
+class System(Actuator, AbstractAssembly):
     """An element, its environment, a source and a mechanism of one port."""
 
     def check(self) -> None:

@@ -1,7 +1,7 @@
 """The bench under PID control: what the paper does with its real wire.
 
-The controller of `martensite.control.pid` on plain floats, at 500 Hz: in every sample the encoder
-is read, the controller answers with a duty, and the bench goes on under it.
+The controller of `martensite.controllers.pid` on plain floats, at 500 Hz: in every sample the
+encoder is read, the controller answers with a duty, and the bench goes on under it.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.control.closed_loop import Trajectory
-from martensite.control.pid import Gains, PidLaw
 from martensite.control.response import steps
 from martensite.control.tuning import Tuning
+from martensite.controllers.pid import Gains, PidLaw
 from martensite.runtimes import floats
 from martensite.sensors.base import Numbers
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant

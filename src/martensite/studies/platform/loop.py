@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.control.on_off import OnOff
+from martensite.controllers.on_off import OnOff
 from martensite.simulate.controlled import simulate_controlled
 from martensite.simulate.result import Result
 from martensite.studies.platform import bench

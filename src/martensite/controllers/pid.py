@@ -19,14 +19,13 @@ Source of C(z): Copaci, Moreno and Blanco (2019), equation (1).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from martensite.errors import ParameterError, suggestion
-from martensite.parameters import Parametrised, param, part
-from martensite.runtimes import floats
+from martensite.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.errors import ParameterError
+from martensite.parameters import Parametrised, option, param, part
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.signals.base import DRIVE, WAVEFORMS, AbstractDrive
+from martensite.signals.base import DRIVE
 
 
 class Gains(NamedTuple):
@@ -103,40 +102,36 @@ class PidLaw(Parametrised):
         return xp.clip(wanted, self.low, self.high), PidMemory(kept, now, change)
 
 
-class Pid(AbstractDrive):
+@CONTROLLERS.register("pid")
+class Pid(AbstractController):
     """A PID controller that keeps a measured output on a waveform."""
 
     cites = ("copaci2019",)
 
-    measured: str = part("name of the output that is measured")
-    reference: Any = part("what it shall follow, in the SI unit of that output", WAVEFORMS)
-    Kp: float = param("1", "proportional gain, in signal per SI unit of that output")
-    Ki: float = param("1", "integral gain per sample, in the same unit", default=0.0)
-    Kd: float = param("1", "derivative gain per sample, in the same unit", default=0.0)
+    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured")
+    Ki: Scalar = param("1", "integral gain", default=0.0)
+    Kd: Scalar = param("1", "derivative gain", default=0.0)
+    gains_are: str = option(
+        "integral and derivative gain: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
+        "per-sample", "in-seconds", default="per-sample",
+    )  # fmt: skip
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
-    @property
-    def gains(self) -> Gains:
-        """All gains."""
-        return Gains(self.Kp, self.Ki, self.Kd)
+    def gains(self, xp: Namespace, dt: Scalar) -> Gains:
+        """All gains per sample; the first sample, dt = 0, has nothing to integrate."""
+        if self.gains_are == "per-sample":
+            return Gains(self.Kp, self.Ki, self.Kd)
+        some = dt > 0.0
+        share = xp.where(some, 1.0 / xp.where(some, dt, 1.0), 0.0)
+        return Gains(self.Kp, self.Ki * dt, self.Kd * share)
 
-    def init(self) -> PidMemory | None:
-        """Nothing measured."""
-        return None
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> PidMemory:
+        """Nothing integrated."""
+        return self.law.rest(xp, reference, readings[self.measured])
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: PidMemory | None
-    ) -> tuple[float, PidMemory]:
-        """Signal at `time` [s] and the new memory; called once in every sample.
-
-        Raises:
-            ParameterError: the system has no such output.
-        """
-        if self.measured not in measurement:
-            raise ParameterError(
-                f"`Pid` cannot measure `{self.measured}`: the system has no such output. "
-                f"{suggestion(self.measured, measurement)}"
-            )
-        wanted, found = self.reference.value(time), measurement[self.measured]
-        memory = memory or self.law.rest(floats, wanted, found)
-        return self.law.answer(floats, self.gains, memory, wanted, found)
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, PidMemory]:
+        """Signal of this sample, and what is remembered for the next."""
+        gains, found = self.gains(xp, dt), readings[self.measured]
+        return self.law.answer(xp, gains, PidMemory(*memory), reference, found)

@@ -1,0 +1,1 @@
+"""The virtual bench: a plant with its sensors, observers, controllers, supervisor, faults."""

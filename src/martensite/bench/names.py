@@ -1,0 +1,92 @@
+"""What everything on a bench is called: drives, readings, outputs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from martensite.bench.mounted import Mounted
+from martensite.mechanisms.base import Output
+from martensite.observers.base import ESTIMATED
+from martensite.system.base import Drive
+
+if TYPE_CHECKING:
+    from martensite.bench.bench import Bench
+
+MEASURED, REFERENCE, WANTED, NOISE, JITTER = "measured.", "reference", "wanted", "noise.", "jitter."
+ALARM = "alarm"
+AGE = ".age"
+AMBIENT = "ambient"
+
+
+def references(bench: Bench) -> list[str]:
+    """Names of the references, in the order of the controllers."""
+    names = list(bench.controllers.members())
+    return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
+
+
+def drives(bench: Bench) -> list[Drive]:
+    """References, drives of the plant that are free, noise and jitter."""
+    taken = bench.controllers.members()
+    units = {name: output.unit for name, output in readings(bench).items()}
+    rows = zip(references(bench), taken.values(), strict=True)
+    followed = [Drive(name, units[one.measured], False, True) for name, one in rows]
+    free = [drive for drive in bench.plant.drives() if drive.name not in taken]
+    numbers = [
+        Drive(kind + name, "1", False, True)
+        for name in bench.sensors.members()
+        for kind in (NOISE, JITTER)
+    ]
+    return [*followed, *free, *numbers]
+
+
+def readings(bench: Bench) -> dict[str, Output]:
+    """What controllers may read: readings and estimates, and the age of readings."""
+    found = {
+        name: Output(_unit(bench, one), f"reading of {name}", f"y_{name}")
+        for name, one in bench.sensors.members().items()
+    }
+    found = found or dict(bench.plant.outputs())
+    ages = {name + AGE: Output("s", f"age of {name}", "t") for name in found}
+    return found | estimates(bench) | ages
+
+
+def estimates(bench: Bench) -> dict[str, Output]:
+    """What observers estimate."""
+    return {
+        ESTIMATED + name: output
+        for one in bench.observers.members().values()
+        for name, output in one.estimates().items()
+    }
+
+
+def outputs(bench: Bench) -> dict[str, Output]:
+    """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
+    known = readings(bench)
+    measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
+    found = bench.plant.outputs() | measured | estimates(bench)
+    units = {drive.name: drive.unit for drive in bench.plant.drives()}
+    rows = zip(references(bench), bench.controllers.members().items(), strict=True)
+    for name, (drive, one) in rows:
+        unit = known[one.measured].unit
+        found[name] = Output(unit, f"reference of {one.measured}", "r")
+        wanted = name.replace(REFERENCE, WANTED)
+        found[wanted] = Output(units[drive], f"signal that {drive} shall have", "u")
+    if bench.supervisor is not None:
+        found[ALARM] = Output("1", "alarm of the supervisor", "a")
+    return found
+
+
+def truths(bench: Bench) -> dict[str, Output]:
+    """What sensors may look at: outputs of the plant, and the surroundings."""
+    found = dict(bench.plant.outputs())
+    for port in bench.plant.actuators():
+        name = bench.plant.label(port, AMBIENT)
+        found[name] = Output("K", "temperature of the surroundings", "T_a")
+    return found
+
+
+def _unit(bench: Bench, mounted: Mounted) -> str:
+    """Unit of the readings of a sensor: its own, or that of what it looks at."""
+    if mounted.sensor.unit is not None:
+        return mounted.sensor.unit
+    return truths(bench)[mounted.sees()[0]].unit

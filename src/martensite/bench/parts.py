@@ -1,0 +1,73 @@
+"""What a bench is made of, by name, and what its parts remember."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from martensite.bench.faults.base import AbstractFault
+from martensite.bench.mounted import Mounted, Sensed
+from martensite.controllers.base import AbstractController
+from martensite.observers.base import AbstractObserver
+from martensite.runtimes.namespace import Scalar
+from martensite.system import Members
+
+Named = dict[str, Scalar]
+
+
+class Sensors(Members[Mounted]):
+    """Sensors by name: what a controller calls their readings."""
+
+    noun, kind = "sensor", Mounted
+
+
+class Observers(Members[AbstractObserver]):
+    """Observers by name."""
+
+    noun, kind = "observer", AbstractObserver
+
+
+class Controllers(Members[AbstractController]):
+    """Controllers by the name of the drive that they have."""
+
+    noun, kind = "controller", AbstractController
+
+
+class Faults(Members[AbstractFault]):
+    """Faults by name."""
+
+    noun, kind = "fault", AbstractFault
+
+
+class Watching(NamedTuple):
+    """State of an observer."""
+
+    estimates: tuple[Scalar, ...]
+    memory: tuple[Scalar, ...]
+
+
+class Controlling(NamedTuple):
+    """State of a controller."""
+
+    wanted: Scalar
+    memory: tuple[Scalar, ...]
+
+
+class BenchState(NamedTuple):
+    """All that changes in time."""
+
+    time: Scalar
+    plant: Any
+    sensors: tuple[Sensed, ...]
+    observers: tuple[Watching, ...]
+    controllers: tuple[Controlling, ...]
+    supervisor: tuple[Scalar, ...]
+
+
+class Inputs(NamedTuple):
+    """What drives a bench, by where it goes."""
+
+    references: tuple[Scalar, ...]
+    free: Named
+    """Signals of the plant that no controller has."""
+    numbers: tuple[tuple[Scalar, Scalar], ...]
+    """Normal numbers for noise and jitter of every sensor."""

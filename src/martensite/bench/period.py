@@ -1,0 +1,136 @@
+"""The parts of a period on a bench: kernels that `Bench` puts in order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from martensite.bench.mounted import Disturbed, Sensed
+from martensite.bench.names import AGE, AMBIENT
+from martensite.bench.parts import BenchState, Controlling, Inputs, Named, Watching
+from martensite.bench.supervisor import Verdict
+from martensite.observers.base import ESTIMATED
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.system import AbstractSystem
+from martensite.system.course import Piece
+
+if TYPE_CHECKING:
+    from martensite.bench.bench import Bench
+
+Signals = Mapping[str, Scalar]
+SLIGHT = 1e-9
+"""Least share of a period, so that no step has length 0."""
+
+
+def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
+    """What drives the bench, by where it goes."""
+    taken, rest = bench.controllers.members(), iter(drives)
+    references = tuple(next(rest) for _ in taken)
+    free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
+    numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
+    return Inputs(references, free, numbers)
+
+
+def verdict(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
+    """Signals by drive of the plant, as the supervisor lets them pass."""
+    taken = zip(bench.controllers.members(), state.controllers, strict=True)
+    wanted = given.free | {name: held.wanted for name, held in taken}
+    ordered = {drive.name: wanted[drive.name] for drive in bench.plant.drives()}
+    if bench.supervisor is None:
+        return Verdict(ordered, 0.0, ())
+    known: Named = {}
+    if not state.sensors:
+        known = truth(bench, xp, faulty(bench, xp, state.time), state.plant, ordered)
+    known = readings(bench, state.sensors, known) | estimates(bench, state.observers)
+    return bench.supervisor.judge(xp, state.supervisor, ordered, known, bench.period)
+
+
+def faulty(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
+    """The plant as it is at a time [s]."""
+    plant = bench.plant
+    for fault in bench.faults.members().values():
+        plant = fault.plant(xp, plant, fault.active(xp, time))
+    return plant
+
+
+def arriving(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Named:
+    """Signals as they arrive at the sources."""
+    found = dict(signals)
+    for fault in bench.faults.members().values():
+        active = fault.active(xp, time)
+        found = {name: fault.signal(xp, name, u, active) for name, u in found.items()}
+    return found
+
+
+def pieces(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
+    """Signals and lengths of what is repeated in a period."""
+    length = bench.period / bench.turns
+    if bench.switching == "averaged":
+        return [(list(signals.values()), length)]
+    (duty,) = signals.values()
+    share = xp.clip(duty, SLIGHT, 1.0 - SLIGHT)
+    on, off = xp.where(duty > 0.0, 1.0, 0.0), xp.where(duty < 1.0, 0.0, 1.0)
+    return [([on], share * length), ([off], (1.0 - share) * length)]
+
+
+def truth(
+    bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals
+) -> Named:
+    """What sensors may look at; electrical outputs are those while the switch is closed."""
+    applied = list(signals.values())
+    if bench.switching == "pulses":
+        applied = [xp.where(u > 0.0, 1.0, 0.0) for u in applied]
+    found: Named = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
+    for port, one in plant.actuators().items():
+        found[plant.label(port, AMBIENT)] = one.environment.temperature
+    return found
+
+
+def sensed(
+    bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Named, given: Inputs, time: Scalar
+) -> tuple[Sensed, ...]:
+    """All sensors a period later."""
+    rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
+    faults = [(one, one.active(xp, time)) for one in bench.faults.members().values()]
+    return tuple(
+        mounted.step(xp, held, known, numbers, bench.period, Disturbed(name, faults))
+        for (name, mounted), held, numbers in rows
+    )
+
+
+def watched(
+    bench: Bench, xp: Namespace, before: Sequence[Watching], known: Named, signals: Named
+) -> tuple[Watching, ...]:
+    """All observers a period later."""
+    rows = zip(bench.observers.members().values(), before, strict=True)
+    found = [
+        one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows
+    ]
+    return tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in found)
+
+
+def answered(
+    bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Named, given: Inputs
+) -> tuple[Controlling, ...]:
+    """All controllers a period later."""
+    rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
+    found = [one.answer(xp, held.memory, r, known, bench.period) for one, held, r in rows]
+    return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+
+
+def readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
+    """What controllers may read: readings with their ages, or without sensors the truth."""
+    found: Named = {}
+    for name, held in zip(bench.sensors.members(), sensors, strict=True):
+        found |= {name: held.reading, name + AGE: held.age}
+    return found or {**known, **dict.fromkeys((name + AGE for name in known), 0.0)}
+
+
+def estimates(bench: Bench, observers: Sequence[Watching]) -> Named:
+    """Estimates by name."""
+    rows = zip(bench.observers.members().values(), observers, strict=True)
+    return {
+        ESTIMATED + name: value
+        for one, held in rows
+        for name, value in zip(one.estimates(), held.estimates, strict=True)
+    }

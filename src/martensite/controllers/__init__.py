@@ -1,0 +1,1 @@
+"""Controllers: what turns a reference and readings into the signal of a drive."""

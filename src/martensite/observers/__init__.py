@@ -1,0 +1,1 @@
+"""Observers: what estimates that which no sensor sees."""

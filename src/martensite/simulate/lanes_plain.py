@@ -1,0 +1,68 @@
+"""Lanes one after the other on floats, where there is no compiler."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.lanes_native import Numbers
+from martensite.simulate.march import SOLVED
+from martensite.simulate.patient import THOROUGH
+from martensite.system import AbstractSystem
+
+
+class PlainLanes:
+    """Lanes one after the other on floats."""
+
+    def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
+        self.compiled, self.system, self.table = compiled, system, table
+        self.functions = [compiled.program.bind_floats(*column) for column in table.T.tolist()]
+        self.patient: dict[int, Callable[..., tuple[float, ...]]] = {}
+
+    def begin(self, signals: Numbers) -> Numbers:
+        """The state at rest."""
+        rows = zip(self.functions, signals.T.tolist(), strict=True)
+        return np.array([functions["init"](*u) for functions, u in rows]).T
+
+    def advance(
+        self, state: Numbers, drives: Numbers, dt: float, shown: bool, worst: Numbers
+    ) -> tuple[Numbers, Numbers]:
+        """State after some steps, and outputs."""
+        lanes, size = state.shape[1], self.compiled.size
+        rows = np.empty((len(drives) if shown else 0, len(self.compiled.outputs), lanes))
+        after = np.empty_like(state)
+        for lane, now in enumerate(state.T.tolist()):
+            for k, u in enumerate(drives[:, :, lane].tolist()):
+                found = self._step(lane, [*now, *u, dt])
+                now = list(found[:size])
+                for j in range(2):
+                    worst[j, lane] = max(worst[j, lane], found[size + j])
+                if shown:
+                    rows[k, :, lane] = self.functions[lane]["observe"](*now, *u)
+            after[:, lane] = now
+        return after, rows
+
+    def seen(self, state: Numbers, signals: Numbers) -> Numbers:
+        """Outputs in a state."""
+        rows = zip(self.functions, state.T.tolist(), signals.T.tolist(), strict=True)
+        return np.array([functions["observe"](*now, *u) for functions, now, u in rows]).T
+
+    def _step(self, lane: int, arguments: Sequence[float]) -> Sequence[float]:
+        """One step, made once more with more iterations if it stays unsolved."""
+        size = self.compiled.size
+        try:
+            found = self.functions[lane]["step"](*arguments)
+            if found[size] <= SOLVED:
+                return found
+            return self._thorough(lane)(*arguments)
+        except ArithmeticError:  # a division by zero or an overflow
+            return [*arguments[:size], math.inf, 0.0]
+
+    def _thorough(self, lane: int) -> Callable[..., tuple[float, ...]]:
+        if lane not in self.patient:
+            program = compile_system(self.system, THOROUGH).program
+            self.patient[lane] = program.bind_floats(*self.table[:, lane].tolist())["step"]
+        return self.patient[lane]
