@@ -27,8 +27,10 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
     "m^3": ("m^3", 1.0, 0.0),
     "s": ("s", 1.0, 0.0),
     "ms": ("s", 1e-3, 0.0),
+    "us": ("s", 1e-6, 0.0),
     "min": ("s", 60.0, 0.0),
     "Hz": ("Hz", 1.0, 0.0),
+    "kHz": ("Hz", 1e3, 0.0),
     "kg": ("kg", 1.0, 0.0),
     "g": ("kg", 1e-3, 0.0),
     "N": ("N", 1.0, 0.0),
@@ -45,6 +47,7 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
     "A": ("A", 1.0, 0.0),
     "mA": ("A", 1e-3, 0.0),
     "W": ("W", 1.0, 0.0),
+    "mW": ("W", 1e-3, 0.0),
     "ohm": ("ohm", 1.0, 0.0),
     "ohm/m": ("ohm/m", 1.0, 0.0),
     "ohm*m": ("ohm*m", 1.0, 0.0),
@@ -80,7 +83,7 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
 # declared SI unit -> unit a person would rather read
 READABLE = {
     "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
-    "rad/s": "deg/s",
+    "rad/s": "deg/s", "delta_degC": "K",
 }  # fmt: skip
 
 # declared SI unit -> unit for large values, and from which value on

@@ -4,9 +4,10 @@
 
 Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its
 readings, a whole number of periods of the bench in the end: one is made in the first period in
-which so much time has gone by. Readings travel: in every period the latest one counts that is at
-least `delay` + `jitter` n old, with a standard normal number n drawn anew in every period, not
-below 0 and never beyond the delay by more than four times the jitter.
+which so much time has gone by. Where there is nothing to measure none is made, and the last one
+counts on. Readings travel, each for `delay` + `jitter` n, with a standard normal number n of its
+own that is limited to ±4; less than 0 is 0. In every period the newest one counts that has
+arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
 """
 
 from __future__ import annotations
@@ -16,14 +17,17 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from martensite.bench.faults.base import AbstractFault
+from martensite.errors import ParameterError
 from martensite.parameters import Parametrised, param, part, text
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
-from martensite.sensors.base import SENSORS, AbstractSensor
+from martensite.sensors.base import SENSORS, AbstractSensor, Column
 
 HAIR = 1e-9
 """Part of a period that is rounding."""
 WORST = 4.0
 """Jitters beyond which no reading is later."""
+NEVER = 1e9
+"""Age of a reading that was never made [s]."""
 
 
 class Sensed(NamedTuple):
@@ -39,6 +43,8 @@ class Sensed(NamedTuple):
     """Readings of this and the last periods, latest first."""
     ages: tuple[Scalar, ...]
     """Their ages then [s]."""
+    travels: tuple[Scalar, ...]
+    """How long they travel [s]."""
     reading: Scalar
     """What has arrived."""
     age: Scalar
@@ -54,6 +60,15 @@ class Mounted(Parametrised):
     delay: Scalar = param("s", "how late a reading arrives", low=0.0, default=0.0)
     jitter: Scalar = param("s", "standard deviation of the delay", low=0.0, default=0.0)
 
+    def check(self) -> None:
+        """Raise `ParameterError` unless it is told as many outputs as the sensor looks at."""
+        wanted, given = self.sensor.sees, self.sees()
+        if len(given) != len(wanted):
+            raise ParameterError(
+                f"Sensor `{self.sensor.registered_name}` looks at {' and '.join(wanted)}: `of` "
+                f"must name {len(wanted)}, but is {', '.join(given)}."
+            )
+
     def sees(self) -> tuple[str, ...]:
         """Outputs that it looks at."""
         given = (self.of,) if isinstance(self.of, str) else self.of
@@ -67,10 +82,10 @@ class Mounted(Parametrised):
         """The first reading, made at rest; it has been the same for long."""
         seen = [truth[name] for name in self.sees()]
         inner = self.sensor.rest(xp, seen)
-        value, inner = self.sensor.step(xp, inner, seen, noise, 0.0)
-        value = self._rounded(xp, value)
-        zeros = (0.0,) * kept
-        return Sensed(tuple(inner), value, 0.0, (value,) * kept, zeros, value, 0.0)
+        value, inner = self.sensor.reading(xp, inner, seen, noise, 0.0)
+        age = xp.where(self.sensor.valid(xp, seen), 0.0, NEVER)
+        past, ages, travels = ((one,) * kept for one in (value, age, self.delay))
+        return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
 
     def step(
         self, xp: Namespace, before: Sensed, truth: Mapping[str, Scalar],
@@ -79,27 +94,31 @@ class Mounted(Parametrised):
         """What it says a period [s] later, with normal numbers for noise and jitter."""
         noise, late = numbers
         seen = [truth[name] for name in self.sees()]
-        value, inner = self.sensor.step(xp, before.inner, seen, noise, period)
-        value = disturbed.reading(xp, self._rounded(xp, value), before.held)
+        value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
+        value = disturbed.reading(xp, value, before.held)
         elapsed = before.elapsed + period
-        fresh = disturbed.fresh(xp, elapsed >= self.sample_time - HAIR * period)
-        held = xp.where(fresh, value, before.held)
-        elapsed = xp.where(fresh, 0.0, elapsed)
+        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - HAIR * period)
+        fresh = disturbed.fresh(xp, due)
+        held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
+        travel = xp.clip(late, -WORST, WORST) * self.jitter + self.delay
+        travel = xp.where(fresh, travel, before.travels[0])
         past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
-        least = xp.clip(late, -WORST, WORST) * self.jitter + self.delay
-        reading, age = past[-1], ages[-1] + (len(past) - 1) * period
-        for k in range(len(past) - 2, -1, -1):
-            arrived = k * period >= least - HAIR * period
-            reading = xp.where(arrived, past[k], reading)
-            age = xp.where(arrived, ages[k] + k * period, age)
-        return Sensed(tuple(inner), held, elapsed, past, ages, reading, age)
+        travels = (travel, *before.travels[:-1])
+        reading, age = _arrived(xp, past, ages, travels, period)
+        return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
 
-    def _rounded(self, xp: Namespace, value: Scalar) -> Scalar:
-        """To the nearest step of the resolution, if there is one."""
-        least = self.sensor.resolution
-        some = least > 0.0
-        steps = xp.nearest(value / xp.where(some, least, 1.0))
-        return xp.where(some, steps * least, value)
+
+def _arrived(
+    xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The newest reading that has arrived, and its age [s]; the oldest one has."""
+    oldest = len(past) - 1
+    reading, age = past[oldest], ages[oldest] + oldest * period
+    for k in range(oldest - 1, -1, -1):
+        old = ages[k] + k * period
+        there = old >= travels[k] - HAIR * period
+        reading, age = xp.where(there, past[k], reading), xp.where(there, old, age)
+    return reading, age
 
 
 class Disturbed:

@@ -1,10 +1,11 @@
 """The contract of a sensor: a true signal in, what it says of it out.
 
-A sensor has an analogue part and a digital one. `step` is the analogue part, a straight-line
-kernel over a namespace: what is felt of the truth, with its lag, and noise on top. `digits` is
-the digital part, rounding to the least step, in NumPy or plain floats: it is no smooth operation
-and never part of a derivative. What only rearranges readings in time, such as another sample
-time, a delay or lost samples, is neither: it goes around a sensor.
+A sensor has an analogue part and a digital one. `step` is the analogue part: what is felt of the
+truth, with its lag, and noise on top. The digital part, the same for all, rounds to the nearest
+step of the resolution and stops at the ends of the range. `reading` is both. All are straight-line
+kernels over a namespace; to differentiation rounding is not there. What only rearranges readings
+in time, such as another sample time, a delay or lost samples, goes around a sensor
+(`martensite.bench.mounted`).
 
 Noise is given, not drawn: one standard normal number per reading, so that a run is the same for
 the same numbers.
@@ -13,22 +14,25 @@ the same numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from martensite.errors import InputError
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.namespace import Flag, Namespace, Scalar
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 SENSORS: Registry[AbstractSensor] = Registry("sensor", "martensite.sensors")
 DRAWN = 1024
 """Random numbers that are drawn at a time."""
+DEGREES = "delta_degC"
+"""Unit of a difference of two temperatures [K], which has no zero to be shifted."""
 Column: TypeAlias = Sequence[Scalar]
-Numbers: TypeAlias = NDArray[Any]
+Numbers: TypeAlias = "NDArray[Any]"
 
 
 class AbstractSensor(Parametrised):
@@ -39,10 +43,18 @@ class AbstractSensor(Parametrised):
     sees: ClassVar[tuple[str, ...]] = ()
     """What it looks at: names of true signals, in the order in which `step` takes them."""
 
-    noise: float
+    noise: Scalar = 0.0
     """Standard deviation of the noise of a reading."""
-    resolution: float
+    resolution: Scalar = 0.0
     """Least step of a reading; 0 if it is not rounded."""
+
+    def limits(self) -> tuple[Scalar, Scalar] | None:
+        """Lowest and highest reading; None if it says anything."""
+        return None
+
+    def valid(self, xp: Namespace, truth: Column) -> Flag:
+        """Whether there is anything to measure: if not, there is no new reading."""
+        return True
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
         """What it remembers if the truth has been as it is for long."""
@@ -62,11 +74,20 @@ class AbstractSensor(Parametrised):
         """
         raise NotImplementedError
 
-    def digits(self, value: Any) -> Any:
-        """A reading, or an array of them, rounded to the nearest step of the resolution."""
-        if not self.resolution > 0.0:
-            return value
-        return np.round(np.asarray(value) / self.resolution) * self.resolution
+    def reading(
+        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """What it says, and what is remembered: `step`, rounded and within the range."""
+        value, after = self.step(xp, state, truth, noise, dt)
+        return self.digits(xp, value), after
+
+    def digits(self, xp: Namespace, value: Scalar) -> Scalar:
+        """The nearest step of the resolution, if there is one, within the range."""
+        least, limits = self.resolution, self.limits()
+        some = least > 0.0
+        steps = xp.nearest(value / xp.where(some, least, 1.0))
+        value = xp.where(some, steps * least, value)
+        return value if limits is None else xp.clip(value, *limits)
 
 
 class Probe:
@@ -84,9 +105,8 @@ class Probe:
         if not self._noise:
             self._noise = self._rng.standard_normal(DRAWN)[::-1].tolist()
         noise = self._noise.pop()
-        value, self._state = self.sensor.step(floats, self._state, truth, noise, dt)
-        least = self.sensor.resolution
-        return round(value / least) * least if least > 0.0 else value
+        value, self._state = self.sensor.reading(floats, self._state, truth, noise, dt)
+        return value
 
 
 def readings(
@@ -98,24 +118,18 @@ def readings(
         sensor: the sensor.
         truth: true signals, shape (samples, signals), in the order of `sees`.
         interval: sample time [s].
-        rng: where the noise comes from.
+        rng: where the noise comes from; it is drawn in portions of `DRAWN` numbers.
 
     Raises:
         InputError: there are not as many signals as the sensor looks at.
     """
+    import numpy as np
+
     rows = np.atleast_2d(np.asarray(truth, dtype=float).T).T
     if rows.shape[1] != len(sensor.sees):
         raise InputError(
             f"Sensor `{sensor.registered_name}` looks at {' and '.join(sensor.sees)}, so the "
             f"truth needs {len(sensor.sees)} columns, but has {rows.shape[1]}."
         )
-    noise = rng.standard_normal(len(rows)).tolist()
-    given: list[list[float]] = rows.tolist()
-    state = sensor.rest(floats, given[0])
-    found: list[float] = []
-    dt = 0.0
-    for row, one in zip(given, noise, strict=True):
-        value, state = sensor.step(floats, state, row, one, dt)
-        found.append(value)
-        dt = interval
-    return np.asarray(sensor.digits(np.array(found)))
+    probe = Probe(sensor, rng)
+    return np.array([probe.read(row, interval) for row in rows.tolist()])

@@ -1,0 +1,1 @@
+"""What several sensors have in common."""
