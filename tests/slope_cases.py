@@ -179,6 +179,7 @@ def exchanged(thing: Any) -> Case:
     drives = system.drives()
     for k, drive in enumerate(drives):
         at, until, share = 0.1 + 0.05 * k, 1.5, 1.0 - 0.06 * k
+        share = -share if getattr(thing, "conducts", "both") == "negative" else share
         if drive.unit == "K":
             waves[drive.name] = Step(low=295.0, high=390.0, at=at, until=until)
         elif k % 2 == 0 or len(drives) < 4:

@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 from martensite.parameters import Parametrised
+from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
+SUPERVISORS: Registry[AbstractSupervisor] = Registry("supervisor", "martensite.bench.supervisors")
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 
@@ -31,6 +33,10 @@ class AbstractSupervisor(Parametrised):
 
     def reads(self) -> tuple[str, ...]:
         """Names of the readings that it needs."""
+        return ()
+
+    def drives(self) -> tuple[str, ...]:
+        """Names of the drives that it speaks of."""
         return ()
 
     def rest(self, xp: Namespace, readings: Named) -> Column:

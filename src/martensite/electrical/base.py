@@ -56,6 +56,8 @@ class AbstractSource(Parametrised):
     unit: ClassVar[str] = "1"
     sets_temperature: ClassVar[bool] = False
     """True if the signal is the temperature of the element itself."""
+    supplied_by: ClassVar[tuple[str, ...]] = ()
+    """Parameters that are the voltage of its supply: those that fall when the supply does."""
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
@@ -68,6 +70,8 @@ class AbstractSource(Parametrised):
 
 class AbstractSupply(AbstractSource):
     """Interface of a source with a real supply: limited in current and in voltage."""
+
+    supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
 
     series_resistance: Scalar = param(
         "ohm", "resistance outside the element: leads, contacts, driver",
@@ -89,6 +93,8 @@ class AbstractSwitch(AbstractSource):
     the heat in the element is that of the rms current, √duty times the one of the closed switch.
     """
 
+    supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
+
     supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4)
     series_resistance: Scalar = param(
         "ohm", "resistance outside the element: leads, contacts, closed switch",
@@ -101,6 +107,16 @@ class AbstractSwitch(AbstractSource):
     def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
+
+    def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
+        """Share of the time for which the switch is closed under a duty.
+
+        Args:
+            xp: namespace.
+            drive: duty.
+            frequency: of the pulses [Hz], for what is lost in each of them.
+        """
+        return xp.clip(drive, 0.0, 1.0)
 
     def largest_power(self, resistance: float) -> float:
         """Power [W] in an element of `resistance` [ohm] while the switch is closed."""

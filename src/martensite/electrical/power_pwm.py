@@ -8,7 +8,7 @@ resistance R₀, the power is wrong by the factor P_max(R)/P_max(R₀): R₀/R w
 resistance, R/R₀ where the current limit acts.
 
 Averaged over the periods, which are taken to be short. The loop itself, with its sampling and
-its pulses, is `martensite.control.constant_power`. Source: the power control of the paper on
+its pulses, is `martensite.controllers.constant_power`. Source: the power control of the paper on
 a finger prototype (section 5.1), which measures once, "prior to the experimental campaign". It
 speaks of the difference of desired and maximum power; a duty is their ratio.
 """

@@ -7,6 +7,7 @@ the source, or on a sensor. It is part of the traced loop: everything is a choic
 from __future__ import annotations
 
 import math
+from typing import Self
 
 from martensite.errors import ParameterError
 from martensite.parameters import Parametrised, param
@@ -15,6 +16,8 @@ from martensite.runtimes.namespace import Flag, Namespace, Scalar
 from martensite.system import AbstractSystem
 
 FAULTS: Registry[AbstractFault] = Registry("fault", "martensite.bench.faults")
+HAIR = 1e-7
+"""Difference of times that is rounding, for time is a sum of periods [s]."""
 
 
 class AbstractFault(Parametrised):
@@ -33,7 +36,11 @@ class AbstractFault(Parametrised):
 
     def active(self, xp: Namespace, time: Scalar) -> Flag:
         """Whether it is there at a time [s]."""
-        return xp.both(time >= self.start, time < self.end)
+        return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
+
+    def grown(self, xp: Namespace, time: Scalar) -> Self:
+        """The fault as it is by a time [s]; itself unless it grows."""
+        return self
 
     def names(self) -> dict[str, str]:
         """What it names -> `sensor` or `drive`: to be checked by the bench."""

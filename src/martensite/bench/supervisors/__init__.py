@@ -1,0 +1,1 @@
+"""Supervisors: who has the last word on a bench. One file per kind."""

@@ -1,0 +1,166 @@
+"""Faults on a bench without a loop: what each one changes, from when to when, and where.
+
+Source of truth: the same run without a fault, and the numbers of the plant.
+"""
+
+import math
+
+import pytest
+from builders import plain_system, problem_a
+
+from martensite.bench.bench import Bench
+from martensite.bench.faults.base import FAULTS
+from martensite.bench.mounted import Mounted
+from martensite.bench.parts import Faults, Sensors
+from martensite.bench.run import simulate_bench
+from martensite.electrical.current import CurrentSource
+from martensite.electrical.pwm import PwmVoltage
+from martensite.electrical.temperature import PrescribedTemperature
+from martensite.electrical.voltage import VoltageSource
+from martensite.errors import ParameterError
+from martensite.mechanisms.pulley import AntagonisticPulley
+from martensite.runtimes import floats
+from martensite.sensors.ideal import IdealSensor
+from martensite.signals.constant import Constant
+from martensite.system import Actuator, Group, Machine
+
+PLANT = problem_a(source=PwmVoltage(supply=6.0))
+DUTY = 0.2
+NUMBERS = {
+    "drop-out": {"sensor": "felt"}, "stuck": {"sensor": "felt"},
+    "drift": {"sensor": "felt", "bias": 1.0}, "supply-sag": {"share": 0.5},
+    "ambient-step": {"by": 20.0}, "draught": {"factor": 2.0},
+}  # fmt: skip
+
+
+def bench(plant=PLANT, **faults):
+    felt = Mounted(sensor=IdealSensor(), of=("temperature",))
+    return Bench(plant=plant, period=0.05, sensors=Sensors(felt=felt), faults=Faults(**faults))
+
+
+def run(*, plant=PLANT, level=DUTY, seconds=1.0, **faults):
+    waves = {drive.name: Constant(level=level) for drive in plant.drives()}
+    return simulate_bench(bench(plant, **faults), seconds, waveforms=waves, runtime="floats")
+
+
+def fault(name, **changes):
+    return FAULTS[name](**(NUMBERS.get(name, {}) | {"start": 0.5, "end": 0.75} | changes))
+
+
+HEALTHY = run()
+
+
+@pytest.mark.parametrize("name", FAULTS.names())
+def test_a_fault_changes_nothing_before_it_begins(name):
+    found = run(one=fault(name))
+    for column in ("temperature", "current", "measured.felt", "position"):
+        assert found[column][:10] == HEALTHY[column][:10]
+    assert any(found[c] != HEALTHY[c] for c in ("temperature", "measured.felt"))
+
+
+@pytest.mark.parametrize("name", ["supply-sag", "open-circuit"])
+def test_of_the_current_a_share_is_left(name):
+    found, share = run(one=fault(name)), {"supply-sag": 0.5, "open-circuit": 0.0}[name]
+    ratios = [a * R / (b * S) for a, b, R, S in zip(
+        found["current"], HEALTHY["current"], found["resistance"], HEALTHY["resistance"],
+        strict=True)]  # fmt: skip
+    during = [0.5 - 1e-9 <= t < 0.75 - 1e-9 for t in found.times]
+    assert ratios == pytest.approx([share if now else 1.0 for now in during], rel=1e-12)
+
+
+@pytest.mark.parametrize(("name", "age"), [("drop-out", 0.55), ("stuck", 0.0)])
+def test_only_a_drop_out_is_seen_in_the_age(name, age):
+    one = bench(one=fault(name, end=math.inf))
+    found = simulate_bench(one, 1.0, waveforms={"drive": Constant(level=DUTY)}, runtime="floats")
+    assert found["measured.felt"][10:] == [found["measured.felt"][9]] * 11
+    assert HEALTHY["measured.felt"] == HEALTHY["temperature"]
+    state = one.init(floats, DUTY, 0.0, 0.0)
+    for _ in range(20):
+        state, _ = one.step(floats, state, DUTY, 0.0, 0.0, dt=0.05)
+    assert state.sensors[0].age == pytest.approx(age, abs=1e-12)
+
+
+def test_a_drift_grows_from_where_it_begins():
+    found = run(one=fault("drift", bias=2.0, rate=4.0))
+    off = [r - T for r, T in zip(found["measured.felt"], found["temperature"], strict=True)]
+    expected = [
+        2.0 + 4.0 * (t - 0.5) if 0.5 - 1e-9 <= t < 0.75 - 1e-9 else 0.0 for t in found.times
+    ]
+    assert off == pytest.approx(expected, abs=1e-9)
+
+
+def slope(found, k, wire=PLANT.element):
+    """Change of the heat content of a wire without latent heat, over a period [W]."""
+    return (
+        wire.heat_capacity_total() * (found["temperature"][k + 1] - found["temperature"][k]) / 0.05
+    )
+
+
+def test_surroundings_and_draught_change_the_heat_loss():
+    """Q = f h S (T - T_a): read off the heat balance, h constant, no latent heat."""
+    plain = plain_system(source=PwmVoltage(supply=3.0))
+    healthy = run(plant=plain)
+    film = healthy["heat_loss"][9] / (healthy["temperature"][9] - 293.15)
+    cases = {"ambient-step": (1.0, 313.15), "draught": (2.0, 293.15)}
+    for name, (factor, ambient) in cases.items():
+        found = run(plant=plain, one=fault(name))
+        loss = found["heat_loss"][12]
+        expected = factor * film * (found["temperature"][12] - ambient)
+        assert loss == pytest.approx(expected, rel=1e-12)
+        mean = 0.5 * (loss + found["heat_loss"][13])
+        power = found["power"][12]
+        assert slope(found, 12, plain.element) == pytest.approx(power - mean, rel=1e-3)
+
+
+def test_the_supply_of_other_sources_is_their_limit():
+    """0.9 V of 1 V are asked for; at half the supply 0.5 V are there."""
+    volts = problem_a(source=VoltageSource(voltage_limit=1.0))
+    found = run(plant=volts, level=0.9, one=fault("supply-sag"))
+    assert found["voltage"][8:12] == pytest.approx([0.9, 0.9, 0.5, 0.5])
+    amperes = problem_a(source=CurrentSource())
+    assert run(plant=amperes, level=0.5, one=fault("supply-sag"))["current"] == [0.5] * 21
+
+
+def test_a_chamber_has_no_circuit():
+    chamber = problem_a(source=PrescribedTemperature())
+    for name in ("open-circuit", "supply-sag"):
+        found = run(plant=chamber, level=320.0, one=fault(name))
+        assert found["temperature"] == pytest.approx([320.0] * 21)
+
+
+def test_faults_add_up():
+    """A draught of 2 and one of 1/2 are none."""
+    found = run(one=fault("draught"), two=fault("draught", factor=0.5))
+    assert found["temperature"] == pytest.approx(HEALTHY["temperature"], rel=1e-13)
+
+
+# ---------------------------------------------------------------- one of several actuators
+
+
+def test_a_fault_of_one_drive_leaves_the_others_alone():
+    one = Actuator(element=PLANT.element, environment=PLANT.environment, source=PLANT.source)
+    pulley = AntagonisticPulley(radius=5e-3, preload=3.0)
+    pair = Machine(mechanism=pulley, group=Group(protagonist=one, antagonist=one))
+    first, second = pair.actuators()
+    waves = {first: Constant(level=0.3), second: Constant(level=0.3)}
+    found = simulate_bench(
+        Bench(plant=pair, period=0.05, faults=Faults(one=fault("open-circuit", drive=second))),
+        0.7, waveforms=waves, runtime="floats",
+    )  # fmt: skip
+    assert found[f"{second}.current"][11] == 0.0
+    assert found[f"{first}.current"][11] > 0.0
+
+
+# ---------------------------------------------------------------- what does not fit
+
+
+def test_a_fault_must_end_after_it_begins():
+    with pytest.raises(ParameterError, match="must end after it begins"):
+        fault("draught", start=1.0, end=0.5)
+
+
+@pytest.mark.parametrize("name", FAULTS.names())
+def test_names_that_do_not_exist_are_refused(name):
+    place = "sensor" if "sensor" in FAULTS[name].declarations else "drive"
+    with pytest.raises(ParameterError, match=f"there is no {place} `nothing`"):
+        bench(one=fault(name, **{place: "nothing"}))
