@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 from builders import hanging_wire
 
+from martensite.bench.bench import Bench
+from martensite.bench.parts import Controllers
+from martensite.bench.run import simulate_bench
 from martensite.control.averaging import compare_averaging
-from martensite.control.constant_power import ConstantPower
+from martensite.controllers.constant_power import ConstantPower
 from martensite.electrical.power_pwm import PowerPwm
 from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import InputError, ParameterError
+from martensite.errors import ParameterError
 from martensite.runtimes import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
@@ -69,7 +72,7 @@ def test_averaged_power_follows_the_demand_through_the_transformation():
 
 def loop(measured, frequency=100.0, demand: AbstractWaveform = RAMP, **switch):
     system = hanging_wire(mass=1.0, source=PwmVoltage(**(SWITCH | switch)))
-    drive = ConstantPower(demand=demand, measured=measured)
+    drive = ConstantPower(reference=demand, updated=measured)
     return simulate_loop(system, drive, 8.0, 1.0 / frequency, pulses=True)
 
 
@@ -112,7 +115,7 @@ def test_a_controller_that_never_measures_is_noticed():
 def test_a_largest_power_measured_before_is_used():
     most = 25.0 / COLD_OHMS
     system = hanging_wire(mass=1.0, source=PwmVoltage(**SWITCH))
-    drive = ConstantPower(demand=Constant(level=1.0), measured="once", largest=2.0 * most)
+    drive = ConstantPower(reference=Constant(level=1.0), updated="once", largest=2.0 * most)
     found = simulate_loop(system, drive, 0.1, 0.01, pulses=True)
     assert found.signals == pytest.approx([0.5 / most] * 10, rel=1e-12)
 
@@ -135,11 +138,27 @@ def test_the_averaged_source_is_the_average_of_the_loop(measured):
     assert 0.1 < found.ripple < 0.2
 
 
-def test_under_an_averaged_duty_the_loop_needs_a_probe():
+def test_under_an_averaged_duty_the_loop_begins_with_a_probe():
+    """Of its own, for one period, or that of the loop."""
     system = hanging_wire(source=PwmVoltage(**SWITCH))
-    drive = ConstantPower(demand=Constant(level=1.0))
-    with pytest.raises(InputError, match="give `probe` = 1"):
-        simulate_loop(system, drive, 0.1, 0.01)
+    drive = ConstantPower(reference=Constant(level=1.0), probe=0.02)
+    begun = simulate_loop(system, drive, 0.1, 0.01)
+    assert begun.signals[0] == 0.02
+    assert begun.means["power"] == pytest.approx([0.02 * 25.0 / COLD_OHMS, *[1.0] * 9], rel=1e-12)
     found = simulate_loop(system, drive, 0.1, 0.01, probe=1.0)
     assert found.means["power"] == pytest.approx([1.0] * 10, rel=1e-12)
     assert math.isclose(found.signals[0], COLD_OHMS / 25.0, rel_tol=1e-12)
+
+
+def test_a_bench_makes_the_same_pulses():
+    """On a bench nothing is measured before the first pulse, which is the probe."""
+    system = hanging_wire(mass=1.0, source=PwmVoltage(**SWITCH))
+    drive = ConstantPower(reference=Constant(level=2.0))
+    bench = Bench(
+        plant=system, period=0.01, substeps=1, switching="pulses",
+        controllers=Controllers(drive=drive),
+    )  # fmt: skip
+    wanted = simulate_bench(bench, 2.0, runtime="floats")["wanted"]
+    assert wanted[0] == drive.probe
+    signals = simulate_loop(system, drive, 2.0, 0.01, pulses=True).signals
+    assert wanted[20:-1] == pytest.approx(signals[20:], rel=1e-3)

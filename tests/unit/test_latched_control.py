@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.control.latched import LatchedOnOff, replayed
+from martensite.controllers.latched import LatchedOnOff, replayed
 from martensite.errors import ParameterError
 from martensite.mechanisms.beam_motor import BeamMotor
 from martensite.signals.constant import Constant
@@ -24,11 +24,11 @@ def record(envelope: Any) -> dict[str, list[float]]:
     return {"speed": TIMES, "x": wave}
 
 
-def controller(**changes: Any) -> LatchedOnOff:
+def controller(threshold: float = 2.0, **changes: Any) -> LatchedOnOff:
     numbers: dict[str, Any] = {
-        "measured": "speed", "threshold": 2.0, "oscillation": "x", "share": 0.3, "high": 1.1
+        "measured": "speed", "oscillation": "x", "share": 0.3, "high": 1.1
     }  # fmt: skip
-    return LatchedOnOff(**(numbers | changes))
+    return LatchedOnOff(reference=Constant(level=threshold), **(numbers | changes))
 
 
 def switched(signals: list[float]) -> list[float]:
@@ -86,8 +86,9 @@ def test_in_the_loop() -> None:
         inductance=3.1e-3,
     )  # fmt: skip
     brake = Brake(
-        measured="rotor_speed", threshold=30.0, oscillation="displacement", share=0.5, high=3.75
-    )
+        measured="rotor_speed", reference=Constant(level=30.0), oscillation="displacement",
+        share=0.5, high=3.75,
+    )  # fmt: skip
     run = simulate_controlled(
         Machine(mechanism=motor), {"motor": brake}, 6.0, 0.01, step=1e-3, every=1
     )

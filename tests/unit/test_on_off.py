@@ -1,4 +1,4 @@
-"""ON/OFF control: when it switches, what delay and band do, what it refuses.
+"""ON/OFF control: when it switches, what the band and a late reading do, what it refuses.
 
 Sources of truth: the switching rule applied by hand to ramps, and in a loop the time constant of a
 wire that is heated and left to cool.
@@ -12,9 +12,16 @@ from collections.abc import Sequence
 import pytest
 from builders import ZERO, hanging_wire
 
-from martensite.controllers.on_off import OnOff, Switch
+from martensite.bench.bench import Bench
+from martensite.bench.mounted import Mounted
+from martensite.bench.parts import Controllers, Sensors
+from martensite.bench.run import simulate_bench
+from martensite.controllers.on_off import OnOff
 from martensite.electrical.power import PowerSource
 from martensite.errors import ParameterError
+from martensite.sensors.ideal import IdealSensor
+from martensite.signals.constant import Constant
+from martensite.signals.ramp import Ramp
 from martensite.simulate.controlled import simulate_controlled
 from martensite.simulate.result import Result
 
@@ -31,8 +38,8 @@ def played(controller: OnOff, values: Sequence[float], period: float = PERIOD) -
 
 
 def on_off(**changes: float) -> OnOff:
-    numbers = {"target": 10.0, "high": 5.0} | changes
-    return OnOff(measured="angle", **numbers)
+    numbers = {"high": 5.0} | changes
+    return OnOff(measured="angle", reference=Constant(level=10.0), **numbers)
 
 
 # ---------------------------------------------------------------- the rule
@@ -52,27 +59,9 @@ def test_it_rests_inside_the_band_at_first() -> None:
     assert played(on_off(band=1.0), [9.5, 9.2, 8.0, 9.5]) == [0.0, 0.0, 5.0, 5.0]
 
 
-@pytest.mark.parametrize("late", [1, 3, 7])
-def test_delay_shifts_the_answer_by_whole_periods(late: int) -> None:
-    """Every sample but the first acts so many periods later; before, the first one does."""
-    values = [math.sin(0.7 * k) + 10.0 for k in range(60)]
-    prompt, delayed = (played(on_off(band=0.3, delay=d), values) for d in (0.0, late * PERIOD))
-    assert delayed[late:] == prompt[: len(values) - late]
-    assert delayed[:late] == prompt[:1] * late
-
-
-def test_delay_between_periods_takes_the_older_sample() -> None:
-    values = [0.0, 5.0, 10.0, 10.0, 10.0, 10.0]
-    assert played(on_off(delay=1.5 * PERIOD), values) == [5.0, 5.0, 5.0, 5.0, 0.0, 0.0]
-
-
-def test_it_remembers_no_more_than_the_delay_needs() -> None:
-    controller = on_off(delay=4 * PERIOD)
-    memory = controller.init()
-    for k in range(100):
-        _, memory = controller(k * PERIOD, {"angle": 0.0}, memory)
-    assert isinstance(memory, Switch)
-    assert len(memory.samples) == 5
+def test_the_target_may_move() -> None:
+    controller = on_off(band=1.0).with_parts(reference=Ramp(high=20.0, end=1.0))
+    assert played(controller, [5.5] * 8) == [0.0, 0.0, 0.0, 0.0, 5.0, 5.0, 5.0, 5.0]
 
 
 def test_a_signal_that_lowers_the_measured() -> None:
@@ -84,13 +73,27 @@ def test_a_signal_that_lowers_the_measured() -> None:
 
 TARGET, WATTS, BAND = 40.0 + ZERO, 2.0, 2.0
 """Below the transformation: the wire only warms up, with one time constant."""
+PERIOD_IN_LOOP = 0.01
 
 
-def heated(period: float = 0.01, **changes: float) -> Result:
+def controller(band: float = BAND) -> OnOff:
+    return OnOff(measured="temperature", reference=Constant(level=TARGET), band=band, high=WATTS)
+
+
+def heated(band: float = BAND) -> Result:
+    """In a loop of plain floats, without a sensor."""
     system = hanging_wire(source=PowerSource())
-    numbers = {"target": TARGET, "high": WATTS, "band": BAND} | changes
-    controller = OnOff(measured="temperature", **numbers)
-    return simulate_controlled(system, {"drive": controller}, 10.0, period)
+    return simulate_controlled(system, {"drive": controller(band)}, 10.0, PERIOD_IN_LOOP)
+
+
+def benched(delay: float, duration: float = 10.0) -> Result:
+    """On a bench whose thermometer is late."""
+    late = Mounted(sensor=IdealSensor(), of=("temperature",), delay=delay)
+    bench = Bench(
+        plant=hanging_wire(source=PowerSource()), period=PERIOD_IN_LOOP, substeps=1,
+        sensors=Sensors(temperature=late), controllers=Controllers(drive=controller()),
+    )  # fmt: skip
+    return simulate_bench(bench, duration, runtime="floats")
 
 
 def switched(result: Result) -> list[float]:
@@ -118,11 +121,23 @@ def test_a_wire_in_the_loop_cycles_as_its_time_constant_says() -> None:
     assert len(times) > 4
 
 
+def test_on_a_bench_it_does_the_same() -> None:
+    """Bit by bit up to the last sample, at which a loop still shows the signal before."""
+    assert benched(0.0)["drive"][:-1] == pytest.approx(heated()["drive"][:-1], abs=0.0)
+
+
+@pytest.mark.parametrize("late", [1, 7])
+def test_a_late_sensor_shifts_the_first_switching(late: int) -> None:
+    """Until then the course is the same, so that it comes later by the age of the reading."""
+    prompt, delayed = (switched(benched(d * PERIOD_IN_LOOP, 5.0))[0] for d in (0, late))
+    assert delayed - prompt == pytest.approx(late * PERIOD_IN_LOOP, abs=1e-9)
+
+
 def test_overshoot_is_rate_times_delay() -> None:
-    prompt, late = (max(heated(delay=d)["temperature"]) for d in (0.0, 0.2))
+    prompt, late = (max(benched(delay, 5.0)["temperature"]) for delay in (0.0, 0.2))
     result = heated()
-    k = round(switched(result)[0] / 0.01)
-    rate = (result["temperature"][k] - result["temperature"][k - 1]) / 0.01
+    k = round(switched(result)[0] / PERIOD_IN_LOOP)
+    rate = (result["temperature"][k] - result["temperature"][k - 1]) / PERIOD_IN_LOOP
     assert late - prompt == pytest.approx(0.2 * rate, rel=0.05)
 
 
@@ -134,13 +149,12 @@ def test_a_wrong_band_is_noticed() -> None:
 
 
 def test_what_cannot_be_is_refused() -> None:
+    lost = OnOff(measured="temprature", reference=Constant(level=300.0), high=1.0)
     with pytest.raises(ParameterError, match=r"cannot measure `temprature`.*`temperature`"):
-        simulate_controlled(
-            hanging_wire(), OnOff(measured="temprature", target=300.0, high=1.0), 1.0, 0.5
-        )
+        simulate_controlled(hanging_wire(), lost, 1.0, 0.5)
     with pytest.raises(ParameterError, match="`band`"):
         on_off(band=-1.0)
-    with pytest.raises(ParameterError, match="`delay`"):
-        on_off(delay=-0.1)
+    with pytest.raises(ParameterError, match="has no parameter `delay`"):
+        on_off(delay=0.1)
     with pytest.raises(ParameterError, match="needs `high`"):
-        OnOff(**{"measured": "angle", "target": 1.0})
+        OnOff(**{"measured": "angle", "reference": Constant(level=1.0)})

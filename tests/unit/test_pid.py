@@ -14,8 +14,8 @@ import pytest
 from builders import ZERO, hanging_wire
 from scipy.signal import lfilter
 
-from martensite.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
 from martensite.control.response import rms_error, step_responses, steps
+from martensite.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
 from martensite.electrical.power import PowerSource
 from martensite.errors import InputError, ParameterError
 from martensite.runtimes import floats
@@ -23,7 +23,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.controlled import simulate_controlled
 
-WIDE = {"low": -1e9, "high": 1e9}
+WIDE: dict[str, Any] = {"low": -1e9, "high": 1e9}
 GAINS = Gains(1.7, 0.05, 3.0)
 
 
@@ -118,6 +118,35 @@ def test_without_windup_it_leaves_the_limit_at_once() -> None:
     assert found[1000] < 0.96
 
 
+def test_back_calculation_takes_a_share_of_what_is_beyond_the_limits() -> None:
+    """Held beyond a limit, I settles where it loses what it gains: u_H - K_p e + (N_t - 1) K_i e.
+
+    From there the sample that follows is that of an integral of this height.
+    """
+    law = PidLaw(low=-10.0, high=1.0, anti_windup="back-calculation", tracking=4.0)
+    error = np.array([1.0] * 80 + [-0.5])
+    found = played(law, Gains(2.0, 0.5, 0.0), error, np.zeros_like(error))
+    assert found[:80].tolist() == [1.0] * 80
+    settled = 1.0 - 2.0 + (4.0 - 1.0) * 0.5
+    assert found[80] == pytest.approx(-0.5 * 2.0 + settled - 0.5 * 0.5, rel=1e-8)
+
+
+def test_back_calculation_in_one_sample_keeps_the_signal_at_its_limit() -> None:
+    """N_t = 1: I is what makes the signal just reach the limit."""
+    law = PidLaw(high=1.0, anti_windup="back-calculation", tracking=1.0)
+    _, memory = law.answer(floats, Gains(2.0, 0.5, 0.0), PidMemory(3.0, 0.0, 0.0), 1.0, 0.0)
+    assert memory.integral == pytest.approx(1.0 - 2.0)
+
+
+def test_within_the_limits_both_ways_are_one() -> None:
+    reference, measured = walks()
+    found = [
+        played(PidLaw(anti_windup=way, **WIDE), GAINS, reference, measured)
+        for way in ("conditional", "back-calculation")
+    ]
+    np.testing.assert_array_equal(found[0], found[1])
+
+
 def test_gains_per_sample() -> None:
     assert per_sample(2.0, 3.0, 4.0, 0.5) == Gains(2.0, 1.5, 8.0)
 
@@ -141,6 +170,26 @@ def test_a_drive_answers_as_the_law_does() -> None:
     np.testing.assert_array_equal(
         found, played(drive.law, GAINS, np.ones_like(reference), measured)
     )
+
+
+@pytest.mark.parametrize("interval", [0.02, 0.5])
+def test_gains_in_seconds_are_those_per_sample(interval: float) -> None:
+    """From an error of 0: a first sample has no time behind it to integrate."""
+    _, measured = walks()
+    rest = {"measured": "y", "reference": Constant(level=0.0),
+            "law": PidLaw(low=-5.0, high=5.0, filter=2.0)}  # fmt: skip
+    per_second = Pid(Kp=1.7, Ki=0.4, Kd=0.3, gains_are="in-seconds", **rest)
+    Kp, Ki, Kd = per_sample(1.7, 0.4, 0.3, interval)
+    counted = Pid(Kp=Kp, Ki=Ki, Kd=Kd, **rest)
+    signals = []
+    for drive in (per_second, counted):
+        memory, found = drive.init(), []
+        for k, y in enumerate(measured.tolist()):
+            signal, memory = drive(k * interval, {"y": y}, memory)
+            found.append(signal)
+        signals.append(found)
+    np.testing.assert_allclose(signals[0], signals[1], rtol=0.0, atol=1e-10)
+    assert np.ptp(signals[0]) > 1.0
 
 
 def test_an_output_that_is_not_there_is_named() -> None:

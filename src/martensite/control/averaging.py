@@ -17,7 +17,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from martensite.control.constant_power import ConstantPower
+from martensite.controllers.constant_power import ConstantPower
 from martensite.electrical.power_pwm import PowerPwm
 from martensite.electrical.pwm import PwmVoltage
 from martensite.errors import InputError
@@ -116,8 +116,8 @@ def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, Abs
         current_limit=source.current_limit,
     )
     once = source.measured == "once"
-    largest = source.reach(source.reference_resistance).most if once else math.inf
-    drive = ConstantPower(demand=waveform, measured=source.measured, largest=largest)
+    largest = source.reach(source.reference_resistance).most if once else 0.0
+    drive = ConstantPower(reference=waveform, updated=source.measured, largest=largest)
     return system.with_parts(source=switch), drive
 
 

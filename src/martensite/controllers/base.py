@@ -50,6 +50,15 @@ class AbstractController(AbstractDrive):
         """Names of all readings it needs."""
         return (self.measured,)
 
+    def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
+        """SI unit of the reference: that of the reading that shall follow it.
+
+        Args:
+            readings: SI units of all readings, by name.
+            signal: SI unit of the signal.
+        """
+        return readings[self.measured]
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
         return ()

@@ -12,9 +12,13 @@ converts. The derivative begins with the second sample, so switching on gives no
 
 Anti-windup is conditional integration: I stays as it is where the output is beyond a limit and
 the error drives it further. The sign of an error counts with that of K_i, so that negative gains
-control what falls when the signal rises.
+control what falls when the signal rises. The choice `back-calculation` takes from I, in every
+sample, a share 1/N_t of what is beyond the limits instead:
 
-Source of C(z): Copaci, Moreno and Blanco (2019), equation (1).
+    I_k = I_k-1 + K_i e_k + (u_k - v_k)/N_t,      v the signal before it is limited
+
+Source of C(z): Copaci, Moreno and Blanco (2019), equation (1); of back-calculation: Åström and
+Hägglund (1995), section 3.5.
 """
 
 from __future__ import annotations
@@ -69,6 +73,13 @@ class PidLaw(Parametrised):
     filter: float = param(
         "1", "time constant N of the derivative's filter, in samples", low=0.0, default=0.0
     )
+    anti_windup: str = option(
+        "what the integral does where the signal is limited",
+        "conditional", "back-calculation", default="conditional",
+    )  # fmt: skip
+    tracking: float = param(
+        "1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if there is nothing between the limits."""
@@ -96,34 +107,58 @@ class PidLaw(Parametrised):
         now = self.slope_weight * reference - measured
         change = memory.change + (now - memory.before - memory.change) / (1.0 + self.filter)
         wanted = gains.Kp * (self.weight * reference - measured) + integral + gains.Kd * change
+        signal = xp.clip(wanted, self.low, self.high)
+        if self.anti_windup == "back-calculation":
+            kept = integral + (signal - wanted) / self.tracking
+            return signal, PidMemory(kept, now, change)
         over = xp.both(wanted > self.high, added > 0.0)
         under = xp.both(wanted < self.low, added < 0.0)
         kept = xp.where(xp.either(over, under), memory.integral, integral)
-        return xp.clip(wanted, self.low, self.high), PidMemory(kept, now, change)
+        return signal, PidMemory(kept, now, change)
 
 
-@CONTROLLERS.register("pid")
-class Pid(AbstractController):
-    """A PID controller that keeps a measured output on a waveform."""
+GAINS_ARE = "per-sample", "in-seconds"
+"""What the integral and the derivative gain of a controller may be given for."""
 
-    cites = ("copaci2019",)
+
+def sampled(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
+    """Gains per sample, of gains of a kind; the first sample, dt = 0, has nothing to integrate.
+
+    Args:
+        xp: namespace.
+        gains: as they were given.
+        kind: one of `GAINS_ARE`.
+        dt: time since the sample before [s]; 0 for the first one.
+    """
+    if kind == "per-sample":
+        return gains
+    some = dt > 0.0
+    share = xp.where(some, 1.0 / xp.where(some, dt, 1.0), 0.0)
+    return Gains(gains.Kp, gains.Ki * dt, gains.Kd * share)
+
+
+class PidGains(Parametrised):
+    """What any PID controller is given: gains and limits."""
 
     Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured")
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
     gains_are: str = option(
         "integral and derivative gain: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
-        "per-sample", "in-seconds", default="per-sample",
+        *GAINS_ARE, default="per-sample",
     )  # fmt: skip
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
     def gains(self, xp: Namespace, dt: Scalar) -> Gains:
-        """All gains per sample; the first sample, dt = 0, has nothing to integrate."""
-        if self.gains_are == "per-sample":
-            return Gains(self.Kp, self.Ki, self.Kd)
-        some = dt > 0.0
-        share = xp.where(some, 1.0 / xp.where(some, dt, 1.0), 0.0)
-        return Gains(self.Kp, self.Ki * dt, self.Kd * share)
+        """All gains per sample."""
+        return sampled(xp, Gains(self.Kp, self.Ki, self.Kd), self.gains_are, dt)
+
+
+@CONTROLLERS.register("pid")
+class Pid(AbstractController, PidGains):
+    """A PID controller that keeps a measured output on a waveform."""
+
+    cites = ("copaci2019", "astrom1995")
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> PidMemory:
         """Nothing integrated."""

@@ -10,12 +10,18 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
+from martensite.bench.bench import Bench
+from martensite.bench.mounted import Mounted
+from martensite.bench.parts import Controllers, Sensors
+from martensite.bench.run import simulate_bench
 from martensite.controllers.on_off import OnOff
-from martensite.simulate.controlled import simulate_controlled
+from martensite.sensors.ideal import IdealSensor
+from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 from martensite.studies.platform import bench
 from martensite.studies.platform.bench import Case
 from martensite.studies.platform.printed import Printed
+from martensite.studies.readings import runtime
 
 BAND = 0.5
 """How far the angle falls before it is on again: assumed [°]."""
@@ -50,13 +56,15 @@ def _controlled(
 ) -> Result:
     system = bench.machine(case, printed, printed.high, **({"motion": motion} if motion else {}))
     controller = OnOff(
-        measured="alpha", target=math.radians(printed.target), band=math.radians(BAND),
-        delay=delay, high=printed.high,
+        measured="alpha", reference=Constant(level=math.radians(printed.target)),
+        band=math.radians(BAND), high=printed.high,
     )  # fmt: skip
-    step = 0.2 * sampling.period if motion else sampling.period
-    return simulate_controlled(
-        system, {bench.HOT: controller}, sampling.duration, sampling.period, step=step
-    )
+    gyro = Mounted(sensor=IdealSensor(), of=("alpha",), delay=delay)
+    looped = Bench(
+        plant=system, period=sampling.period, substeps=5 if motion else 1,
+        sensors=Sensors(alpha=gyro), controllers=Controllers(**{bench.HOT: controller}),
+    )  # fmt: skip
+    return simulate_bench(looped, sampling.duration, runtime=runtime())
 
 
 def overshoot(result: Result, printed: Printed) -> float:

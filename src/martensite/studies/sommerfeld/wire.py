@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
-from martensite.control.latched import LatchedOnOff, replayed
+from martensite.controllers.latched import LatchedOnOff, replayed
+from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
@@ -45,7 +46,7 @@ def controller(printed: Printed) -> LatchedOnOff:
     """The ON/OFF controller of the thesis."""
     return LatchedOnOff(
         measured="rotor_speed",
-        threshold=2.0 * math.pi * printed.switching_frequency,
+        reference=Constant(level=2.0 * math.pi * printed.switching_frequency),
         oscillation="displacement",
         share=SHARE,
         window=runs.WINDOW,
