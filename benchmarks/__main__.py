@@ -21,6 +21,7 @@ from benchmarks import (  # noqa: F401  (enter theirs)
     sections_machines,
     sections_mas,
     sections_process,
+    sections_realtime,
     sections_records,
 )
 from benchmarks.engines import PEERS, WHERE, available

@@ -28,7 +28,7 @@ from martensite.system import AbstractSystem
 
 
 class Lanes:
-    """States of one system side by side."""
+    """States of one system side by side; for one thread."""
 
     def __init__(
         self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None,
@@ -53,6 +53,7 @@ class Lanes:
         self.lanes, self.system = lanes, system
         self.names: tuple[str, ...] = quick.outputs
         self.drives = tuple(drive.name for drive in system.drives())
+        self._shape = len(self.drives), lanes
         table = np.array(rows).reshape(len(quick.paths), lanes)
         in_c = compiler() is not None if native is None else native
         self._engine = (
@@ -60,8 +61,11 @@ class Lanes:
         )
         self.state: Numbers = np.zeros((quick.size, lanes))
         """All state variables, shape (states, lanes); set it to go on from elsewhere."""
-        self.worst: Numbers = np.zeros((2, lanes))
-        """Worst reports since the last reset."""
+
+    @property
+    def worst(self) -> Numbers:
+        """Worst reports since the last reset, shape (2, lanes)."""
+        return self._engine.worst
 
     def reset(self, signals: Any = 0.0) -> None:
         """All lanes at rest under first signals, shape (drives, lanes) or what spreads to it."""
@@ -72,19 +76,21 @@ class Lanes:
         """Go on through steps of dt [s].
 
         Args:
-            signals: shape (steps, drives, lanes), or what spreads to it.
+            signals: shape (steps, drives, lanes); drives and lanes may be 1 for all of them.
             dt: length of a step [s]; that of the system in discrete time.
             shown: whether outputs are wanted.
 
         Returns:
             Outputs after every step, under its signals, shape (steps, outputs, lanes), in the
             order of `names`; with no rows if they are not wanted.
+
+        Raises:
+            InputError: signals of another shape.
         """
         given = np.asarray(signals, float)
-        steps = given.shape[0]
-        shape = steps, len(self.drives), self.lanes
-        drives = np.ascontiguousarray(np.broadcast_to(given, shape))
-        self.state, rows = self._engine.advance(self.state, drives, dt, shown, self.worst)
+        if given.ndim != 3 or given.shape[1:] != self._shape:
+            self._require(given)
+        self.state, rows = self._engine.advance(self.state, given, dt, shown)
         return rows
 
     def observe(self, signals: Any) -> Numbers:
@@ -99,8 +105,28 @@ class Lanes:
     @property
     def status(self) -> list[Status]:
         """How the steps of every lane ended since the last reset."""
-        return [classify(float(r), float(s)) for r, s in self.worst.T]
+        lost = [bool(np.isnan(column).any()) for column in self.state.T]
+        found = [classify(float(r), float(s)) for r, s in self.worst.T]
+        return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]
 
     def _spread(self, signals: Any) -> Numbers:
-        shape = len(self.drives), self.lanes
-        return np.ascontiguousarray(np.broadcast_to(np.asarray(signals, float), shape))
+        """Signals of one moment, for all drives and lanes."""
+        given = np.asarray(signals, float)
+        try:
+            return np.broadcast_to(given, self._shape)
+        except ValueError:
+            raise InputError(
+                f"Signals of one moment must spread to {self._shape} (drives, lanes), but their "
+                f"shape is {given.shape}."
+            ) from None
+
+    def _require(self, given: Numbers) -> None:
+        """Raise `InputError` unless signals of some steps spread over drives and lanes."""
+        fits = given.ndim == 3 and all(
+            a in (1, b) for a, b in zip(given.shape[1:], self._shape, strict=True)
+        )
+        if not fits:
+            raise InputError(
+                f"Signals must be of shape (steps, drives, lanes) = (steps, "
+                f"{self._shape[0]}, {self._shape[1]}), but theirs is {given.shape}."
+            )

@@ -25,29 +25,37 @@ void begin(long n, const double *restrict c, const double *restrict x, double *r
 void seen(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
     k_observe(n, c, x, y);
 }}
-void once_more(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
-    k_step(n, c, x, y);
+static void gather(long n, long m, const long *which, long rows, const double *from, double *to) {{
+    for (long k = 0; k < rows; k++)
+        for (long i = 0; i < m; i++) to[k * m + i] = from[k * n + which[i]];
 }}
-void advance(long n, long steps, const double *restrict c, const double *restrict d,
-             double *restrict x, double *restrict y, double *restrict z,
-             const double *restrict drives, double *restrict rows, double *restrict worst,
-             void (*again)(long, const double *, const double *, double *)) {{
+/* the step of the lanes that are unsolved in y, packed together in room */
+void mend(long n, const double *c, const double *x, double *y, double *room) {{
+    long m = 0, *which = (long *)room;
+    for (long l = 0; l < n; l++) if (!(y[{size} * n + l] <= {solved})) which[m++] = l;
+    double *some = room + n, *given = some + {constants} * m, *found = given + {inputs} * m;
+    gather(n, m, which, {constants}, c, some);
+    gather(n, m, which, {inputs}, x, given);
+    k_step(m, some, given, found);
+    for (long k = 0; k < {results}; k++)
+        for (long i = 0; i < m; i++) y[k * n + which[i]] = found[k * m + i];
+}}
+void advance(long n, long steps, const double *restrict c, double *restrict x,
+             double *restrict y, double *restrict worst,
+             const double *restrict drives, double *restrict rows,
+             void (*again)(long, const double *, const double *, double *, double *),
+             const double *d, double *room) {{
     for (long i = 0; i < steps; i++) {{
         memcpy(x + {size} * n, drives, sizeof(double) * {drives} * n);
         k_step(n, c, x, y);
         long bad = 0;
         for (long l = 0; l < n; l++) bad |= !(y[{size} * n + l] <= {solved});
-        if (bad) {{
-            again(n, d, x, z);
-            for (long l = 0; l < n; l++)
-                if (!(y[{size} * n + l] <= {solved}))
-                    for (long k = 0; k < {results}; k++) y[k * n + l] = z[k * n + l];
-        }}
+        if (bad) again(n, d, x, y, room);
         memcpy(x, y, sizeof(double) * {size} * n);
         for (long l = 0; l < n; l++) {{
             const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
-            worst[l] = (worst[l] >= r) ? worst[l] : r;
-            worst[n + l] = (worst[n + l] >= s) ? worst[n + l] : s;
+            if (!(r <= worst[l]) && worst[l] == worst[l]) worst[l] = r;
+            if (!(s <= worst[n + l]) && worst[n + l] == worst[n + l]) worst[n + l] = s;
         }}
         if (rows) {{
             k_observe(n, c, x, rows);
@@ -58,77 +66,105 @@ void advance(long n, long steps, const double *restrict c, const double *restric
 }}
 """
 
-_CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+_COUNT, _ARRAY = ctypes.c_long, ctypes.c_void_p
+_CALLBACK = ctypes.CFUNCTYPE(None, _COUNT, _ARRAY, _ARRAY, _ARRAY, _ARRAY)
+_ARGUMENTS = {
+    "prepare": (_COUNT, _ARRAY, _ARRAY),
+    "begin": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "seen": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "mend": (_COUNT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
+    "advance": (_COUNT, _COUNT, *(_ARRAY,) * 9),
+}
 
 
 class NativeLanes:
-    """Lanes in C."""
+    """Lanes in C.
+
+    What a call needs lies where it lay before, so that a step of one lane takes microseconds:
+    arguments `x` (states, signals, dt) and results `y` of a step, signals and outputs of one
+    step. More iterations are compiled when a step first needs them; C then calls them itself.
+    """
 
     def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
-        self.compiled, self.n, self.system = compiled, table.shape[1], system
-        self.library, self.thorough = _library(compiled), None
-        self.table = np.ascontiguousarray(table)
+        self.compiled, self.system = compiled, system
+        size, n, outputs = compiled.size, table.shape[1], len(compiled.outputs)
+        self.n, self.library, self.table = n, _library(compiled), np.ascontiguousarray(table)
         self.constants = self._prepared(compiled, self.library)
-        inputs = compiled.size + compiled.drives + 1
-        results = compiled.size + len(compiled.report)
-        self.x = np.empty((inputs, self.n))
-        self.y, self.z = np.empty((results, self.n)), np.empty((results, self.n))
-        self._again = _CALLBACK(self._more)
+        self.x = np.empty((size + compiled.drives + 1, n))
+        self.y, self.worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
+        self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
+        self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
+        self._at_drives, self._at_rows = _at(self._drives), _at(self._rows)
+        self._held = tuple(map(_at, (self.constants, self.x, self.y, self.worst)))
+        self._first = _CALLBACK(self._thorough)
+        self._again: tuple[Any, ...] = self._first, None, None
 
     def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
         found = np.empty((max(1, len(compiled.program.hoisted)), self.n))
-        library.prepare(ctypes.c_long(self.n), _at(self.table), _at(found))
+        library.prepare(self.n, _at(self.table), _at(found))
         return found
 
-    def _more(self, n: int, _: int, x: int, z: int) -> None:
-        """One step with more iterations."""
-        if self.thorough is None:
-            compiled = compile_system(self.system, THOROUGH)
-            library = _library(compiled)
-            self.thorough = library, self._prepared(compiled, library)
-        library, constants = self.thorough
-        library.once_more(ctypes.c_long(n), _at(constants), ctypes.c_void_p(x), ctypes.c_void_p(z))
+    def _thorough(self, n: int, _: Any, x: int, y: int, __: Any) -> None:
+        """Called by C for the first step that stays unsolved: makes it with more iterations."""
+        compiled = compile_system(self.system, THOROUGH)
+        library = _library(compiled)
+        constants = self._prepared(compiled, library)
+        room = np.empty((len(constants) + len(self.x) + len(self.y) + 1, self.n))
+        self._kept = library, constants, room
+        address = ctypes.cast(library.mend, _ARRAY).value
+        self._again = address, _at(constants), _at(room)
+        library.mend(n, _at(constants), x, y, _at(room))
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
-        found = np.empty((self.compiled.size, self.n))
-        self.library.begin(ctypes.c_long(self.n), _at(self.constants), _at(signals), _at(found))
+        found, given = np.empty((self.compiled.size, self.n)), np.ascontiguousarray(signals)
+        self.library.begin(self.n, _at(self.constants), _at(given), _at(found))
         return found
 
     def advance(
-        self, state: Numbers, drives: Numbers, dt: float, shown: bool, worst: Numbers
+        self, state: Numbers, signals: Numbers, dt: float, shown: bool
     ) -> tuple[Numbers, Numbers]:
-        """State after some steps, and outputs."""
-        size, steps = self.compiled.size, drives.shape[0]
-        self.x[:size], self.x[-1] = state, dt
-        outputs = len(self.compiled.outputs)
-        rows = np.empty((steps if shown else 0, outputs, self.n))
-        self.library.advance(
-            ctypes.c_long(self.n), ctypes.c_long(steps), _at(self.constants), None, _at(self.x),
-            _at(self.y), _at(self.z), _at(drives), _at(rows) if shown else None, _at(worst),
-            self._again,
-        )  # fmt: skip
-        return self.x[:size].copy(), rows
+        """State after some steps, and outputs; signals may spread over drives and lanes."""
+        self._state[...], self._dt[...] = state, dt
+        steps, drives, rows = len(signals), self._at_drives, self._at_rows
+        if steps == 1:
+            self._drives[...] = signals[0]
+            self._go(1, drives, rows if shown else None)
+            return self._state.copy(), self._rows.copy() if shown else self._rows[:0]
+        spread = np.empty((steps, *self._drives.shape))
+        spread[...] = signals
+        found = np.empty((steps if shown else 0, *self._rows.shape[1:]))
+        self._go(steps, _at(spread), _at(found) if shown else None)
+        return self._state.copy(), found
+
+    def _go(self, steps: int, drives: int, rows: int | None) -> None:
+        """Steps from `x` to `x`."""
+        self.library.advance(self.n, steps, *self._held, drives, rows, *self._again)
 
     def seen(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
-        size = self.compiled.size
-        self.x[:size], self.x[size:-1] = state, signals
-        rows = np.empty((len(self.compiled.outputs), self.n))
-        self.library.seen(ctypes.c_long(self.n), _at(self.constants), _at(self.x), _at(rows))
-        return rows
+        self._state[...], self._signals[...] = state, signals
+        self.library.seen(self.n, *self._held[:2], self._at_rows)
+        return self._rows[0].copy()
 
 
-def _at(array: Numbers) -> Any:
-    return array.ctypes.data_as(ctypes.c_void_p)
+def _at(array: Numbers) -> int:
+    """Address of a contiguous array."""
+    return array.ctypes.data
 
 
 @once(64)
 def _library(compiled: Compiled) -> Any:
+    constants = max(1, len(compiled.program.hoisted))
     loop = _ADVANCE.format(
-        size=compiled.size, drives=compiled.drives, solved=SOLVED,
-        results=compiled.size + len(compiled.report), outputs=len(compiled.outputs),
+        size=compiled.size, drives=compiled.drives, solved=SOLVED, constants=constants,
+        inputs=compiled.size + compiled.drives + 1, outputs=len(compiled.outputs),
+        results=compiled.size + len(compiled.report),
     )  # fmt: skip
     functions = list(compiled.program.functions.values())
-    return load_library(c_source(compiled.program, functions) + loop)
+    library = load_library(c_source(compiled.program, functions) + loop)
+    for name, arguments in _ARGUMENTS.items():
+        function = getattr(library, name)
+        function.argtypes, function.restype = arguments, None
+    return library

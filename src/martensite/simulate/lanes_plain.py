@@ -20,6 +20,7 @@ class PlainLanes:
     def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
         self.compiled, self.system, self.table = compiled, system, table
         self.functions = [compiled.program.bind_floats(*column) for column in table.T.tolist()]
+        self.worst = np.zeros((2, table.shape[1]))
         self.patient: dict[int, Callable[..., tuple[float, ...]]] = {}
 
     def begin(self, signals: Numbers) -> Numbers:
@@ -28,18 +29,18 @@ class PlainLanes:
         return np.array([functions["init"](*u) for functions, u in rows]).T
 
     def advance(
-        self, state: Numbers, drives: Numbers, dt: float, shown: bool, worst: Numbers
+        self, state: Numbers, signals: Numbers, dt: float, shown: bool
     ) -> tuple[Numbers, Numbers]:
-        """State after some steps, and outputs."""
+        """State after some steps, and outputs; signals may spread over drives and lanes."""
         lanes, size = state.shape[1], self.compiled.size
+        drives = np.broadcast_to(signals, (len(signals), self.compiled.drives, lanes))
         rows = np.empty((len(drives) if shown else 0, len(self.compiled.outputs), lanes))
         after = np.empty_like(state)
         for lane, now in enumerate(state.T.tolist()):
             for k, u in enumerate(drives[:, :, lane].tolist()):
                 found = self._step(lane, [*now, *u, dt])
                 now = list(found[:size])
-                for j in range(2):
-                    worst[j, lane] = max(worst[j, lane], found[size + j])
+                self.worst[:, lane] = np.maximum(self.worst[:, lane], found[size : size + 2])
                 if shown:
                     rows[k, :, lane] = self.functions[lane]["observe"](*now, *u)
             after[:, lane] = now

@@ -1,0 +1,140 @@
+"""The section of the benchmark on real time: one control step, called from Python.
+
+What: the wire of `examples/pwm_bias_spring.toml` behind a switch, with an encoder. A step of the
+user's own loop takes readings and gives a signal: a PID alone as a drive; the compiled loop with
+a PID, and with an extended Kalman filter, whose model steps the law, before it; a period of the
+whole bench, plant and sensors included, in C; a period of a predictive controller. Wall times of
+single calls, the reading changed before each; the bar is `BAR` for the median.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+
+from benchmarks.harness import latencies
+from benchmarks.process import ROOT
+from benchmarks.report import Table
+from benchmarks.sections import Options, section
+from martensite.bench.bench import Bench
+from martensite.bench.mounted import Mounted
+from martensite.bench.parts import Controllers, Observers, Sensors
+from martensite.bench.realtime import RealtimeStep
+from martensite.controllers.mpc import Mpc
+from martensite.controllers.pid import Pid
+from martensite.controllers.planning import Price, Search
+from martensite.electrical.pwm import PwmVoltage
+from martensite.io.scenario import load
+from martensite.observers.extended import ExtendedKalman
+from martensite.runtimes.c99 import compiler
+from martensite.sensors.position import PositionSensor
+from martensite.signals.sine import Sine
+from martensite.simulate.lanes import Lanes
+from martensite.system import System
+
+EXAMPLE = ROOT / "examples/pwm_bias_spring.toml"
+PERIOD, BAR = 0.02, 200e-6  # [s]
+COURSE = Sine(low=1e-3, high=4e-3, frequency=0.2)
+QUANTILES = {"median": 0.5, "p99": 0.99, "p99.9": 0.999}
+SLOWER = 50  # fewer calls of a predictive controller
+
+Call = Callable[[int], Any]
+
+
+def plant() -> System:
+    """The wire of the example behind a switch."""
+    return cast("System", load(EXAMPLE).system).with_parts(
+        source=PwmVoltage(supply=4.0, series_resistance=0.2)
+    )
+
+
+def bench(observed: bool) -> Bench:
+    """The wire under a PID, which follows the encoder or what a filter makes of it."""
+    found = Observers()
+    if observed:
+        found = Observers(filter=ExtendedKalman(model=plant(), measured=("position",)))
+    name = "estimated.position" if observed else "position"
+    pid = Pid(measured=name, reference=COURSE, Kp=300.0, Ki=2.0, Kd=100.0)
+    return Bench(
+        plant=plant(), period=PERIOD, substeps=1, observers=found,
+        sensors=Sensors(position=Mounted(sensor=PositionSensor())),
+        controllers=Controllers(drive=pid),
+    )  # fmt: skip
+
+
+def reading(i: int) -> float:
+    """What the encoder says at a sample [m]."""
+    return COURSE.value(i * PERIOD)
+
+
+def drive(controller: Any) -> Call:
+    """A controller called as a drive, on floats."""
+    memory = [controller.init()]
+
+    def call(i: int) -> None:
+        _, memory[0] = controller(i * PERIOD, {"position": reading(i)}, memory[0])
+
+    return call
+
+
+def loop(observed: bool, native: bool) -> Call:
+    """The loop of a bench without its plant."""
+    step = RealtimeStep(bench(observed), native).step
+    return lambda i: step({"position": reading(i)})
+
+
+def period(observed: bool) -> Call:
+    """A period of a whole bench in C."""
+    lanes = Lanes(bench(observed), 1)
+    signals = np.zeros((1, len(lanes.drives), 1))
+    lanes.reset(signals[0])
+
+    def call(i: int) -> None:
+        signals[0, 0, 0] = reading(i)
+        lanes.advance(signals, PERIOD)
+
+    return call
+
+
+def predictive() -> Mpc:
+    """A predictive controller of the same wire."""
+    return Mpc.for_system(
+        plant(), measured="position", reference=COURSE, period=PERIOD, price=Price(error=1e-4),
+        search=Search(plans=32, rounds=3),
+    )  # fmt: skip
+
+
+def calls() -> dict[str, Call]:
+    """What is timed, by name."""
+    found = {
+        "pid, floats": drive(bench(False).controllers.members()["drive"]),
+        "loop pid, floats": loop(False, native=False),
+        "loop filter + pid, floats": loop(True, native=False),
+    }
+    if compiler() is None:
+        return found
+    return found | {
+        "loop pid, C": loop(False, native=True),
+        "loop filter + pid, C": loop(True, native=True),
+        "period of the bench with pid, C": period(False),
+        "period of the bench with filter + pid, C": period(True),
+        "mpc, 32 plans, 3 rounds, C": drive(predictive()),
+    }
+
+
+@section
+def realtime(options: Options) -> list[Table]:
+    """One control step of every kind."""
+    rows: list[dict[str, Any]] = []
+    for name, call in calls().items():
+        count = options.calls // SLOWER if name.startswith("mpc") else options.calls
+        times = latencies(call, max(count, 1), warm=min(500, count))
+        row: dict[str, Any] = {"step": name}
+        row |= {f"{k} [us]": 1e6 * times[int(q * len(times))] for k, q in QUANTILES.items()}
+        row["ratio"] = row["median [us]"] / (rows[0]["median [us]"] if rows else row["median [us]"])
+        row["bar"] = "below" if row["median [us]"] < 1e6 * BAR else "above"
+        rows.append(row)
+    note = f"Wall time of single calls. Bar of the median: {1e6 * BAR:.0f} us."
+    return [Table(f"Control step, period {1e3 * PERIOD:g} ms", rows, note)]

@@ -1,0 +1,210 @@
+"""A loop without its plant as a program: kernels of a first and of any other sample."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from martensite.bench import period
+from martensite.bench.bench import Bench
+from martensite.bench.names import AGE, references
+from martensite.bench.parts import Controlling, Inputs, Named, Watching
+from martensite.observers.base import ESTIMATED
+from martensite.parameters import structure
+from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.nested import Shape, flatten
+from martensite.runtimes.once import once
+from martensite.runtimes.program import Program
+
+_STEP = """
+void prepare(const double *p, double *c) {{ k_prepare(1, p, c); }}
+void begin(const double *c, double *x, double *y) {{
+    k_begin(1, c, x + {size}, y);
+    memcpy(x, y, sizeof(double) * {size});
+}}
+void step(const double *c, double *x, double *y) {{
+    k_step(1, c, x, y);
+    memcpy(x, y, sizeof(double) * {size});
+}}
+"""
+
+
+class Loop(NamedTuple):
+    """State of a loop without its plant."""
+
+    observers: tuple[Watching, ...]
+    controllers: tuple[Controlling, ...]
+    supervisor: tuple[Scalar, ...]
+    alarm: Scalar
+    signals: tuple[Scalar, ...]
+    """Of all drives of the plant, as the supervisor lets them pass."""
+
+
+def reads(bench: Bench) -> tuple[str, ...]:
+    """Names of the readings that the parts of a bench need from sensors."""
+    parts: list[Any] = [
+        *bench.observers.members().values(), *bench.controllers.members().values(),
+    ]  # fmt: skip
+    parts += [] if bench.supervisor is None else [bench.supervisor]
+    names = [name for one in parts for name in one.reads()]
+    measured = [name for name in names if not name.startswith(ESTIMATED)]
+    return tuple(dict.fromkeys(name.removesuffix(AGE) for name in measured))
+
+
+# ---------------------------------------------------------------- kernels
+
+
+def _begun(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
+    """The first sample, as at the start of a bench."""
+    idle = {name: given.free.get(name, 0.0) for name in _drives(bench)}
+    first = [one.rest(xp, known, idle) for one in bench.observers.members().values()]
+    observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
+    known = known | period.estimates(bench, observers)
+    rows = zip(bench.controllers.members().values(), given.references, strict=True)
+    begun = [one.answer(xp, one.rest(xp, r, known), r, known, 0.0) for one, r in rows]
+    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in begun)
+    held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
+    return _judged(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
+
+
+def _continued(bench: Bench, xp: Namespace, before: Loop, known: Named, given: Inputs) -> Loop:
+    """Another sample, a period after the one before."""
+    signals = dict(zip(_drives(bench), before.signals, strict=True))
+    observers = period.watched(bench, xp, before.observers, known, signals)
+    known = known | period.estimates(bench, observers)
+    controllers = period.answered(bench, xp, before.controllers, known, given)
+    after = before._replace(observers=observers, controllers=controllers)
+    return _judged(bench, xp, after, known, given)
+
+
+def _judged(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
+    """With the signals that the supervisor lets pass."""
+    taken = zip(bench.controllers.members(), loop.controllers, strict=True)
+    wanted = given.free | {name: one.wanted for name, one in taken}
+    ordered = {name: wanted[name] for name in _drives(bench)}
+    if bench.supervisor is None:
+        return loop._replace(signals=tuple(ordered.values()))
+    said = bench.supervisor.judge(xp, loop.supervisor, ordered, known, bench.period)
+    signals = tuple(said.signals[name] for name in ordered)
+    return loop._replace(supervisor=tuple(said.memory), alarm=said.alarm, signals=signals)
+
+
+def _drives(bench: Bench) -> list[str]:
+    return [drive.name for drive in bench.plant.drives()]
+
+
+# ---------------------------------------------------------------- programs
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A traced loop; functions `begin` and `step` over flat states."""
+
+    program: Program
+    paths: tuple[str, ...]
+    """Parameter paths in the order in which the program takes them."""
+    shape: Shape
+    size: int
+    """Numbers of the state."""
+    inputs: int
+    """Readings, their ages, references, signals that no controller has."""
+
+
+def trace(bench: Bench) -> Traced:
+    """Trace the loop of a bench, or return that of an earlier one of the same structure."""
+    return _traced(_Keyed(structure(bench), bench))
+
+
+@dataclass(frozen=True)
+class _Keyed:
+    key: tuple[Any, ...]
+    bench: Bench
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Keyed) and self.key == other.key
+
+
+@once(32)
+def _traced(keyed: _Keyed) -> Traced:
+    """Kernels of a first and of another sample as a program over flat states."""
+    program = Program()
+    paths = tuple(leaf.path for leaf in keyed.bench.leaves())
+    bench = keyed.bench.rebuilt({path: program.parameter(path) for path in paths})
+    names, free = reads(bench), [n for n in _drives(bench) if n not in bench.controllers.members()]
+    signals = [*names, *(name + AGE for name in names), *references(bench), *free]
+    labels = [f"i{i}" for i in range(len(signals))]
+    found: list[Shape] = []
+
+    def sorted_out(numbers: Sequence[Scalar]) -> tuple[Named, Inputs]:
+        split, end = 2 * len(names), len(signals) - len(free)
+        others = dict(zip(free, numbers[end:], strict=True))
+        known = dict(zip(signals[:split], numbers[:split], strict=True))
+        return known, Inputs(tuple(numbers[split:end]), others, ())
+
+    def begin(xp: Any, *numbers: Any) -> list[Any]:
+        loop = _begun(bench, xp, *sorted_out(numbers))
+        found.append(Shape(loop))
+        return flatten(loop)
+
+    def step(xp: Any, *numbers: Any) -> list[Any]:
+        before = found[0].rebuild(numbers[:size])
+        return flatten(_continued(bench, xp, before, *sorted_out(numbers[size:])))
+
+    program.add("begin", labels, begin)
+    size = len(flatten(found[0].example))
+    program.add("step", [*(f"s{i}" for i in range(size)), *labels], step)
+    return Traced(program, paths, found[0], size, len(labels))
+
+
+class Native:
+    """One loop in C."""
+
+    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+        self.size, number = traced.size, ctypes.c_double
+        library, constants = _library(traced)
+        self.c, self.x = (number * constants)(), (number * (traced.size + traced.inputs))()
+        self.y = (number * traced.size)()
+        library.prepare((number * max(1, len(values)))(*values), self.c)
+        held = tuple(ctypes.c_void_p(ctypes.addressof(one)) for one in (self.c, self.x, self.y))
+        self.held, self.functions = held, {"begin": library.begin, "step": library.step}
+
+    def run(self, name: str, inputs: Sequence[float]) -> list[float]:
+        """State after a sample."""
+        self.x[self.size :] = inputs
+        self.functions[name](*self.held)
+        return self.y[:]
+
+    def state(self) -> list[float]:
+        """State after the last sample."""
+        return self.y[:]
+
+
+class Plain:
+    """One loop on floats."""
+
+    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+        self.functions = traced.program.bind_floats(*values)
+        self.now: tuple[float, ...] = ()
+
+    def run(self, name: str, inputs: Sequence[float]) -> Sequence[float]:
+        """State after a sample."""
+        before = self.now if name == "step" else ()
+        self.now = self.functions[name](*before, *inputs)
+        return self.now
+
+    def state(self) -> Sequence[float]:
+        """State after the last sample."""
+        return self.now
+
+
+@once(32)
+def _library(traced: Traced) -> tuple[Any, int]:
+    program = traced.program
+    source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
+    return load_library(source), max(1, len(program.hoisted))

@@ -1,0 +1,176 @@
+"""The loop of a bench without its plant does, sample by sample, what the bench does in a run.
+
+Source of truth: runs of the bench itself, of which the loop gets the readings and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+from builders import problem_a
+
+from martensite.bench.bench import Bench
+from martensite.bench.mounted import Mounted
+from martensite.bench.parts import Controllers, Observers, Sensors
+from martensite.bench.realtime import RealtimeStep
+from martensite.bench.run import simulate_bench
+from martensite.bench.supervisor import AbstractSupervisor, Column, Named, Verdict
+from martensite.controllers.base import AbstractController, Readings
+from martensite.controllers.pid import Pid
+from martensite.electrical.pwm import PwmVoltage
+from martensite.errors import ParameterError
+from martensite.observers.extended import ExtendedKalman
+from martensite.parameters import param
+from martensite.runtimes.c99 import compiler
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.sensors.position import PositionSensor
+from martensite.signals.sine import Sine
+from martensite.simulate.result import Result
+
+MM, PERIOD, DURATION = 1e-3, 0.05, 3.0
+SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
+COURSE = Sine(low=1 * MM, high=5 * MM, frequency=0.5)
+NATIVE = [
+    pytest.param(True, marks=pytest.mark.skipif(compiler() is None, reason="no C compiler")),
+    False,
+]
+
+
+class Ceiling(AbstractSupervisor):
+    """Cuts for good once a reading has been above a ceiling; the alarm counts periods since."""
+
+    ceiling: Scalar = param("m", "what cuts")
+
+    def reads(self) -> tuple[str, ...]:
+        return ("position",)
+
+    def rest(self, xp: Namespace, readings: Named) -> Column:
+        return (0.0,)
+
+    def judge(
+        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
+    ) -> Verdict:
+        over = xp.either(readings["position"] > self.ceiling, memory[0] > 0.0)
+        count = xp.where(over, memory[0] + 1.0, 0.0)
+        return Verdict({n: xp.where(over, 0.0, u) for n, u in wanted.items()}, count, (count,))
+
+
+class Older(AbstractController):
+    """Answers with the age of its reading, and how often it was asked."""
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        return (0.0,)
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        return readings["position.age"] + 0.001 * memory[0], (memory[0] + 1.0,)
+
+
+def pid(measured: str = "position") -> Pid:
+    return Pid(measured=measured, reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)
+
+
+def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -> Bench:
+    sensor = Mounted(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
+    return Bench(
+        plant=SYSTEM, period=PERIOD, substeps=1, sensors=Sensors(position=sensor),
+        controllers=Controllers(drive=controller), **parts,
+    )  # fmt: skip
+
+
+@cache
+def loops() -> dict[str, Bench]:
+    observers = Observers(
+        ekf=ExtendedKalman(model=SYSTEM, measured=("position",), reading_deviation=0.02 * MM)
+    )
+    return {
+        "pid": bench(pid()),
+        "supervised": bench(pid(), supervisor=Ceiling(ceiling=4 * MM)),
+        "observer": bench(pid("estimated.position"), observers=observers),
+    }
+
+
+@cache
+def run(name: str) -> Result:
+    return simulate_bench(loops()[name], DURATION, seed=3, runtime="floats")
+
+
+def played(loop: RealtimeStep, readings: Sequence[float]) -> np.ndarray:
+    return np.array([loop.step({"position": y})[0] for y in readings])
+
+
+@pytest.mark.parametrize("native", NATIVE)
+@pytest.mark.parametrize("name", ["pid", "supervised", "observer"])
+def test_it_does_what_the_bench_does(name: str, native: bool) -> None:
+    found = run(name)
+    signals = played(RealtimeStep(loops()[name], native), found["measured.position"])
+    wanted = np.array(found["drive"])
+    assert np.ptp(wanted) > 0.1
+    np.testing.assert_allclose(signals, wanted, rtol=0.0, atol=1e-7)
+
+
+def test_readings_of_another_run_give_other_signals() -> None:
+    found = run("pid")
+    other = np.array(found["measured.position"]) + 0.1 * MM
+    signals = played(RealtimeStep(loops()["pid"]), other.tolist())
+    assert np.max(np.abs(signals - np.array(found["drive"]))) > 1e-3
+
+
+def test_the_supervisor_cuts_and_tells() -> None:
+    loop, found = RealtimeStep(loops()["supervised"]), run("supervised")
+    played(loop, found["measured.position"])
+    assert loop.state.alarm == found["alarm"][-1] > 1.0
+    assert loop.state.signals == (0.0,)
+    assert loop.state.controllers[0].wanted == pytest.approx(found["wanted"][-1])
+
+
+def test_estimates_are_those_of_the_bench() -> None:
+    loop, found = RealtimeStep(loops()["observer"]), run("observer")
+    played(loop, found["measured.position"])
+    for name in ("estimated.temperature", "estimated.martensite_fraction"):
+        assert loop.estimates[name] == pytest.approx(found[name][-1], rel=1e-7)
+
+
+def test_reset_begins_anew() -> None:
+    loop, readings = RealtimeStep(loops()["pid"]), run("pid")["measured.position"]
+    first = played(loop, readings)
+    loop.reset()
+    assert np.array_equal(played(loop, readings), first)
+
+
+@pytest.mark.parametrize("native", NATIVE)
+def test_late_readings_are_told_their_age(native: bool) -> None:
+    loop = RealtimeStep(bench(Older(measured="position", reference=COURSE), delay=0.1), native)
+    ages = [0.0, 0.05, 0.1, 0.1]
+    found = [loop.step({"position": 0.0, "position.age": age})[0] for age in ages]
+    assert found == pytest.approx([0.0, 0.051, 0.102, 0.103])
+
+
+def test_references_may_be_given() -> None:
+    loop = RealtimeStep(loops()["pid"])
+    assert loop.step([0.0], references=[0.0]) == (0.0,)
+    loop.reset()
+    assert loop.step([0.0], references=[1 * MM])[0] == pytest.approx(150.0 * MM + 6.0 * MM)
+    assert (loop.readings, loop.drives, loop.free) == (("position",), ("drive",), ())
+
+
+# ---------------------------------------------------------------- errors
+
+
+def test_a_missing_reading_is_named_with_the_nearest() -> None:
+    with pytest.raises(ParameterError, match=r"`position`.*`postion`"):
+        RealtimeStep(loops()["pid"]).step({"postion": 0.0})
+
+
+def test_readings_in_order_must_be_all() -> None:
+    with pytest.raises(ParameterError, match="needs 1 readings"):
+        RealtimeStep(loops()["pid"]).step([0.0, 1.0])
+
+
+def test_before_its_first_step_it_has_no_state() -> None:
+    with pytest.raises(ParameterError, match="before its first step"):
+        _ = RealtimeStep(loops()["pid"]).state
