@@ -11,14 +11,16 @@ from builders import problem_a
 from martensite.bench.bench import Bench
 from martensite.bench.faults.stuck import Stuck
 from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Faults, Sensors
+from martensite.bench.parts import Controllers, Faults, Observers, Sensors
 from martensite.bench.run import opened, simulate_bench
 from martensite.controllers.on_off import OnOff
 from martensite.controllers.pid import Pid, PidLaw
 from martensite.electrical.pwm import PwmVoltage
 from martensite.errors import InputError, ParameterError
 from martensite.mechanisms.pulley import AntagonisticPulley
+from martensite.observers.inverse import InverseModel
 from martensite.sensors.position import PositionSensor
+from martensite.sensors.resistance import ResistanceSensor
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
@@ -215,3 +217,13 @@ def test_numbers_are_no_structure() -> None:
     )))  # fmt: skip
     later = Sensors(position=Mounted(sensor=PositionSensor(), delay=0.3))
     assert compile_system(bench()) is not compile_system(bench(sensors=later))
+
+
+def test_an_estimate_comes_from_one_observer() -> None:
+    same = InverseModel(model=plant(), measured="resistance")
+    resistance = Mounted(sensor=ResistanceSensor())
+    with pytest.raises(ParameterError, match="both estimate"):
+        bench(
+            sensors=Sensors(position=Mounted(sensor=PositionSensor()), resistance=resistance),
+            observers=Observers(one=same, other=same),
+        )

@@ -36,6 +36,7 @@ def check_bench(bench: Bench) -> None:
 def _check_readings(bench: Bench) -> None:
     """What observers, controllers and supervisor read must exist."""
     readings = known_readings(bench)
+    _check_estimates(bench)
     for name, observer in bench.observers.members().items():
         _require(f"Observer `{name}`", observer.reads(), readings)
     for controller in bench.controllers.members().values():
@@ -47,6 +48,26 @@ def _check_readings(bench: Bench) -> None:
             )
     if bench.supervisor is not None:
         _require("The supervisor", bench.supervisor.reads(), readings)
+        drives = [drive.name for drive in bench.plant.drives()]
+        for name in bench.supervisor.drives():
+            if name not in drives:
+                raise ParameterError(
+                    f"The supervisor speaks of drive `{name}`, which the plant does not have. "
+                    f"{suggestion(name, drives)}"
+                )
+
+
+def _check_estimates(bench: Bench) -> None:
+    """Every estimate comes from one observer."""
+    found: dict[str, str] = {}
+    for title, observer in bench.observers.members().items():
+        for name in observer.estimates():
+            if name in found:
+                raise ParameterError(
+                    f"Observers `{found[name]}` and `{title}` both estimate `{name}`; a bench has "
+                    f"one estimate of a name."
+                )
+            found[name] = title
 
 
 def _require(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:
@@ -72,7 +93,9 @@ def _check_switching(bench: Bench) -> None:
     """Pulses are for one switch."""
     sources = [one.source for one in bench.plant.actuators().values()]
     one = len(bench.plant.drives()) == 1 and len(sources) == 1
-    if bench.switching == "pulses" and not (one and isinstance(sources[0], AbstractSwitch)):
+    duty = one and isinstance(sources[0], AbstractSwitch) and sources[0].unit == "1"
+    if bench.switching == "pulses" and not duty:
         raise ParameterError(
-            "Pulses are for a plant with one drive that is a switch, such as `pwm-voltage`."
+            "Pulses are for a plant with one drive, a switch that takes a duty, such as "
+            "`pwm-voltage`."
         )

@@ -17,7 +17,8 @@ from typing import Any, ClassVar, NamedTuple
 
 from martensite.electrical.base import AbstractSource
 from martensite.elements.limits import Limits
-from martensite.laws.base import AbstractLaw
+from martensite.errors import ParameterError
+from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
@@ -114,6 +115,19 @@ class AbstractElement(Parametrised):
     def force(self, state: Any) -> Scalar:
         """Force at the end of the last step [N]."""
         raise NotImplementedError
+
+    def in_state(
+        self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Any:
+        """A state put elsewhere, as an observer corrects it, under a force [N].
+
+        Raises:
+            ParameterError: the element has no single phase state and temperature [K].
+        """
+        raise ParameterError(
+            f"Element `{self.registered_name}` is not the same all over: it cannot be put into "
+            f"one phase state; use a lumped one, such as `wire`."
+        )
 
     def elongation(self, xp: Namespace, state: Any, force: Scalar) -> Scalar:
         """Elongation [m] in a state under a force [N]."""

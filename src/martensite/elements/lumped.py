@@ -70,6 +70,14 @@ class AbstractLumped(AbstractElement):
         """Force at the end of the last step [N]."""
         return state.force
 
+    def in_state(
+        self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar,
+        force: Scalar,
+    ) -> Lumped:  # fmt: skip
+        """A state put elsewhere, with its history, under a force [N]."""
+        stress = self.stress(xp, force)
+        return Lumped(self.law.moved(xp, state.memory, fractions, stress, temperature), force)
+
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)

@@ -54,6 +54,18 @@ class AbstractLaw(Parametrised):
         """The phase state stored in a memory."""
         raise NotImplementedError
 
+    def moved(
+        self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Any:  # fmt: skip
+        """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
+
+        What it remembers of its history goes along: a transformation that was going on goes on
+        from there, for belief is corrected and nothing happens to the wire. By default there is
+        no history.
+        """
+        return self.init(xp, fractions, stress, temperature)
+
     def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
         """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
         raise NotImplementedError

@@ -93,6 +93,13 @@ class Brinson(AbstractPhaseDiagram):
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return twinned.init(fractions, stress, temperature)
 
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The branch in progress goes on from other fractions at another point."""
+        return twinned.moved(xp, self.diagram(), memory, fractions, stress, temperature)
+
     def fractions(self, memory: Memory) -> Fractions:
         """ξ and ξ_S."""
         return Fractions(memory.martensite, memory.oriented)

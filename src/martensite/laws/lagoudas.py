@@ -101,6 +101,15 @@ class Lagoudas(AbstractSurfaceLaw):
         ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
         return Memory(fractions.martensite, ratio, stress, temperature)
 
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """As if it began there; where no martensite is left, its ratio stays."""
+        found = self.init(xp, fractions, stress, temperature)
+        some = fractions.martensite > 0.0
+        return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
+
     def fractions(self, memory: Memory) -> Fractions:
         """The phase state stored in a memory."""
         return Fractions(memory.fraction, memory.ratio * memory.fraction)

@@ -26,7 +26,7 @@ from typing import NamedTuple
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared.barriers import Process, Start, begin, edges, scales, wells
 from martensite.laws.shared.exchange import exchange, mean_flows
-from martensite.laws.shared.layers import AbstractLayers, Pull, Variants, variants
+from martensite.laws.shared.layers import PRESENT, AbstractLayers, Pull, Variants, variants
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import total
@@ -88,6 +88,32 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
         present, count = variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return Memory(*columns, fractions, stress, temperature)
+
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
+        before, after = variants(memory.mean), variants(fractions)
+
+        def shrunk(now: Scalar, then: Scalar) -> Scalar:
+            falls = now > then
+            return xp.where(falls, then / xp.where(falls, now, 1.0), 1.0)
+
+        keep = Variants(*(shrunk(a, b) for a, b in zip(before, after, strict=True)))
+        free = 1.0 - before.plus * keep.plus - before.minus * keep.minus
+        some = free > PRESENT
+        per = xp.where(some, 1.0 / xp.where(some, free, 1.0), 0.0)
+        grow = Variants(*(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True)))
+
+        def group(plus: Scalar, minus: Scalar) -> tuple[Scalar, Scalar]:
+            plus, minus = plus * keep.plus, minus * keep.minus
+            left = 1.0 - plus - minus
+            return plus + grow.plus * left, minus + grow.minus * left
+
+        columns = xp.each(group, memory.plus, memory.minus)
+        plus, minus = (tuple(column) for column in columns)
+        return Memory(plus, minus, self.mean(xp, plus, minus), stress, temperature)
 
     def fractions(self, memory: Memory) -> Fractions:
         """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""

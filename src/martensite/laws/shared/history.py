@@ -30,6 +30,8 @@ from typing import NamedTuple, Protocol
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 
 RESUME, RESTART = "resume", "restart"
+LEAST = 1e-3
+"""Part of a transformation below which nothing is left of it."""
 
 Left = Callable[[Namespace, Scalar], Scalar]
 
@@ -245,6 +247,35 @@ def commit(
         stress=stress,
         temperature=temperature,
     )
+
+
+def moved(
+    xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: Memory, fraction: Scalar,
+    stress: Scalar, temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory put at another fraction and another point, on the same branch.
+
+    Its scale is such that what is left to transform, y ≤ scale · left(v), stays the same share
+    of what it may be: a process that was going on goes on, one that waited waits as far.
+    """
+    ahead = memory.branch > 0.0
+    before, after = (
+        xp.where(ahead, f.distance(*point), r.distance(*point))
+        for f, r in [strips]
+        for point in ((memory.stress, memory.temperature), (stress, temperature))
+    )
+    if strips[0].endless:
+        scale = memory.scale + (after - before)
+    else:
+        was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
+        now = xp.where(ahead, 1.0 - fraction, fraction)
+        then, there = (left(xp, xp.clip(v, 0.0, 1.0)) for v in (before, after))
+        some = xp.both(was > LEAST, now > LEAST)
+        grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
+        inside = xp.both(then > LEAST, there > LEAST)
+        scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST), 1.0)
+    scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
+    return Memory(fraction, memory.branch, scale, stress, temperature)
 
 
 def handover(

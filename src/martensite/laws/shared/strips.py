@@ -74,6 +74,14 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """Memory of a wire that has no history; all martensite counts as oriented."""
         return Memory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The branch in progress goes on from another fraction at another point."""
+        there = fractions.martensite, stress, temperature
+        return history.moved(xp, self.left, self.strips(), memory, *there)
+
     def fractions(self, memory: Memory) -> Fractions:
         """All martensite counts as oriented."""
         return Fractions(memory.fraction, memory.fraction)

@@ -102,6 +102,28 @@ def init(fractions: Fractions, stress: Scalar, temperature: Scalar) -> Memory:
     return Memory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
 
 
+def moved(
+    xp: Namespace, diagram: Diagram, memory: Memory, fractions: Fractions, stress: Scalar,
+    temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory put at other fractions and another point, on the same branch.
+
+    Reaches go with the distances: what was going on goes on, what waited waits as far.
+    """
+
+    def shifted(strip: Strip, reach: Scalar, bend: Scalar) -> Scalar:
+        before = strip.distance(memory.stress, xp.maximum(memory.temperature, bend))
+        after = strip.distance(stress, xp.maximum(temperature, bend))
+        return xp.where(reach < UNSET, xp.clip(reach + (after - before), 0.0, UNSET), reach)
+
+    reaches = (
+        shifted(diagram.loading, memory.loading, diagram.bend),
+        shifted(diagram.cooling, memory.cooling, 0.0),
+        shifted(diagram.reverse, memory.reverse, 0.0),
+    )
+    return Memory(*fractions, memory.branch, *reaches, stress, temperature)
+
+
 # ---------------------------------------------------------------- the leg and its kink
 
 
