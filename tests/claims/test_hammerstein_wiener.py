@@ -90,6 +90,8 @@ class TestEverything:
             assert 100.0 * bench.overshoot == pytest.approx(100.0 * model.overshoot, abs=2.0)
             assert bench.settling == pytest.approx(model.settling, abs=0.2)
         assert loops.sines(WHOLE).apart <= 0.25e-3
+        heating, cooling = loops.sines(WHOLE).branches
+        assert heating < 0.1e-3 < cooling < 0.5e-3
 
     def test_a_model_without_rest_is_wrong_there(self, listed: list[Claim]) -> None:
         found = next(claim.computed for claim in listed if claim.id == "trap-rest")

@@ -52,13 +52,23 @@ class Sines:
         return _rms(self.bench.reference - self.bench.output)
 
     @property
+    def branches(self) -> tuple[float, float]:
+        """The same while the reference rises, the wire heated, and while it falls [m]."""
+        error = self.bench.reference - self.bench.output
+        rising = np.gradient(self.bench.reference) >= 0.0
+        return _rms(error, rising), _rms(error, ~rising)
+
+    @property
     def apart(self) -> float:
         """Of the bench against the model [m]."""
         return _rms(self.bench.output - self.model.output)
 
 
-def _rms(error: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(error[round(loop.SINE_SCORED / INTERVAL) :] ** 2)))
+def _rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
+    """Over the samples that count, or those of them where a flag holds."""
+    first = round(loop.SINE_SCORED / INTERVAL)
+    chosen = error[first:] if where is None else error[first:][where[first:]]
+    return float(np.sqrt(np.mean(chosen**2)))
 
 
 @cache
