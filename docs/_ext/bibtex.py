@@ -9,7 +9,8 @@ from martensite.io import citations
 _FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{[^{}]*\})*)\}")
 _ACCENTS = {
     r"\"a": "ä", r"\"o": "ö", r"\"u": "ü", r"\'a": "á", r"\'e": "é", r"\'i": "í", r"\'o": "ó",
-    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\_": "_", r"\&": "&", "--": "–",
+    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\AA": "Å", r"\_": "_", r"\&": "&",
+    "--": "–",
 }  # fmt: skip
 _ORDER = ("journal", "booktitle", "school", "organization", "edition")
 

@@ -17,7 +17,9 @@ import blocks
 import commands
 import parts
 
+from martensite.bench.mounted import Mounted
 from martensite.elements.limits import Limits
+from martensite.io.bench_sections import Conduct
 from martensite.io.scenario import Run
 from martensite.thermal.base import Environment
 
@@ -39,6 +41,8 @@ SECTIONS: dict[str, Callable[[], str]] = {
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
+    "bench": lambda: parts.parameters_of(Conduct),
+    "mounted": lambda: parts.parameters_of(Mounted),
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(Limits),
     "public-names": parts.public_names,

@@ -28,6 +28,12 @@ PLURALS = {
     "mechanism": "Mechanisms",
     "drive": "Sources",
     "waveform": "Waveforms",
+    "sensor": "Sensors",
+    "observer": "Observers",
+    "controller": "Controllers",
+    "supervisor": "Supervisors",
+    "check": "Checks of a supervisor",
+    "fault": "Faults",
 }
 
 

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from martensite.control.averaging import Averaging as Averaging
     from martensite.control.averaging import compare_averaging as compare_averaging
     from martensite.control.closed_loop import ControlledModel as ControlledModel
-    from martensite.control.constant_power import ConstantPower as ConstantPower
-    from martensite.control.latched import LatchedOnOff as LatchedOnOff
     from martensite.control.tuning import Tuning as Tuning
     from martensite.control.tuning import tune as tune
+    from martensite.controllers.constant_power import ConstantPower as ConstantPower
+    from martensite.controllers.latched import LatchedOnOff as LatchedOnOff
     from martensite.controllers.on_off import OnOff as OnOff
     from martensite.controllers.pid import Gains as Gains
     from martensite.controllers.pid import Pid as Pid
@@ -260,7 +260,7 @@ _HOME = {
     "CombinedCooling": "thermal.combined",
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
-    "ConstantPower": "control.constant_power",
+    "ConstantPower": "controllers.constant_power",
     "ControlledModel": "control.closed_loop",
     "CurrentSource": "electrical.current",
     "DeadWeight": "mechanisms.dead_weight",
@@ -282,7 +282,7 @@ _HOME = {
     "InfraredSensor": "sensors.infrared",
     "InputError": "errors",
     "Lagoudas": "laws.lagoudas",
-    "LatchedOnOff": "control.latched",
+    "LatchedOnOff": "controllers.latched",
     "LeFevreEde": "thermal.lefevre_ede",
     "Leg": "simulate.point",
     "Lever": "mechanisms.lever",

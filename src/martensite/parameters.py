@@ -156,7 +156,8 @@ class Parametrised:
     cites: ClassVar[tuple[str, ...]] = ()
     declarations: ClassVar[dict[str, Declared]] = {}
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, *, init: bool = True) -> None:
+        """File declarations; `init=False` tells type checkers not to derive arguments from them."""
         super().__init_subclass__()
         if isinstance(cls.declarations, property):  # it answers for itself
             return

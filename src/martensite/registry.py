@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pkgutil import iter_modules
 from typing import Generic, TypeVar, cast
 
@@ -40,7 +41,9 @@ class Registry(Generic[T]):
         return file_under
 
     def __getitem__(self, name: str) -> type[T]:
-        self._scan()
+        self._find(name)
+        if name not in self._entries:
+            self._scan()
         if name not in self._entries:
             self._plug()
         if name not in self._entries:
@@ -52,6 +55,12 @@ class Registry(Generic[T]):
         self._scan()
         self._plug()
         return sorted(self._entries)
+
+    def _find(self, name: str) -> None:
+        """Import the file that is called like an entry, if there is one: others may be heavy."""
+        own = f"{self.package}.{name.replace('-', '_')}"
+        if name not in self._entries and own.rpartition(".")[2].isidentifier() and find_spec(own):
+            import_module(own)
 
     def _scan(self) -> None:
         if not self._scanned:

@@ -80,10 +80,13 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
     "mH": ("H", 1e-3, 0.0),
 }
 
+DEGREES = "delta_degC"
+"""Unit of a difference of two temperatures [K], which has no zero to be shifted."""
+
 # declared SI unit -> unit a person would rather read
 READABLE = {
     "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
-    "rad/s": "deg/s", "delta_degC": "K",
+    "rad/s": "deg/s", DEGREES: "K",
 }  # fmt: skip
 
 # declared SI unit -> unit for large values, and from which value on
@@ -124,7 +127,7 @@ def from_si(value: float, spelling: str, unit: str) -> float:
 
 def conversion(spelling: str, unit: str) -> tuple[float, float]:
     """Return (factor, offset) with value in `unit` = value in `spelling` * factor + offset."""
-    if spelling == unit:
+    if spelling == unit or (spelling, unit) == ("K", DEGREES):
         return 1.0, 0.0
     declared, factor, offset = EVERYDAY.get(spelling, ("", 1.0, 0.0))
     if declared == unit:

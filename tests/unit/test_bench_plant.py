@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
-from martensite.controllers.pid import Gains
 from martensite.control.response import step_responses, steps
+from martensite.controllers.pid import Gains
 from martensite.errors import ParameterError
 from martensite.io import datasets
 from martensite.io.tables import read_table

@@ -14,9 +14,9 @@ import pytest
 from scipy.signal import lfilter
 
 from martensite.control.closed_loop import ControlledModel, Trajectory, logs
-from martensite.controllers.pid import Gains, PidLaw
 from martensite.control.response import StepResponse, steps
 from martensite.control.tuning import Tuning, cost, tune
+from martensite.controllers.pid import Gains, PidLaw
 from martensite.errors import ParameterError
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction

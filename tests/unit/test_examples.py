@@ -6,6 +6,7 @@ the wire's maker for the example with PWM.
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 from typing import Any
@@ -272,3 +273,80 @@ def test_model_example_runs_as_its_comments_say() -> None:
 def test_model_of_the_example_has_the_fit_of_its_comments() -> None:
     (record,) = read_provenance(EXAMPLES / "model_run.json")["records"]
     assert record["fit_percent"]["position"] == pytest.approx(98.8, abs=0.05)
+
+
+# ---------------------------------------------------------------- closed loops
+
+
+def closed(name: str, **changes: Any) -> Result:
+    """A closed loop of the examples; `__` in a name stands for a dot."""
+    settings = {path.replace("__", "."): value for path, value in changes.items()}
+    return load(EXAMPLES / f"closed_loop{name}.toml", settings).run()
+
+
+def apart(result: Result, since: float = 0.0) -> float:
+    """RMS of the reference less the position, from a time on [m]."""
+    rows = zip(result.times, result["reference"], result["position"], strict=True)
+    errors = [r - x for t, r, x in rows if t >= since]
+    return math.sqrt(sum(e * e for e in errors) / len(errors))
+
+
+def test_closed_loop_holds_its_levels_and_is_slow_in_hot_air() -> None:
+    result = closed("")
+    at = {round(t, 6): x for t, x in zip(result.times, result["position"], strict=True)}
+    for time, level in ((5.9, 2e-3), (8.9, 3e-3), (11.9, 4e-3), (17.9, 2e-3)):
+        assert at[time] == pytest.approx(level, abs=0.15e-3)
+    hot = closed("", environment__temperature="50 degC")
+    assert apart(hot, 12.0) > 1.2 * apart(result, 12.0)
+    noisy = closed("", sensor__noise="0.05 mm", run__duration="8 s")
+    moves = [
+        sum(abs(b - a) for a, b in itertools.pairwise(r["wanted"][:400])) for r in (noisy, result)
+    ]
+    assert moves[0] > 2.0 * moves[1]
+
+
+def test_platform_sensed_late_overshoots() -> None:
+    late, now = (
+        closed("_platform", run__duration="12 s", sensor__delay=d) for d in ("0.3 s", "0 s")
+    )
+    over = [math.degrees(max(r["alpha"])) - 15.0 for r in (late, now)]
+    assert 0.0 < over[1] < 0.3 < over[0] < 1.0
+
+
+def test_power_is_constant_from_the_second_pulse_on_or_drifts() -> None:
+    result = closed("_power")
+    powers = [p for t, p in zip(result.times, result["power"], strict=True) if 1.0 < t < 3.9]
+    assert powers == pytest.approx([0.45] * len(powers), rel=2e-3)
+    once = closed("_power", controller__updated="once")
+    drifting = [p for t, p in zip(once.times, once["power"], strict=True) if 1.0 < t < 3.9]
+    assert max(abs(p / 0.45 - 1.0) for p in drifting) > 0.02
+
+
+def test_position_is_followed_without_a_sensor_for_it() -> None:
+    result = closed("_sensorless", run__duration="10 s")
+    rows = zip(result["estimated.position"], result["position"], strict=True)
+    miss = [a - b for a, b in rows]
+    assert math.sqrt(sum(e * e for e in miss) / len(miss)) < 0.03 * result.stroke
+    wrong = closed(
+        "_sensorless", observer__model={"element.diameter": "0.148 mm"}, run__duration="10 s"
+    )
+    rows = zip(wrong["estimated.position"], wrong["position"], strict=True)
+    assert max(abs(a - b) for a, b in rows) > 2.0 * max(map(abs, miss))
+
+
+def test_guard_keeps_the_wire_below_what_its_comments_say() -> None:
+    result = closed("_guarded")
+    assert max(result["temperature"]) < 125.0 + 273.15
+    assert {*result["alarm"]} == {0.0, 1.0}
+    latched = closed("_guarded", supervisor__answer="latch")
+    assert latched["drive"][-1] == 0.0
+    assert latched["temperature"][-1] < 60.0 + 273.15
+
+
+def test_wire_of_the_beam_is_switched_when_its_comments_say() -> None:
+    result = closed("_beam")
+    current = result["drive"]
+    switched = [
+        t for t, a, b in zip(result.times[1:], current, current[1:], strict=False) if a != b
+    ]
+    assert switched == pytest.approx([3.12, 28.3], abs=0.06)

@@ -59,23 +59,26 @@ class Noisy(AbstractSensor):
         return truth[0] + self.noise * noise, ()
 
 
+FAULT: Any = FAULTS
+CHECK: Any = CHECKS
+SUPERVISOR: Any = SUPERVISORS
 FAULTY = {
-    "lost": FAULTS["drop-out"](sensor="position", start=NEVER),
-    "stuck": FAULTS["stuck"](sensor="position", start=NEVER),
-    "drift": FAULTS["drift"](sensor="position", start=NEVER, rate=-3e-3),
-    "sag": FAULTS["supply-sag"](share=0.3, start=NEVER),
-    "broken": FAULTS["open-circuit"](start=NEVER),
-    "warm": FAULTS["ambient-step"](by=60.0, start=NEVER),
-    "calm": FAULTS["draught"](factor=0.4, start=NEVER),
+    "lost": FAULT["drop-out"](sensor="position", start=NEVER),
+    "stuck": FAULT["stuck"](sensor="position", start=NEVER),
+    "drift": FAULT["drift"](sensor="position", start=NEVER, rate=-3e-3),
+    "sag": FAULT["supply-sag"](share=0.3, start=NEVER),
+    "broken": FAULT["open-circuit"](start=NEVER),
+    "warm": FAULT["ambient-step"](by=60.0, start=NEVER),
+    "calm": FAULT["draught"](factor=0.4, start=NEVER),
 }
 WATCHED = {
-    "hot": CHECKS["overheat"](reading="temperature", limit=HOT, band=10.0),
-    "current": CHECKS["over-current"](reading="current", limit=2.6),
-    "stress": CHECKS["over-stress"](reading="stress", limit=1e9),
-    "lost": CHECKS["sensor-lost"](reading="position", timeout=0.2),
-    "stuck": CHECKS["sensor-stuck"](reading="position", longest=0.3),
-    "open": CHECKS["open-circuit"](reading="current", longest=0.1, most=0.02, least=0.05),
-    "apart": CHECKS["mismatch"](reading="position", other="second", limit=5e-4, longest=0.1),
+    "hot": CHECK["overheat"](reading="temperature", limit=HOT, band=10.0),
+    "current": CHECK["over-current"](reading="current", limit=2.6),
+    "stress": CHECK["over-stress"](reading="stress", limit=1e9),
+    "lost": CHECK["sensor-lost"](reading="position", timeout=0.2),
+    "stuck": CHECK["sensor-stuck"](reading="position", longest=0.3),
+    "open": CHECK["open-circuit"](reading="current", longest=0.1, most=0.02, least=0.05),
+    "apart": CHECK["mismatch"](reading="position", other="second", limit=5e-4, longest=0.1),
 }
 SILENT = {
     "hot.limit": 1e9, "current.limit": 1e9, "lost.timeout": 1e9, "stuck.longest": 1e9,
@@ -320,7 +323,7 @@ def judged(guard: Guard, rows: list[tuple[float, dict[str, float]]]) -> list[tup
 
 
 def only(name: str, **values: Any) -> Checks:
-    return Checks(one=CHECKS[name](**values))
+    return Checks(one=CHECK[name](**values))
 
 
 def test_above_its_limit_and_below_its_band():
@@ -355,8 +358,8 @@ def test_a_reading_at_rest_may_stay():
 
 def test_the_lowest_alarm_is_shown():
     checks = Checks(
-        lost=CHECKS["sensor-lost"](reading="T", timeout=0.5),
-        current=CHECKS["over-current"](reading="I", limit=2.0),
+        lost=CHECK["sensor-lost"](reading="T", timeout=0.5),
+        current=CHECK["over-current"](reading="I", limit=2.0),
     )
     rows: list[tuple[float, dict[str, float]]] = [
         (1.0, {"T.age": 0.1, "I": -3.0}), (1.0, {"T.age": 0.6, "I": 0.0})
@@ -366,7 +369,7 @@ def test_the_lowest_alarm_is_shown():
 
 
 def test_only_the_drives_of_a_check_are_cut():
-    one = CHECKS["overheat"](reading="T", limit=400.0, drives=("left",))
+    one = CHECK["overheat"](reading="T", limit=400.0, drives=("left",))
     guard = Guard(checks=Checks(one=one), safe=0.1)
     verdict = guard.judge(
         floats, guard.rest(floats, {}), {"left": 1.0, "right": 0.7}, {"T": 500.0}, 0.1
@@ -395,10 +398,10 @@ def test_a_signal_of_a_cut_that_is_not_safe_is_refused():
     ("check", "words"),
     [
         (
-            CHECKS["overheat"](reading="warmth", limit=400.0),
+            CHECK["overheat"](reading="warmth", limit=400.0),
             "reads `warmth`, which is not measured",
         ),
-        (CHECKS["overheat"](reading="temperature", drives=("left",)), "speaks of drive `left`"),
+        (CHECK["overheat"](reading="temperature", drives=("left",)), "speaks of drive `left`"),
         (bound(drive="heater"), "speaks of drive `heater`"),
     ],
 )

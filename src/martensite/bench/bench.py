@@ -27,7 +27,7 @@ from martensite.bench.parts import (
     Sensors,
     Watching,
 )
-from martensite.bench.supervisor import AbstractSupervisor
+from martensite.bench.supervisor import SUPERVISORS, AbstractSupervisor
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.parameters import option, param, part
@@ -38,7 +38,7 @@ from martensite.system import AbstractSystem, Actuator, advanced
 from martensite.system.base import Drive
 
 
-class Bench(AbstractSystem):
+class Bench(AbstractSystem, init=False):
     """A plant with everything around it."""
 
     plant: AbstractSystem = part("what is controlled")
@@ -46,7 +46,7 @@ class Bench(AbstractSystem):
     sensors: Sensors = part("sensors by name; without any, everything is known", default=Sensors())
     observers: Observers = part("observers by name", default=Observers())
     controllers: Controllers = part("controllers by drive of the plant", default=Controllers())
-    supervisor: AbstractSupervisor | None = part("who has the last word", default=None)
+    supervisor: AbstractSupervisor | None = part("who has the last word", SUPERVISORS, default=None)
     faults: Faults = part("what goes wrong, by name", default=Faults())
     substeps: int = part("steps of the plant in a period; 0: as many as it needs", default=0)
     switching: str = option(

@@ -27,9 +27,8 @@ def references(bench: Bench) -> list[str]:
 def drives(bench: Bench) -> list[Drive]:
     """References, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
-    units = {name: output.unit for name, output in readings(bench).items()}
-    rows = zip(references(bench), taken.values(), strict=True)
-    followed = [Drive(name, units[one.measured], False, True) for name, one in rows]
+    rows = zip(references(bench), reference_units(bench), strict=True)
+    followed = [Drive(name, unit, False, True) for name, unit in rows]
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     numbers = [
         Drive(kind + name, "1", False, True)
@@ -37,6 +36,14 @@ def drives(bench: Bench) -> list[Drive]:
         for kind in (NOISE, JITTER)
     ]
     return [*followed, *free, *numbers]
+
+
+def reference_units(bench: Bench) -> list[str]:
+    """SI units of the references, in the order of the controllers."""
+    known = {name: output.unit for name, output in readings(bench).items()}
+    signals = {drive.name: drive.unit for drive in bench.plant.drives()}
+    members = bench.controllers.members().items()
+    return [one.reference_unit(known, signals[name]) for name, one in members]
 
 
 def readings(bench: Bench) -> dict[str, Output]:
@@ -53,7 +60,7 @@ def readings(bench: Bench) -> dict[str, Output]:
 def estimates(bench: Bench) -> dict[str, Output]:
     """What observers estimate."""
     return {
-        ESTIMATED + name: output
+        ESTIMATED + name: output._replace(long_name=f"estimated {output.long_name}")
         for one in bench.observers.members().values()
         for name, output in one.estimates().items()
     }
@@ -64,13 +71,13 @@ def outputs(bench: Bench) -> dict[str, Output]:
     known = readings(bench)
     measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
     found = bench.plant.outputs() | measured | estimates(bench)
-    units = {drive.name: drive.unit for drive in bench.plant.drives()}
-    rows = zip(references(bench), bench.controllers.members().items(), strict=True)
-    for name, (drive, one) in rows:
-        unit = known[one.measured].unit
-        found[name] = Output(unit, f"reference of {one.measured}", "r")
+    signals = {drive.name: drive.unit for drive in bench.plant.drives()}
+    members = bench.controllers.members().items()
+    rows = zip(references(bench), reference_units(bench), members, strict=True)
+    for name, unit, (drive, one) in rows:
+        found[name] = Output(unit, f"reference of {one.measured or drive}", "r")
         wanted = name.replace(REFERENCE, WANTED)
-        found[wanted] = Output(units[drive], f"signal that {drive} shall have", "u")
+        found[wanted] = Output(signals[drive], f"signal that {drive} shall have", "u")
     if bench.supervisor is not None:
         found[ALARM] = Output("1", "alarm of the supervisor", "a")
     return found

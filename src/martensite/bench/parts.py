@@ -14,25 +14,25 @@ from martensite.system import Members
 Named = dict[str, Scalar]
 
 
-class Sensors(Members[Mounted]):
+class Sensors(Members[Mounted], init=False):
     """Sensors by name: what a controller calls their readings."""
 
     noun, kind = "sensor", Mounted
 
 
-class Observers(Members[AbstractObserver]):
+class Observers(Members[AbstractObserver], init=False):
     """Observers by name."""
 
     noun, kind = "observer", AbstractObserver
 
 
-class Controllers(Members[AbstractController]):
+class Controllers(Members[AbstractController], init=False):
     """Controllers by the name of the drive that they have."""
 
     noun, kind = "controller", AbstractController
 
 
-class Faults(Members[AbstractFault]):
+class Faults(Members[AbstractFault], init=False):
     """Faults by name."""
 
     noun, kind = "fault", AbstractFault

@@ -9,6 +9,7 @@ from martensite.bench.mounted import Disturbed, Sensed
 from martensite.bench.names import AGE, AMBIENT
 from martensite.bench.parts import BenchState, Controlling, Inputs, Named, Watching
 from martensite.bench.supervisor import Verdict
+from martensite.electrical.base import AbstractSwitch
 from martensite.observers.base import ESTIMATED
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system import AbstractSystem
@@ -67,10 +68,23 @@ def pieces(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
     length = bench.period / bench.turns
     if bench.switching == "averaged":
         return [(list(signals.values()), length)]
-    (duty,) = signals.values()
-    share = xp.clip(duty, SLIGHT, 1.0 - SLIGHT)
-    on, off = xp.where(duty > 0.0, 1.0, 0.0), xp.where(duty < 1.0, 0.0, 1.0)
+    ((duty, share),) = _switched(bench, xp, signals)
+    on, off = closed(xp, duty, share), xp.where(share < 1.0, 0.0, closed(xp, duty, share))
+    share = xp.clip(share, SLIGHT, 1.0 - SLIGHT)
     return [([on], share * length), ([off], (1.0 - share) * length)]
+
+
+def _switched(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scalar, Scalar]]:
+    """Signal of every switch, and the share of the time for which it is closed."""
+    sources = [one.source for one in bench.plant.actuators().values()]
+    frequency = bench.turns / bench.period
+    rows = zip(sources, signals.values(), strict=True)
+    return [(u, one.share(xp, u, frequency)) for one, u in rows if isinstance(one, AbstractSwitch)]
+
+
+def closed(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
+    """The signal of a switch in its pulse: 1, or -1 for a negative duty; 0 if none comes."""
+    return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
 
 
 def truth(
@@ -79,7 +93,7 @@ def truth(
     """What sensors may look at; electrical outputs are those while the switch is closed."""
     applied = list(signals.values())
     if bench.switching == "pulses":
-        applied = [xp.where(u > 0.0, 1.0, 0.0) for u in applied]
+        applied = [closed(xp, u, share) for u, share in _switched(bench, xp, signals)]
     found: Named = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
     for port, one in plant.actuators().items():
         found[plant.label(port, AMBIENT)] = one.environment.temperature
@@ -91,7 +105,8 @@ def sensed(
 ) -> tuple[Sensed, ...]:
     """All sensors a period later."""
     rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
-    faults = [(one, one.active(xp, time)) for one in bench.faults.members().values()]
+    every = bench.faults.members().values()
+    faults = [(one.grown(xp, time), one.active(xp, time)) for one in every]
     return tuple(
         mounted.step(xp, held, known, numbers, bench.period, Disturbed(name, faults))
         for (name, mounted), held, numbers in rows

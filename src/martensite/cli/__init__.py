@@ -20,12 +20,13 @@ from martensite.cli import (
     run,
     size,
     study,
+    tune,
 )
 from martensite.cli.app import app
 
 __all__ = [
     "app", "check", "cite", "data", "demo", "export", "fit", "fit_logs", "identify", "law",
-    "listings", "main", "run", "size", "study",
+    "listings", "main", "run", "size", "study", "tune",
 ]  # fmt: skip
 
 

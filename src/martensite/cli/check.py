@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from martensite.io.scenario import Scenario
     from martensite.parameters import Leaf
 
+HAIR = 1e-9
+"""Part of a step that is rounding."""
+
 
 @app.command()
 def check(
@@ -37,9 +40,15 @@ def check(
     if report["doubtful"]:
         names = ", ".join(report["doubtful"])
         show.text(f"Assumed or recalled numbers of {report['material']}: {names}", "yellow")
-    show.text(
-        f"The scenario is sound: {report['duration']:.6g} s, first step "
-        f"{report['first_step']:.3g} s (at least {report['steps']} steps), "
+    show.text(_sound(report))
+
+
+def _sound(report: dict[str, Any]) -> str:
+    begin = f"The scenario is sound: {report['duration']:.6g} s"
+    if report["period"] is not None:
+        return f"{begin} in {report['steps']} periods of {report['period']:.3g} s."
+    return (
+        f"{begin}, first step {report['first_step']:.3g} s (at least {report['steps']} steps), "
         f"tolerance {report['tolerance']:.3g}."
     )
 
@@ -50,7 +59,11 @@ def _report(scenario: Scenario) -> dict[str, Any]:
     from martensite.materials.base import DOUBTFUL
     from martensite.simulate.api import first_step
 
-    step = scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
+    period = None if scenario.bench is None else scenario.bench.period
+    step = (
+        period or scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
+    )
+    samples = 1 if period else scenario.samples
     doubtful = [p for p, o in scenario.origins.items() if o.partition(",")[0] in DOUBTFUL]
     return {
         "title": scenario.title,
@@ -59,7 +72,8 @@ def _report(scenario: Scenario) -> dict[str, Any]:
         "doubtful": doubtful,
         "duration": scenario.duration,
         "first_step": step,
-        "steps": max(math.ceil(scenario.duration / step), scenario.samples - 1),
+        "steps": max(math.ceil(scenario.duration / step - HAIR), samples - 1),
+        "period": period,
         "tolerance": scenario.tolerance,
     }
 
@@ -117,11 +131,11 @@ def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:
 
 def _values(scenario: Scenario) -> list[dict[str, Any]]:
     """Every number of a scenario under the path by which `--set` reaches it."""
-    from martensite.io.assemble import scenario_path
-
+    places, known = scenario.places, scenario.origins
     found = [
-        _value(scenario, scenario_path(leaf.path), leaf, leaf.declared.unit)
-        for leaf in scenario.system.leaves()
+        _value(scenario, path, leaf, places.unit(leaf))
+        for leaf in scenario.leaves()
+        if (path := places.path(leaf.path)) in known or not places.is_copy(leaf.path)
     ]
     return [*found, *_levels(scenario)]
 
@@ -134,7 +148,8 @@ def _levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
 
     units = {drive.name: drive.unit for drive in scenario.system.drives()}
     for name, waveform in by_name(scenario.system, scenario.waveform).items():
-        for leaf in waveform.leaves(waveform_path(scenario.system, name)):
+        begin = waveform_path(scenario.system, name, scenario.places.drive)
+        for leaf in waveform.leaves(begin):
             unit = units[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
             yield _value(scenario, leaf.path, leaf, unit)
 

@@ -38,7 +38,7 @@ def _of_scenario(name: str, settings: list[str] | None) -> list[str]:
     from martensite.io.scenario import load
 
     scenario = load(name, read_settings(settings or []))
-    return citations(scenario.system, scenario.material)
+    return citations(scenario, scenario.material)
 
 
 def _of_study(name: str) -> list[str]:

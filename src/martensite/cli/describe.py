@@ -20,16 +20,25 @@ def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
     all the rest.
     """
+    from martensite.bench.faults.base import FAULTS
+    from martensite.bench.supervisor import SUPERVISORS
+    from martensite.bench.supervisors.checks.base import CHECKS
+    from martensite.controllers.base import CONTROLLERS
     from martensite.electrical.base import RESISTANCES, SOURCES
     from martensite.elements.base import ELEMENTS
     from martensite.laws.base import LAWS
     from martensite.mechanisms.base import MECHANISMS
+    from martensite.observers.base import OBSERVERS
+    from martensite.sensors.base import SENSORS
     from martensite.signals.base import WAVEFORMS
     from martensite.thermal.base import COOLING
     from martensite.thermal.ends import ENDS
     from martensite.thermal.fluids.base import FLUIDS
 
-    found = [ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS]
+    found: list[Registry[Any]] = [
+        ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS, SENSORS,
+        OBSERVERS, CONTROLLERS, SUPERVISORS, CHECKS, FAULTS,
+    ]  # fmt: skip
     if blocks:
         from martensite.identify.blocks.base import BLOCKS
 
@@ -79,6 +88,8 @@ def _allowed(declared: Declared) -> str:
         return declared.allowed()
     if declared.kind == "option":
         return " | ".join(declared.choices)
+    if declared.kind == "text":
+        return "text, or a list of texts" if isinstance(declared.default, tuple) else "text"
     if declared.registry is None:
         return "table" if isinstance(declared.default, Parametrised) else "list"
     return " | ".join(declared.registry.names())

@@ -11,6 +11,8 @@ from martensite.cli.outputs import Outputs, parts
 from martensite.cli.waiting import spinner
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from martensite.control.averaging import Averaging
     from martensite.io.compare import Agreement
     from martensite.io.scenario import Scenario
@@ -28,7 +30,7 @@ class Wanted:
 
     outputs: Outputs
     tolerance: float | None = None
-    runtime: str = "floats"
+    runtime: str | None = None
     compare: str | None = None
     """A record to compare with, instead of the one that the scenario names."""
     columns: Sequence[str] | None = None
@@ -175,9 +177,25 @@ def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
     from martensite.system import System
 
     system, waveform = scenario.system, scenario.waveform
-    if not (isinstance(system, System) and isinstance(waveform, AbstractWaveform)):
-        raise InputError("Option `--carrier` is for a system of one element and one drive.")
+    alone = scenario.bench is None and isinstance(system, System)
+    if not (alone and isinstance(waveform, AbstractWaveform)):
+        raise InputError(
+            "Option `--carrier` is for a system of one element and one drive, without a bench."
+        )
     return compare_averaging(system, waveform, scenario.duration, carrier)
+
+
+def _draw(path: Path, scenario: Scenario, result: Result, records: list[Record] | None) -> None:
+    """The standard figure."""
+    if scenario.bench is None:
+        from martensite.plot.overview import save_figure
+
+        save_figure(result, path, records, scenario.title)
+    else:
+        from martensite.plot.bench import plot_bench
+        from martensite.plot.files import write_figure
+
+        write_figure(plot_bench(result, records, scenario.title, scenario.outside), path)
 
 
 def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
@@ -216,12 +234,10 @@ def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | 
     if files.data is not None:
         from martensite.io.netcdf import save
 
-        cited = citations(scenario.system, scenario.material)
+        cited = citations(scenario, scenario.material)
         save(result, files.data, scenario.text, cited, scenario.material)
     if files.figure is not None:
-        from martensite.plot.overview import save_figure
-
-        save_figure(result, files.figure, [record] if record else None, scenario.title)
+        _draw(files.figure, scenario, result, [record] if record else None)
     if files.profile is not None:
         from martensite.plot.files import write_figure
         from martensite.plot.profile import plot_profile

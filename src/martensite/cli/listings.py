@@ -1,4 +1,4 @@
-"""`laws`, `mechanisms`, `blocks`, `materials`: what there is, and what is known of one."""
+"""`laws`, `mechanisms`, `drives`, `sensors`, …: what there is, and what is known of one."""
 
 from __future__ import annotations
 
@@ -28,6 +28,48 @@ def mechanisms(name: Name = None, json: Json = False, modules: Imports = None) -
     """List what an element can pull on, or describe one."""
     import_modules(modules)
     _list_or_describe("mechanism", name, json)
+
+
+@app.command()
+def drives(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List the sources that drive an element, or describe one."""
+    import_modules(modules)
+    _list_or_describe("drive", name, json)
+
+
+@app.command()
+def sensors(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List the sensors of a bench, or describe one."""
+    import_modules(modules)
+    _list_or_describe("sensor", name, json)
+
+
+@app.command()
+def observers(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List what estimates from readings what no sensor sees, or describe one."""
+    import_modules(modules)
+    _list_or_describe("observer", name, json)
+
+
+@app.command()
+def controllers(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List the controllers, or describe one."""
+    import_modules(modules)
+    _list_or_describe("controller", name, json)
+
+
+@app.command()
+def supervisors(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List who may have the last word on a bench, or describe one."""
+    import_modules(modules)
+    _list_or_describe("supervisor", name, json)
+
+
+@app.command()
+def faults(name: Name = None, json: Json = False, modules: Imports = None) -> None:
+    """List what can go wrong on a bench, or describe one."""
+    import_modules(modules)
+    _list_or_describe("fault", name, json)
 
 
 @app.command()

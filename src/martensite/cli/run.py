@@ -47,7 +47,12 @@ def run(
     tolerance: Annotated[
         float | None, typer.Option(help="Replaces the tolerance of the scenario.")
     ] = None,
-    runtime: Annotated[str, typer.Option(help="floats, jax, or c.")] = "floats",
+    runtime: Annotated[
+        str | None,
+        typer.Option(
+            help="floats, jax, or c [default: floats; c for a bench, if there is a compiler]."
+        ),
+    ] = None,
     profile: Annotated[
         Path | None,
         typer.Option(help="Figure of temperature and fraction along an axial-wire or a ribbon."),
@@ -80,6 +85,10 @@ def run(
     loaded = load(scenario, read_settings(settings or []), log=record)
     idle = log is not None and not loaded.follows
     _refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
+    closed = loaded.bench is not None
+    _refuse_idle("--tolerance", closed and tolerance is not None, "a bench runs in its periods")
+    outer = closed and bool(loaded.outside) and runtime is not None
+    _refuse_idle("--runtime", outer, "a controller that is no kernel runs on floats")
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
     pulses = None if carrier is None else quantity("carrier", carrier, "Hz")

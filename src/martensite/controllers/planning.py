@@ -45,6 +45,8 @@ KEPT = (0.0, 0.5, 0.8, 0.95)
 """Correlations from block to block of the plans that are drawn."""
 WHILES = (1, 2, 4, 8)
 """Blocks for which the signal is full or none, among the first plans."""
+LEAST_PLANS = 1 + LEVELS + 2 * len(WHILES)
+"""Plans that are always among the first ones."""
 
 
 class Price(Parametrised):
@@ -73,7 +75,7 @@ class Search(Parametrised):
 
     def check(self) -> None:
         """Raise `ParameterError` where nothing could be searched."""
-        for name, least in (("plans", 2 * ELITE), ("rounds", 1), ("seed", 0)):
+        for name, least in (("plans", LEAST_PLANS), ("rounds", 1), ("seed", 0)):
             value = self.__dict__[name]
             if not isinstance(value, int) or value < least:
                 raise ParameterError(

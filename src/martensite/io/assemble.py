@@ -4,7 +4,8 @@
 mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
 there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
 port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
-the mechanism itself, such as the voltage of a motor.
+the mechanism itself, such as the voltage of a motor. [driver] is another word for [drive], for one
+that a controller has.
 
 [model] names the file of a model instead; its inputs are such signals.
 """
@@ -34,7 +35,8 @@ from martensite.thermal.base import Environment
 if TYPE_CHECKING:
     from martensite.signals.records import Record
 
-COMMON = ("element", "environment", "drive")
+COMMON = ("element", "environment")
+DRIVE, DRIVER = "drive", "driver"
 GROUP = "actuators"
 SIGNALS = "signals"
 MODEL = "model"
@@ -62,6 +64,13 @@ class Assembly:
     """Drive -> column of the log that it follows."""
     cautions: list[str] = field(default_factory=list[str])
     """Sentences on materials whose numbers are used in another law than theirs."""
+    controlled: bool = False
+    """Whether a controller may have a drive, which then needs no waveform."""
+
+    @property
+    def drive(self) -> str:
+        """The section of the source."""
+        return drive_section(self.document)
 
     def system(self) -> AbstractSystem:
         """The system; fills the other fields on the way."""
@@ -93,16 +102,16 @@ class Assembly:
         made = plant(read_model(self.folder / str(table["file"])))
         self._signals(made.mechanism)
         names = made.mechanism.signals()
-        if "drive" in self.document:
+        if self.drive in self.document:
             if len(names) != 1 or self.waveforms:
                 raise ParameterError(
-                    f"[drive] is for a model of one input that no [{SIGNALS}] drive; this one has "
-                    f"the inputs {', '.join(names)}."
+                    f"[{self.drive}] is for a model of one input that no [{SIGNALS}] drive; this "
+                    f"one has the inputs {', '.join(names)}."
                 )
             ((name, unit),) = names.items()
-            table = section_of(self.document, "drive")
-            refuse_unknown(table, ("waveform",), "[drive]")
-            self.waveforms[name] = self._waveform(table, unit, "drive", name)
+            table = section_of(self.document, self.drive)
+            refuse_unknown(table, ("waveform",), f"[{self.drive}]")
+            self.waveforms[name] = self._waveform(table, unit, self.drive, name)
         return made
 
     def _single(self, mechanism: AbstractMechanism) -> System:
@@ -111,7 +120,7 @@ class Assembly:
                 f"Mechanism `{mechanism.registered_name}` takes one element, described in "
                 f"[element]; there are no [{GROUP}]."
             )
-        actuator = self._actuator(self.document, "", "drive", True)
+        actuator = self._actuator(self.document, "", DRIVE, not self.controlled)
         return System(mechanism=mechanism, **actuator)
 
     def _machine(self, mechanism: AbstractMechanism, ports: tuple[str, ...]) -> Machine:
@@ -126,10 +135,11 @@ class Assembly:
         for port in ports:
             path = f"{GROUP}.{port}"
             different = as_table(own.get(port, {}), path)
-            refuse_unknown(different, COMMON, f"[{path}]")
+            common = (*COMMON, self.drive)
+            refuse_unknown(different, common, f"[{path}]")
             tables = {
                 name: _over(section_of(self.document, name, {}), different.get(name, {}), path)
-                for name in COMMON
+                for name in common
             }
             members[port] = Actuator(**self._actuator(tables, f"{path}.", port, False))
         return Machine(mechanism=mechanism, group=Group(**members))
@@ -138,8 +148,8 @@ class Assembly:
         """Element, environment and source; notes the waveform of the drive."""
         element = section_of(tables, "element")
         material = self._material(element)
-        table = section_of(tables, "drive")
-        path = f"{prefix}drive"
+        table = section_of(tables, self.drive)
+        path = f"{prefix}{self.drive}"
         source = Builder(origins=self.origins, extra=("waveform",)).choose(
             SOURCES, {key: value for key, value in table.items() if key != "waveform"}, path
         )
@@ -187,7 +197,11 @@ class Assembly:
             kinds = suggestion("", WAVEFORMS.names())
             raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
         below = path if path.startswith(SIGNALS) else f"{path}.waveform"
-        table = as_table(drive["waveform"], below)
+        return self.waveform_of(drive["waveform"], unit, below, name)
+
+    def waveform_of(self, given: Any, unit: str, below: str, name: str) -> AbstractWaveform:
+        """The waveform that a table at a path describes, with levels in a unit."""
+        table = as_table(given, below)
         if table.get("kind") == recorded.KIND:
             waveform, end = recorded.waveform(table, below, self.folder, unit)
             self.end = end if math.isinf(self.end) else max(self.end, end)
@@ -224,19 +238,32 @@ def section_of(document: Table, name: str, default: Table | None = None) -> dict
     return as_table(document.get(name, default), name)
 
 
-def scenario_path(path: str) -> str:
+def drive_section(document: Table) -> str:
+    """What the section of the source is called: `drive`, or `driver`.
+
+    Raises:
+        ParameterError: both are there.
+    """
+    ports = [p for p in section_of(document, GROUP, {}).values() if isinstance(p, dict)]
+    found = [name for name in (DRIVE, DRIVER) if any(name in t for t in (document, *ports))]
+    if len(found) == 2:
+        raise ParameterError(f"A scenario has [{DRIVE}] or [{DRIVER}], not both.")
+    return found[0] if found else DRIVE
+
+
+def scenario_path(path: str, drive: str = DRIVE) -> str:
     """The path by which a scenario reaches a number of its system, such as `drive.supply`."""
     members = f"{GROUP}." if path.startswith("group.") else ""
     path = path.removeprefix("group.")
     head, dot, rest = path.partition("source.")
-    return members + (f"{head}drive.{rest}" if dot and head.count(".") <= 1 else path)
+    return members + (f"{head}{drive}.{rest}" if dot and head.count(".") <= 1 else path)
 
 
-def waveform_path(system: AbstractSystem, drive: str) -> str:
-    """The path, with its dot, by which a scenario reaches the waveform of a drive."""
-    if drive in system.mechanism.signals():
-        return f"{SIGNALS}.{drive}."
-    return "drive.waveform." if drive == "drive" else f"{GROUP}.{drive}.drive.waveform."
+def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
+    """The path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
+    if name in system.mechanism.signals():
+        return f"{SIGNALS}.{name}."
+    return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
 
 
 def _environment(

@@ -16,6 +16,7 @@ from typing import Any, cast
 
 from martensite import units
 from martensite.errors import InputError, ParameterError, UnitError, suggestion
+from martensite.io.components import component_class, is_members, is_plain, plain
 from martensite.materials.base import Material
 from martensite.materials.names import NAMES
 from martensite.parameters import REQUIRED, Declared, Parametrised
@@ -44,6 +45,10 @@ class Builder:
     """Dotted path -> scenario, default, or the kind and name of the material."""
     extra: tuple[str, ...] = ()
     """Keys of the outermost table that are read elsewhere."""
+    plain: bool = False
+    """Whether parts that are whole numbers, or rows of numbers, may be given as such."""
+    made: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Components of the outermost object that are made elsewhere."""
 
     def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
         """Build the component of `registry` that the table (or bare kind) describes."""
@@ -56,15 +61,20 @@ class Builder:
         self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
     ) -> Any:
         """Build a component of a known class from its table."""
-        children = {name: self._child(cls, name, table, path, draws) for name in _parts(cls)}
+        if is_members(cls):
+            return self._members(cls, table, path, draws)
+        names = [name for name in _parts(cls) if name not in self.made]
+        children = {name: self._child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
-        values: dict[str, Any] = {}
+        values: dict[str, Any] = dict(self.made)
         missing: list[str] = []
         for name, declared in cls.declarations.items():
             if name in children:
                 self._part(values, name, declared, children[name], path, draws)
             elif declared.kind == "part":
-                continue
+                if self.plain and name in table and name not in self.made:
+                    values[name] = plain(declared, name, table[name], path)
+                    self.origins[f"{path}.{name}"] = "scenario"
             elif name in table:
                 values[name] = self._given(cls, name, declared, table[name], path)
                 self.origins[f"{path}.{name}"] = self._writer(name, table, path, draws)
@@ -81,6 +91,18 @@ class Builder:
         with section(path):
             return cls(**values)
 
+    def _members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
+        """Components by names of the user's own."""
+        found: dict[str, Any] = {}
+        for name, given in table.items():
+            below, full = f"{path}.{name}", as_table(given, f"{path}.{name}")
+            if cls.registry is None:
+                found[name] = self.build(cls.kind, full, below, draws=draws)
+            else:
+                found[name] = self.choose(cls.registry, full, below, draws=draws)
+        with section(path):
+            return cls(**found)
+
     def _writer(self, name: str, table: Table, path: str, draws: bool) -> str:
         """Who wrote a number of a table: the scenario, or the law of the material."""
         law = self.material.law if self.material and draws else None
@@ -96,7 +118,9 @@ class Builder:
         if name == LAW and draws and self.material and self.material.law:
             given = self._lawful(given, self.material.law, f"{path}.{name}")
         if declared.registry is None:
-            known = cast("type[Parametrised]", type(declared.default))
+            known = component_class(cls, name)
+            if known is None or (given is None and not isinstance(declared.default, Parametrised)):
+                return None
             return known, (as_table(given, f"{path}.{name}") if given is not None else {})
         if given is None:
             return None
@@ -128,10 +152,15 @@ class Builder:
         draws: bool,
     ) -> None:
         if child is not None:
-            below = replace(self, extra=())
+            below = replace(self, extra=(), made={})
             values[name] = below.build(*child, f"{path}.{name}", draws=draws)
-        elif declared.default is REQUIRED and declared.registry is not None:
-            valid = suggestion("", declared.registry.names())
+        elif declared.default is REQUIRED:
+            known = declared.registry
+            valid = (
+                f"Write a table [{path}.{name}]."
+                if known is None
+                else suggestion("", known.names())
+            )
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
     def _given(
@@ -159,7 +188,11 @@ class Builder:
         children: Mapping[str, tuple[type[Parametrised], Table] | None],
     ) -> None:
         kind = ("kind",) if cls.registered_name else ()
-        simple = [n for n, d in cls.declarations.items() if d.kind != "part" or n in children]
+        simple = [
+            name
+            for name, declared in cls.declarations.items()
+            if declared.kind != "part" or name in children or (self.plain and is_plain(cls, name))
+        ]
         valid = [*simple, *kind, *self.extra]
         unknown = next((key for key in table if key not in valid), None)
         if unknown is None:
@@ -215,7 +248,7 @@ def _describe(declared: Declared, name: str, brief: bool) -> str:
 def _parts(cls: type[Parametrised]) -> Iterator[str]:
     """Components that a table can describe."""
     for name, declared in cls.declarations.items():
-        if declared.registry is not None or isinstance(declared.default, Parametrised):
+        if declared.registry is not None or component_class(cls, name) is not None:
             yield name
 
 

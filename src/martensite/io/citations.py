@@ -6,10 +6,14 @@ import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from martensite.errors import UnknownNameError
 from martensite.materials.base import Material
 from martensite.parameters import Parametrised
+
+if TYPE_CHECKING:
+    from martensite.io.scenario import Scenario
 
 _FILE = Path(__file__).parents[1] / "references.bib"
 _START = re.compile(r"^@\w+\{\s*([^,\s]+)\s*,", re.MULTILINE)
@@ -53,7 +57,8 @@ def title(key: str) -> str:
     return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
 
 
-def citations(system: Parametrised, material: Material | None = None) -> list[str]:
-    """Keys of the works behind the parts of a system and the numbers of its material."""
-    parts = [key for part in system.tree() for key in part.cites]
+def citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
+    """Keys of the works behind the parts of a system or scenario, and of its material."""
+    every = system.tree() if isinstance(system, Parametrised) else system.parts()
+    parts = [key for part in every for key in part.cites]
     return list(dict.fromkeys([*parts, *(material.cites() if material else [])]))

@@ -76,7 +76,8 @@ def describe(
 ) -> Description:
     """Describe a result as variables and attributes, whatever they are written to."""
     time = Variable(TIME, (TIME,), "s", "time", "t", _array(result.times), {"axis": "T"})
-    columns = [_column(result, name) for name in result.outputs if "." not in name]
+    stacked = {result.system.label(port, name) for port in _ports(result) for name in OUTPUTS}
+    columns = [_column(result, name) for name in result.outputs if name not in stacked]
     attributes = _attributes(result)
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
@@ -170,10 +171,15 @@ def _column(result: Result, name: str) -> Variable:
     return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
 
 
+def _ports(result: Result) -> list[str]:
+    """Ports of several actuators, whose outputs carry their names."""
+    system = result.system
+    return [port for port in system.actuators() if "." in system.label(port, "drive")]
+
+
 def _by_actuator(result: Result) -> list[Variable]:
     """Outputs of several actuators, over time and actuators."""
-    system = result.system
-    ports = [port for port in system.actuators() if "." in system.label(port, "drive")]
+    system, ports = result.system, _ports(result)
     if not ports:
         return []
     names = np.asarray(ports, dtype=object)

@@ -1,37 +1,42 @@
 """Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
 
 Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
-optionally `title`, [actuators] and [signals] (`martensite.io.assemble`) and [measured], a
-record to compare with. Quantities are text with a
-unit. Unknown names are refused with the nearest valid one; nothing is guessed.
+optionally `title`, [actuators] and [signals] (`martensite.io.assemble`), those of a bench, such
+as [sensor] and [controller] (`martensite.io.bench_sections`), and [measured], a record to compare
+with. Quantities are text with a unit. Unknown names are refused with the nearest valid one;
+nothing is guessed.
 """
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.errors import DataError, ParameterError, suggestion
-from martensite.io import recorded
+from martensite.io import bench_sections, recorded
 from martensite.io.assemble import Assembly, section_of
+from martensite.io.bench_tables import SECTIONS as BENCH_SECTIONS
 from martensite.io.build import Builder, Table, refuse_unknown
 from martensite.io.overrides import as_toml, changed
+from martensite.io.places import Places
 from martensite.io.recorded import Recorded
 from martensite.materials.base import Material
-from martensite.parameters import Parametrised, param
+from martensite.parameters import Leaf, Parametrised, param
 from martensite.runtimes.namespace import Scalar
 
 if TYPE_CHECKING:
+    from martensite.bench.bench import Bench
+    from martensite.controllers.base import AbstractController
     from martensite.signals.records import Record
     from martensite.simulate.result import Result
 
 SECTIONS = (
-    "title", "element", "environment", "mechanism", "drive", "actuators", "signals", "model",
-    "run", "measured",
+    "title", "element", "environment", "mechanism", "drive", "driver", "actuators", "signals",
+    "model", "run", "measured", *BENCH_SECTIONS,
 )  # fmt: skip
 
 
@@ -68,7 +73,7 @@ class Scenario:
     system: Any
     """A `System` of one element, or a `Machine` of several."""
     waveform: Any
-    """The waveform of its drive, or waveforms by name."""
+    """The waveform of its drive, or waveforms by name; none for a drive of a controller."""
     duration: float
     """[s]"""
     tolerance: float
@@ -90,21 +95,62 @@ class Scenario:
     """Drive -> column of the log that it follows; empty for a scenario that follows none."""
     remarks: list[str] = field(default_factory=list[str])
     """Sentences on how the parts were put together."""
+    bench: Bench | None = None
+    """The system with sensors, observers, controllers and faults around it, if there are any."""
+    outside: dict[str, AbstractController] = field(default_factory=dict[str, Any])
+    """Controllers that are no kernels and run outside of the bench, by drive."""
+    seed: int | None = None
+    """Of the noise on the bench; None for a run without."""
+    places: Places = field(default_factory=Places)
+    """Where the document holds each number of the system, or bench."""
+
+    @property
+    def whole(self) -> Any:
+        """What runs: the bench, or the system alone."""
+        return self.system if self.bench is None else self.bench
+
+    def parts(self) -> Iterator[Parametrised]:
+        """All components, those of controllers outside of the bench included."""
+        for one in (self.whole, *self.outside.values()):
+            yield from one.tree()
+
+    def leaves(self) -> Iterator[Leaf]:
+        """All numbers of the system or bench, and those of controllers outside of it."""
+        yield from self.whole.leaves()
+        for name, one in self.outside.items():
+            yield from one.leaves(f"controllers.{name}.")
 
     @property
     def cautions(self) -> list[str]:
         """Sentences about what is allowed but probably not meant."""
-        return [*self.remarks, *(c for part in self.system.tree() for c in part.cautions())]
+        found = [*self.remarks, *(c for part in self.parts() for c in part.cautions())]
+        return list(dict.fromkeys(found))
 
-    def run(self, *, tolerance: float | None = None, runtime: str = "floats") -> Result:
-        """Simulate; `tolerance` replaces that of the scenario."""
+    def run(self, *, tolerance: float | None = None, runtime: str | None = None) -> Result:
+        """Simulate.
+
+        Args:
+            tolerance: replaces that of the scenario; without a meaning on a bench.
+            runtime: floats, c or jax; by default floats, or on a bench c if there is a compiler.
+        """
+        if self.bench is not None:
+            return self._run_bench(self.bench, runtime)
         from martensite.simulate.api import simulate
 
         return simulate(
             self.system, self.waveform, self.duration,
             tolerance=tolerance or self.tolerance,
             step=None if tolerance else self.step,
-            samples=self.samples, runtime=runtime,
+            samples=self.samples, runtime=runtime or "floats",
+        )  # fmt: skip
+
+    def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
+        from martensite.bench.run import simulate_bench
+        from martensite.simulate.driven import by_name
+
+        return simulate_bench(
+            bench, self.duration, outside=self.outside or None, seed=self.seed, runtime=runtime,
+            waveforms=by_name(self.system, self.waveform),
         )  # fmt: skip
 
 
@@ -167,9 +213,14 @@ def _parsed(text: str, path: Path | None) -> dict[str, Any]:
 def _built(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:
     folder = path.parent if path else Path()
     origins: dict[str, str] = {}
-    run = Builder(origins=origins).build(Run, section_of(document, "run", {}), "run")
-    assembly = Assembly(document, folder, log, run.lead, origins)
-    system = assembly.system()
+    bench_sections.check_sections(document)
+    extra = ("period",) if bench_sections.is_bench(document) else ()
+    builder = Builder(origins=origins, extra=extra)
+    run = builder.build(Run, section_of(document, "run", {}), "run")
+    controlled = bench_sections.has_controllers(document)
+    assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
+    system, places = assembly.system(), Places(assembly.drive)
+    closed = bench_sections.assembled(assembly, system, places)
     return Scenario(
         system=system,
         waveform=assembly.driven(system),
@@ -186,6 +237,10 @@ def _built(document: dict[str, Any], text: str, path: Path | None, log: Record |
         follows=assembly.follows,
         lead=run.lead,
         remarks=assembly.cautions,
+        bench=closed.bench if closed else None,
+        outside=closed.outside if closed else {},
+        seed=closed.seed if closed else None,
+        places=places,
     )
 
 

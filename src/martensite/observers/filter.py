@@ -35,7 +35,7 @@ from martensite.parameters import param, text
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
-from martensite.sensors.base import DEGREES
+from martensite.units import DEGREES
 
 LEAST, MOST = 0.2, 5.0
 """Limits of the factors of drifting parameters."""
@@ -87,7 +87,7 @@ class AbstractFilter(AbstractObserver):
         "1/s^0.5", "random walk of drifting parameters, as a share of them", low=0.0, default=1e-3
     )
     first_temperature: Scalar = param(
-        "K", "standard deviation of the temperature at the start", low=0.0, default=1.0
+        DEGREES, "standard deviation of the temperature at the start", low=0.0, default=1.0
     )
     first_fraction: Scalar = param(
         "1", "standard deviation of the fraction at the start", low=0.0, default=0.02

@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite import units
+from martensite.bench.bench import Bench
+from martensite.plot.bench import plot_bench
 from martensite.plot.files import check_format, write_figure
 from martensite.plot.hysteresis import LOOPS, draw_loops
 from martensite.plot.labels import axis
@@ -39,6 +41,8 @@ def plot_result(
 ) -> Figure:
     """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
+    Of a run on a bench it is that of `plot_bench`.
+
     Args:
         result: the run to show.
         records: measured records, drawn over the simulation wherever they have the same
@@ -48,6 +52,8 @@ def plot_result(
     Raises:
         DataError: a record holds nothing that can be compared with the result.
     """
+    if isinstance(result.system, Bench):
+        return plot_bench(result, records, title)
     measured = check_records(result, records)
     with styled():
         if not isinstance(result.system, System):

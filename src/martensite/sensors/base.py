@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 SENSORS: Registry[AbstractSensor] = Registry("sensor", "martensite.sensors")
 DRAWN = 1024
 """Random numbers that are drawn at a time."""
-DEGREES = "delta_degC"
-"""Unit of a difference of two temperatures [K], which has no zero to be shifted."""
 Column: TypeAlias = Sequence[Scalar]
 Numbers: TypeAlias = "NDArray[Any]"
 

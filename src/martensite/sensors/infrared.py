@@ -23,8 +23,9 @@ import math
 from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.sensors.base import DEGREES, SENSORS, AbstractSensor, Column
+from martensite.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.sensors.shared.lag import followed
+from martensite.units import DEGREES
 
 
 @SENSORS.register("infrared")

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.sensors.base import DEGREES, SENSORS, AbstractSensor, Column
+from martensite.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.sensors.shared.lag import followed
+from martensite.units import DEGREES
 
 
 @SENSORS.register("thermocouple")

@@ -56,7 +56,7 @@ class Actuator(Parametrised):
         return self.element.profile(state)
 
 
-class Group(Members[Actuator]):
+class Group(Members[Actuator], init=False):
     """Actuators by the names of the ports that they stand at."""
 
     noun = "actuator"

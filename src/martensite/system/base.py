@@ -35,7 +35,7 @@ class Drive(NamedTuple):
     """In discrete time: true if it is read at the end of a sample, not at its start."""
 
 
-class AbstractSystem(Parametrised):
+class AbstractSystem(Parametrised, init=False):
     """Interface of everything that is simulated: elements, what they pull on, what drives them."""
 
     mechanism: AbstractMechanism

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from martensite.errors import ParameterError
 from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.registry import Registry
 
 Kind = TypeVar("Kind", bound=Parametrised)
 
@@ -16,6 +17,8 @@ class Members(Parametrised, Generic[Kind]):
     noun: ClassVar[str] = "component"
     """What one of them is called."""
     kind: ClassVar[type[Any]] = Parametrised
+    registry: ClassVar[Registry[Any] | None] = None
+    """Where files choose one by its name, if there are several kinds."""
 
     def __init__(self, **members: Kind) -> None:
         for name, member in members.items():

@@ -7,13 +7,14 @@ from martensite.bench.faults.plant import changed
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 from martensite.system import AbstractSystem, Actuator
+from martensite.units import DEGREES
 
 
 @FAULTS.register("ambient-step")
 class AmbientStep(AbstractFault):
     """Surroundings that are warmer by some kelvin."""
 
-    by: Scalar = param("K", "how much warmer; negative if colder", low=-200.0, high=500.0)
+    by: Scalar = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0)
     drive: str = text("drive of the actuator; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:

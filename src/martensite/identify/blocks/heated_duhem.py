@@ -32,6 +32,7 @@ from martensite.identify.blocks.shared import branches
 from martensite.identify.blocks.shared.sections import first_order
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.units import DEGREES
 
 MIDDLE = 40.0
 """θ_m [K]."""
@@ -98,9 +99,9 @@ class HeatedDuhem(AbstractBlock):
         "1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0
     )
     time_constant: float = param("s", "time constant of cooling", above=0.0, default=10.0)
-    latent: float = param("delta_degC", "latent heat over heat capacity", above=0.0, default=30.0)
-    rising: float = param("delta_degC", "rise at which half is austenite on heating", default=65.0)
-    falling: float = param("delta_degC", "rise at which half is austenite on cooling", default=40.0)
+    latent: float = param(DEGREES, "latent heat over heat capacity", above=0.0, default=30.0)
+    rising: float = param(DEGREES, "rise at which half is austenite on heating", default=65.0)
+    falling: float = param(DEGREES, "rise at which half is austenite on cooling", default=40.0)
     sensor_gain: float = param("1", "rise measured over rise", default=0.7)
     sensor_lag: float = param("s", "lag of the temperature sensor", above=0.0, default=0.3)
     stroke: float = param("1", "position in austenite, in units of the record", default=1.0)

@@ -10,6 +10,7 @@ import math
 from martensite.bench.supervisors.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.units import DEGREES
 
 
 class AbstractAbove(AbstractCheck):
@@ -41,7 +42,7 @@ class Overheat(AbstractAbove):
     alarm = 1
 
     limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf)
-    band: Scalar = param("K", "how far below it is well again", low=0.0, default=0.0)
+    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0)
 
 
 @CHECKS.register("over-current")

@@ -96,7 +96,7 @@ class AbstractCheck(Parametrised):
         return found
 
 
-class Checks(Members[AbstractCheck]):
+class Checks(Members[AbstractCheck], init=False):
     """Checks by names of the user's own."""
 
     noun, kind = "check", AbstractCheck

@@ -33,6 +33,7 @@ from martensite.parameters import option, param, text
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import DEGREES
 
 
 @CHECKS.register("thermal-bound")
@@ -43,7 +44,7 @@ class ThermalBound(AbstractCheck):
 
     drive: str = text("name of the drive that heats the element", default="drive")
     limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf)
-    band: Scalar = param("K", "how far below it is well again", low=0.0, default=0.0)
+    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0)
     power: Scalar = param("W", "largest power in the element at the full signal", above=0.0)
     full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
     rises: str = option(

@@ -1,0 +1,134 @@
+"""Sensors, observers, supervisor and faults of a scenario, from their tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+from martensite.io.assemble import Assembly, section_of
+from martensite.io.bench_tables import (
+    FAULTS,
+    MODEL,
+    NAME,
+    SECTIONS,
+    SUPERVISOR,
+    Row,
+    check_name,
+    flat,
+    kind_of,
+    texts,
+)
+from martensite.io.build import Builder, Table, section
+from martensite.io.overrides import changed
+from martensite.io.places import Places
+from martensite.parameters import Parametrised
+
+if TYPE_CHECKING:
+    from martensite.bench.bench import Bench
+    from martensite.bench.faults.base import AbstractFault
+    from martensite.bench.mounted import Mounted
+    from martensite.bench.supervisor import AbstractSupervisor
+    from martensite.observers.base import AbstractObserver
+    from martensite.sensors.base import AbstractSensor
+    from martensite.system import AbstractSystem
+
+
+@dataclass(frozen=True)
+class PartsBuilder:
+    """Builds what is around a plant; notes origins and places of all numbers."""
+
+    assembly: Assembly
+    plant: AbstractSystem
+    """What everything is around."""
+    places: Places
+
+    def builder(self, unit: str = "1", extra: tuple[str, ...] = (), **made: Any) -> Builder:
+        """A builder of components with levels in a unit; see `Builder` for the rest."""
+        return Builder(
+            drive_unit=unit, origins=self.assembly.origins, extra=extra, plain=True, made=made
+        )
+
+    def model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> Table:
+        """The model of a component that has one, as what is made elsewhere."""
+        declared = cls.declarations.get(MODEL)
+        if declared is None or declared.kind != "part" or declared.registry is not None:
+            return {}
+        self.places.note_system(f"{where}.{MODEL}", f"{path}.{MODEL}")
+        changes = dict(flat(table.get(MODEL, {}), ""))
+        if not changes:
+            return {MODEL: self.plant}
+        origins = self.assembly.origins
+        origins.update(dict.fromkeys((f"{path}.{MODEL}.{key}" for key in changes), "scenario"))
+        with section(f"{path}.{MODEL}"):
+            document = self.assembly.document
+            plain = {name: own for name, own in document.items() if name not in SECTIONS}
+            own = changed(plain, changes)
+            model = replace(self.assembly, document=own, origins={}, waveforms={}, follows={})
+            return {MODEL: model.system()}
+
+    def sensor(self, row: Row) -> tuple[str, Mounted]:
+        """A sensor in its place, and its name: by default that of what it measures."""
+        from martensite.bench.mounted import Mounted
+        from martensite.sensors.base import SENSORS
+
+        name, table, path = row
+        mount = tuple(n for n in Mounted.declarations if n != "sensor")
+        names = (NAME,) if path == "sensor" else ()
+        cls = cast("type[AbstractSensor]", kind_of(SENSORS, table, path))
+        given = {key: value for key, value in table.items() if key in mount}
+        seen = texts(given.get("of")) or list(cls.sees)
+        unit = cls.unit or self._output_unit(seen)
+        sensor = self.builder(unit, (*mount, *names)).build(cls, table, path)
+        mounted = self.builder(unit, sensor=sensor).build(Mounted, given, path)
+        same = seen and unit == self._output_unit(seen)
+        natural = seen[0].replace(".", "_") if same else str(table["kind"]).replace("-", "_")
+        name = name or str(table.get(NAME, natural))
+        check_name(name, path)
+        self.places.note(f"sensors.{name}", path, unit)
+        self.places.note(f"sensors.{name}.sensor", path, unit)
+        return name, mounted
+
+    def _output_unit(self, seen: list[str]) -> str:
+        """Unit of the first output that a sensor looks at; the bench checks the name."""
+        known = self.plant.outputs()
+        return known[seen[0]].unit if seen and seen[0] in known else "1"
+
+    def observer(self, row: Row) -> tuple[str, AbstractObserver]:
+        """An observer, and its name: by default its kind."""
+        from martensite.observers.base import OBSERVERS
+
+        name, table, path = row
+        cls = kind_of(OBSERVERS, table, path)
+        name = name or str(table["kind"]).replace("-", "_")
+        check_name(name, path)
+        where = f"observers.{name}"
+        self.places.note(where, path)
+        made = self.model(cls, table, path, where)
+        extra = (MODEL,) if made else ()
+        return name, self.builder("1", extra, **made).build(cls, table, path)
+
+    def supervisor(self) -> AbstractSupervisor | None:
+        """Who has the last word, if anybody."""
+        if SUPERVISOR not in self.assembly.document:
+            return None
+        from martensite.bench.supervisor import SUPERVISORS
+
+        units = {drive.unit for drive in self.plant.drives()}
+        unit = units.pop() if len(units) == 1 else "1"
+        self.places.note(SUPERVISOR, SUPERVISOR, unit)
+        table = section_of(self.assembly.document, SUPERVISOR)
+        return self.builder(unit).choose(SUPERVISORS, table, SUPERVISOR)
+
+    def fault(self, bench: Bench, row: Row) -> tuple[str, AbstractFault]:
+        """What goes wrong on a bench, and its name; levels are in the unit of what it disturbs."""
+        from martensite.bench.faults.base import FAULTS as KNOWN
+        from martensite.bench.names import readings
+
+        name, table, path = row
+        check_name(name, path)
+        drives = {drive.name: drive.unit for drive in self.plant.drives()}
+        known = {reading: output.unit for reading, output in readings(bench).items()}
+        only = next(iter(drives.values())) if len(drives) == 1 else "1"
+        unit = known.get(str(table.get("sensor"))) or drives.get(str(table.get("drive"))) or only
+        self.places.note(f"{FAULTS}.{name}", path, unit)
+        return name, self.builder(unit).choose(KNOWN, table, path)

@@ -1,0 +1,399 @@
+"""Scenarios of closed loops: every section builds what it says, or is refused with a sentence.
+
+Source of truth: benches put together in Python from the same numbers, and the units written down
+in the scenarios by hand.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from martensite.bench.mounted import Mounted
+from martensite.bench.run import simulate_bench
+from martensite.controllers.mpc import Mpc
+from martensite.controllers.pid import Pid, PidLaw
+from martensite.controllers.scheduled_pid import ScheduledPid
+from martensite.errors import InputError, ParameterError, UnitError
+from martensite.io.overrides import as_toml, changed
+from martensite.io.scenario import Scenario, load, read
+from martensite.sensors.position import PositionSensor
+from martensite.signals.sine import Sine
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+PLANT = """
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = { kind = "liang-rogers", modulus = "mixture" }
+diameter = "0.15 mm"
+length = "250 mm"
+
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "120 W/m^2/K" }
+
+[mechanism]
+kind = "bias-spring"
+stiffness = "0.15 N/mm"
+preload = "1.2 N"
+
+[run]
+duration = "0.4 s"
+"""
+DRIVER = """
+[driver]
+kind = "pwm-voltage"
+supply = "5 V"
+"""
+SENSOR = """
+[sensor]
+kind = "position"
+delay = "40 ms"
+"""
+CONTROLLER = """
+[controller]
+kind = "pid"
+measured = "position"
+period = "20 ms"
+Kp = 150
+high = 0.9
+"""
+REFERENCE = """
+[reference]
+kind = "sine"
+low = "1 mm"
+high = "4 mm"
+frequency = "0.1 Hz"
+"""
+LOOP = PLANT + DRIVER + SENSOR + CONTROLLER + REFERENCE
+
+
+def without(text: str, *lines: str) -> str:
+    for line in lines:
+        assert line in text
+        text = text.replace(line, "")
+    return text
+
+
+def controlled(controller: str, reference: str = REFERENCE, driver: str = DRIVER) -> Scenario:
+    """The plant under another controller, everything known."""
+    return read(PLANT + driver + "[controller]\nperiod = '20 ms'\n" + controller + reference)
+
+
+def placed(scenario: Scenario) -> dict[str, Any]:
+    """Every number of a scenario under the path that `--set` takes."""
+    return {scenario.places.path(leaf.path): leaf for leaf in scenario.leaves()}
+
+
+# ---------------------------------------------------------------- what is built
+
+
+def test_loop_is_that_of_its_parts() -> None:
+    bench = read(LOOP).bench
+    assert bench is not None
+    assert bench.period == pytest.approx(0.02)
+    assert bench.sensors.members() == {"position": Mounted(sensor=PositionSensor(), delay=0.04)}
+    assert bench.controllers.members() == {
+        "drive": Pid(
+            measured="position", reference=Sine(low=1e-3, high=4e-3, frequency=0.1), Kp=150.0,
+            law=PidLaw(high=0.9),
+        )
+    }  # fmt: skip
+
+
+def test_run_of_a_scenario_is_that_of_its_bench() -> None:
+    scenario = read(LOOP)
+    assert scenario.bench is not None
+    result = scenario.run(runtime="floats")
+    same = simulate_bench(scenario.bench, 0.4, seed=0, runtime="floats")
+    assert result.columns == same.columns
+    assert len(result.times) == 21
+    assert {"position", "measured.position", "reference", "wanted"} <= set(result.columns)
+    other = read(LOOP + "[bench]\nseed = 1\n").run(runtime="floats")
+    assert other["measured.position"] != result["measured.position"]
+
+
+def test_noise_can_be_left_out() -> None:
+    quiet = read(LOOP + "[bench]\nnoise = 'none'\n").run(runtime="floats")
+    assert set(quiet["measured.position"][:3]) == {0.0}
+
+
+def test_scenario_without_sensor_or_controller_has_no_bench() -> None:
+    text = PLANT + DRIVER + "waveform = { kind = 'constant', level = 0.1 }\n"
+    assert read(text).bench is None
+    watched = read(text + SENSOR + "[bench]\nperiod = '20 ms'\n")
+    assert watched.bench is not None
+    assert "measured.position" in watched.run(runtime="floats").columns
+
+
+def test_drive_is_another_word_for_driver() -> None:
+    named = read(LOOP.replace("[driver]", "[drive]"))
+    assert named.bench == read(LOOP).bench
+    assert "drive.supply" in placed(named)
+    assert "driver.supply" in placed(read(LOOP))
+
+
+@pytest.mark.parametrize("section", ["controller", "bench", "run"])
+def test_period_may_stand_in_one_of_three_sections(section: str) -> None:
+    text = without(LOOP, 'period = "20 ms"\n')
+    scenario = read(text, None, {f"{section}.period": "10 ms"})
+    assert scenario.bench is not None
+    assert scenario.bench.period == pytest.approx(0.01)
+    assert f"{section}.period" in placed(scenario)
+
+
+def test_levels_are_in_the_units_of_their_places() -> None:
+    power = "[driver]\nkind = 'power'\n"
+    found = controlled(
+        "kind = 'pid'\nmeasured = 'position'\nKp = 1\nhigh = '400 mW'\n", driver=power
+    )
+    leaves = placed(found)
+    units = {path: found.places.unit(leaf) for path, leaf in leaves.items()}
+    assert (leaves["controller.high"].value, units["controller.high"]) == (0.4, "W")
+    assert units["controller.law.low"] == "W"
+    assert units["reference.high"] == "m"
+    warm = REFERENCE.replace("1 mm", "40 degC").replace("4 mm", "60 degC")
+    hot = controlled("kind = 'pid'\nmeasured = 'temperature'\nKp = 0.01\n", warm)
+    assert placed(hot)["reference.low"].value == pytest.approx(313.15)
+
+
+def test_reference_of_a_power_needs_no_reading() -> None:
+    power = "[reference]\nkind = 'constant'\nlevel = '300 mW'\n"
+    result = controlled("kind = 'constant-power'\n", power).run(runtime="floats")
+    assert result.unit("reference") == "W"
+    assert result["power"][-1] == pytest.approx(0.3, rel=1e-3)
+
+
+def test_every_number_is_reached_by_its_path() -> None:
+    settings: dict[str, Any] = {
+        "sensor.noise": "2 um", "sensor.jitter": "1 ms", "controller.Kp": 99,
+        "controller.law.filter": 2, "reference.high": "5 mm", "driver.supply": "6 V",
+        "controller.high": 0.5,
+    }  # fmt: skip
+    leaves = placed(read(LOOP, None, settings))
+    shown = {path: leaves[path].value for path in settings}
+    assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 2.0, 5e-3, 6.0, 0.5])
+
+
+def test_changed_scenario_is_written_out_and_read_again() -> None:
+    scenario = read(LOOP, None, {"controller.Kp": 99})
+    assert read(scenario.text).bench == scenario.bench
+    assert "Kp = 99" in scenario.text
+
+
+@pytest.mark.parametrize(
+    ("section", "name"),
+    [
+        ("kind = 'position'", "position"),
+        ("kind = 'position'\nname = 'place'", "place"),
+        ("kind = 'thermocouple'", "temperature"),
+        ("kind = 'resistance'", "resistance"),
+        ("kind = 'ideal'\nof = 'strain'", "strain"),
+    ],
+)
+def test_sensor_is_called_like_what_it_measures(section: str, name: str) -> None:
+    wave = "waveform = { kind = 'constant', level = 0.1 }\n"
+    bench = read(PLANT + DRIVER + wave + f"[sensor]\n{section}\n[bench]\nperiod = '20 ms'").bench
+    assert bench is not None
+    assert list(bench.sensors.members()) == [name]
+
+
+def test_model_of_an_observer_is_the_system_or_differs_where_it_says() -> None:
+    text = without(LOOP, SENSOR) + "[sensor]\nkind = 'resistance'\n"
+    text = (
+        text.replace('"position"', '"estimated.position"')
+        + "[observer]\nkind = 'extended-kalman'\n"
+    )
+    right = read(text)
+    wrong = read(text + 'model = { "element.diameter" = "0.14 mm" }\n')
+    assert right.bench is not None
+    assert wrong.bench is not None
+    (own,) = right.bench.observers.members().values()
+    (other,) = wrong.bench.observers.members().values()
+    assert own.model == right.system
+    assert other.model == right.system.with_values({"element.diameter": "0.14 mm"})
+    again = read(wrong.text, None, {"observer.model.element.length": "240 mm"})
+    assert placed(again)["observer.model.element.length"].value == pytest.approx(0.24)
+
+
+def test_gains_by_points_and_components_of_components() -> None:
+    rising = "rising = { low = { at = 0, Kp = 100 }, high = { at = 0.004, Kp = 200 } }"
+    scenario = controlled(f"kind = 'scheduled-pid'\nmeasured = 'position'\n{rising}\n")
+    assert scenario.bench is not None
+    found = scenario.bench.controllers.members()["drive"]
+    assert isinstance(found, ScheduledPid)
+    assert [p.Kp for p in found.rising.members().values()] == [100.0, 200.0]
+    inner = controlled(
+        "kind = 'feedforward'\nmeasured = 'position'\nKp = 50\nhigh = 0.7\nahead = 2\n"
+    )
+    leaves = placed(inner)
+    assert (leaves["controller.Kp"].value, leaves["controller.high"].value) == (50.0, 0.7)
+    assert inner.origins["controller.high"] == "scenario"
+
+
+def test_controller_that_is_no_kernel_stays_outside() -> None:
+    plan = "horizon = '1 s'\nblocks = 5\nprice = { error = 0.001 }\n"
+    scenario = controlled(f"kind = 'mpc'\nmeasured = 'position'\n{plan}")
+    assert scenario.bench is not None
+    assert scenario.bench.controllers.members() == {}
+    (one,) = scenario.outside.values()
+    assert isinstance(one, Mpc)
+    assert (one.blocks, one.period, one.model) == (5, 0.02, scenario.system)
+    assert placed(scenario)["controller.horizon"].value == 1.0
+
+
+GUARD = """
+[supervisor]
+kind = "guard"
+
+[supervisor.checks.hot]
+kind = "overheat"
+reading = "temperature"
+limit = "30 degC"
+"""
+
+
+def test_guard_cuts_and_faults_act() -> None:
+    sensors = SENSOR.replace("[sensor]", "[sensors.position]")
+    text = (
+        without(LOOP, SENSOR)
+        + sensors
+        + "[sensors.temperature]\nkind = 'ideal'\nof = 'temperature'\n"
+    )
+    text = text.replace("Kp = 150", "Kp = 3000")
+    free = read(text).run(runtime="floats")
+    cut = read(text + GUARD).run(runtime="floats")
+    assert max(free["temperature"]) > 308.0
+    assert max(cut["temperature"]) < 306.0
+    assert cut["alarm"][0] == 0.0
+    assert cut["alarm"][-1] == 1.0
+    assert cut["drive"][-1] == 0.0 < cut["wanted"][-1]
+    sag = "[faults.sag]\nkind = 'supply-sag'\nshare = 0.5\nstart = '0.2 s'\n"
+    weak = read(text + sag).run(runtime="floats")
+    half = 10
+    assert weak["temperature"][:half] == free["temperature"][:half]
+    assert weak["temperature"][-1] < free["temperature"][-1] - 1.0
+
+
+def test_machine_has_controllers_by_port() -> None:
+    document = (EXAMPLES / "closed_loop_platform.toml").read_text(encoding="utf-8")
+    scenario = read(document, None, {"run.duration": "0.1 s"})
+    assert scenario.bench is not None
+    assert list(scenario.bench.controllers.members()) == ["first"]
+    result = scenario.run(runtime="floats")
+    assert result["first.drive"][1] == 5.0
+    assert result["second.drive"][1] == 0.0
+    single = document.replace("[controllers.first]", "[controller]")
+    single = single.replace("[references.first]", "[reference]")
+    with pytest.raises(ParameterError, match=r"which of the drives first, second, third"):
+        read(single)
+
+
+def test_model_of_blocks_is_controlled_too() -> None:
+    text = """
+[model]
+file = "model_run.json"
+[controller]
+kind = "pid"
+measured = "position"
+period = "0.2 s"
+Kp = 100
+high = "16 %"
+[reference]
+kind = "constant"
+level = "3 mm"
+[run]
+duration = "20 s"
+"""
+    scenario = read(text, EXAMPLES / "loop.toml")
+    assert placed(scenario)["controller.high"].value == pytest.approx(0.16)
+    result = scenario.run(runtime="floats")
+    assert result["wanted"][0] == pytest.approx(min(0.16, 100 * 0.003), rel=0.01)
+    assert max(result["position"]) > 1e-3
+
+
+# ---------------------------------------------------------------- what is refused
+
+REFUSED = [
+    ({"controler": {"kind": "pid"}}, "has no `controler`. Did you mean `controller`?"),
+    ({"controller.Kq": 1}, "[controller] `pid` has no `Kq`"),
+    ({"controller.kind": "pit"}, "Did you mean `pid`?"),
+    ({"controller.measured": "positon"}, "Did you mean `position`?"),
+    ({"controller.law.high": 0.5}, "`high` and `law.high` are the same; leave one out"),
+    ({"sensor.dely": "1 s"}, "[sensor] `position` has no `dely`. Did you mean `delay`?"),
+    ({"sensor.of": "strian"}, "looks at `strian`, which the plant does not have"),
+    ({"sensor.name": "my place"}, "[sensor] A name consists of letters"),
+    ({"reference.level": "1 mm"}, "[reference] `sine` has no `level`"),
+    ({"bench.period": "10 ms"}, "`period` stands in [controller] and [bench]; leave one"),
+    ({"bench.seed": 1.5}, "[bench] `seed` must be a whole number"),
+    ({"bench.switching": "pulse"}, "Did you mean `pulses`?"),
+    ({"references": {"drive": "constant"}}, "[reference] or [references.NAME], not both"),
+    ({"controller.reference": "constant"}, "[reference] or [controller.reference], not both"),
+    ({"drive.kind": "voltage"}, "[drive] or [driver], not both"),
+    ({"driver.waveform": {"kind": "constant", "level": 1}}, "has a waveform as well; leave one"),
+    ({"faults.one": {"kind": "stuck", "sensor": "place"}}, "there is no sensor `place`"),
+    ({"faults.one": {"kind": "stock"}}, "Did you mean `stuck`?"),
+    ({"supervisor": {"kind": "gard"}}, "Did you mean `guard`?"),
+    ({"observer": {"kind": "extended-kalman", "model": "wire"}}, "A model is a table"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence"), REFUSED, ids=[next(iter(c)) for c, _ in REFUSED])
+def test_what_does_not_fit_is_refused_with_a_sentence(
+    changes: dict[str, Any], sentence: str
+) -> None:
+    with pytest.raises(InputError) as raised:
+        read(LOOP, None, changes)
+    assert sentence in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("gone", "sentence"),
+    [
+        ((REFERENCE,), "[controller] needs a reference; write a section [reference]"),
+        (('period = "20 ms"\n',), "A bench needs `period`"),
+        ((CONTROLLER, SENSOR), "[reference] has no effect, since there is neither"),
+        (('kind = "position"\n',), "[sensor] needs `kind`"),
+        (("Kp = 150\n",), "[controller] `pid` needs `Kp`"),
+        ((DRIVER,), "needs a section [drive]"),
+    ],
+    ids=["reference", "period", "idle", "kind", "gain", "driver"],
+)
+def test_what_is_missing_is_named(gone: tuple[str, ...], sentence: str) -> None:
+    with pytest.raises(ParameterError) as raised:
+        read(without(LOOP, *gone))
+    assert sentence in str(raised.value)
+
+
+def test_reference_of_another_unit_is_refused() -> None:
+    with pytest.raises(UnitError, match=r"\[reference\] .*`degC` cannot be converted to `m`"):
+        read(LOOP, None, {"reference.high": "40 degC"})
+
+
+def test_switched_off_sections_are_no_bench_of_their_own() -> None:
+    """The sound scenario is read: a refusal above is about what was changed."""
+    assert read(as_toml(changed({}, {})) + LOOP).bench is not None
+
+
+def test_examples_of_closed_loops_are_sound() -> None:
+    paths = sorted(EXAMPLES.glob("closed_loop*.toml"))
+    assert len(paths) >= 6
+    for path in paths:
+        scenario = load(path)
+        assert scenario.bench is not None
+        assert math.isfinite(scenario.bench.period)
+
+
+def test_reference_without_its_controller_is_refused() -> None:
+    several = LOOP.replace("[controller]", "[controllers.drive]").replace('period = "20 ms"\n', "")
+    several = several.replace("[reference]", "[references.drive]") + "[bench]\nperiod = '20 ms'\n"
+    assert read(several).bench == read(LOOP).bench
+    with pytest.raises(ParameterError, match=r"\[references.drve\] has no effect"):
+        read(several, None, {"references.drve": {"kind": "constant", "level": "1 mm"}})
+    with pytest.raises(ParameterError, match=r"\[controllers.drve\] There is no drive `drve`"):
+        read(several, None, {"controllers.drve": {"kind": "pid"}})

@@ -1,0 +1,185 @@
+"""Command line on closed loops: run, check, params, cite and the lists of what a bench is made of.
+
+Source of truth: the scenario itself, and the registries.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from martensite.cli import app
+from martensite.cli.describe import registries
+from martensite.io.netcdf import open_result
+from martensite.io.scenario import load, read
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SHORT = ("--runtime", "floats", "--set", "run.duration=0.5 s")
+LISTS = ("drives", "sensors", "observers", "controllers", "supervisors", "faults")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, with a closed loop in it."""
+    text = (EXAMPLES / "closed_loop.toml").read_text(encoding="utf-8")
+    (tmp_path / "loop.toml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+def fine(*arguments: str) -> str:
+    """Standard output of a command that succeeds."""
+    done = call(*arguments)
+    assert (done.exit_code, done.stderr) == (0, ""), done.output
+    return done.stdout
+
+
+def refused(*arguments: str) -> str:
+    """The sentence with which a command is refused."""
+    done = call(*arguments)
+    assert (done.exit_code, done.stdout) == (2, ""), done.output
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+# ---------------------------------------------------------------- run
+
+
+def test_run_writes_every_column_and_the_scenario(folder: Path) -> None:
+    printed = fine("run", "loop.toml", *SHORT, "--set", "controller.Kp=90")
+    assert "reading of position" in printed
+    assert (folder / "loop.png").read_bytes()[:4] == b"\x89PNG"
+    saved = open_result("loop.nc")
+    same = load("loop.toml", {"run.duration": "0.5 s", "controller.Kp": 90}).run(runtime="floats")
+    assert set(same.columns) <= set(saved.variables)
+    for name in ("measured.position", "reference", "wanted", "drive"):
+        assert saved[name].values.tolist() == same[name]
+    assert saved["measured.position"].attrs["units"] == "m"
+    again = read(saved.attrs["scenario"])
+    assert again.bench is not None
+    assert again.bench.value_of("controllers.drive.Kp") == 90.0
+    assert "astrom1995" in saved.attrs["citations"]
+
+
+def test_run_json_holds_the_loop(folder: Path) -> None:
+    report = json.loads(fine("run", "loop.toml", *SHORT, "--no-figure", "--json"))
+    assert report["columns"]["reference"] == {"lowest": 1e-3, "highest": 1e-3, "unit": "m"}
+    assert report["steps"] == 25
+    assert report["files"] == ["loop.nc"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--tolerance", "1e-3"), "Option `--tolerance` has no effect"),
+        (("--carrier", "100 Hz"), "without a bench"),
+        (("--set", "controller.Kq=1"), "`pid` has no `Kq`"),
+        (("--set", "controller.measured=angle"), "there is no such reading"),
+    ],
+)
+def test_run_refuses_what_has_no_effect_on_a_bench(
+    folder: Path, arguments: tuple[str, ...], sentence: str
+) -> None:
+    assert sentence in refused("run", "loop.toml", *SHORT, *arguments)
+    assert {path.name for path in folder.iterdir()} == {"loop.toml"}
+
+
+def test_run_refuses_a_runtime_for_a_controller_outside(folder: Path) -> None:
+    settings = ["controller.kind=mpc", "controller.horizon=1 s", "controller.price.error=0.001"]
+    text = (folder / "loop.toml").read_text(encoding="utf-8")
+    for line in ("Kp = 150        # duty per metre\n", "Ki = 1.5        # and sample\n"):
+        assert line in text
+        text = text.replace(line, "")
+    (folder / "loop.toml").write_text(text, encoding="utf-8")
+    arguments = [part for one in settings for part in ("--set", one)]
+    assert "Option `--runtime` has no effect" in refused("run", "loop.toml", *SHORT, *arguments)
+    assert "20 periods" in fine("check", "loop.toml", "--set", "run.duration=0.4 s", *arguments)
+
+
+# ---------------------------------------------------------------- check, params, cite
+
+
+def test_check_says_how_many_periods(folder: Path) -> None:
+    assert "24 s in 1200 periods of 0.02 s" in fine("check", "loop.toml")
+    report = json.loads(fine("check", "loop.toml", "--json"))
+    assert (report["period"], report["steps"]) == (pytest.approx(0.02), 1200)
+
+
+def test_params_shows_every_number_where_set_reaches_it(folder: Path) -> None:
+    rows = json.loads(fine("params", "loop.toml", "--json"))
+    found = {row["path"]: row for row in rows}
+    assert found["controller.Kp"]["from"] == "scenario"
+    assert found["controller.Kd"]["from"] == "default"
+    assert found["driver.supply"]["unit"] == "V"
+    assert found["reference.increment"]["unit"] == "m"
+    assert found["sensor.delay"]["value"] == pytest.approx(0.02)
+    assert len(found) == len(rows)
+    own = [r for r in rows if r["path"].startswith(("sensor", "controller", "reference"))]
+    changes = {r["path"]: f"{r['value'] + 0.1:.6g} {r['unit']}" for r in own if r["unit"] != "1"}
+    changes |= {"controller.Kp": 7, "controller.law.low": 0.2, "controller.law.tracking": 8}
+    again = load("loop.toml", changes)
+    after = {again.places.path(leaf.path): leaf.value for leaf in again.leaves()}
+    for path in changes:
+        assert after[path] != found[path]["value"]
+
+
+def test_params_leaves_out_models_that_are_the_system_itself(folder: Path) -> None:
+    path = str(EXAMPLES / "closed_loop_sensorless.toml")
+    known = [row["path"] for row in json.loads(fine("params", path, "--json"))]
+    assert not any(name.startswith("observer.model") for name in known)
+    change = ("--set", "observer.model.element.diameter=0.14 mm")
+    rows = json.loads(fine("params", path, *change, "--json"))
+    (changed,) = [row for row in rows if row["path"].startswith("observer.model")]
+    assert (changed["path"], changed["from"]) == ("observer.model.element.diameter", "scenario")
+
+
+def test_cite_names_the_works_behind_the_controller(folder: Path) -> None:
+    assert "@book{astrom1995" in fine("cite", "loop.toml")
+
+
+# ---------------------------------------------------------------- lists
+
+
+@pytest.mark.parametrize("command", LISTS)
+def test_lists_hold_the_registry(command: str) -> None:
+    registry = registries()[command.removesuffix("s")]
+    found = json.loads(fine(command, "--json"))
+    assert [row["name"] for row in found] == registry.names()
+    assert all(row["summary"] for row in found)
+    name = registry.names()[0]
+    described = json.loads(fine(command, name, "--json"))
+    assert {row["name"] for row in described["parameters"]} == set(registry[name].declarations)
+    assert name in fine(command)
+
+
+def test_unknown_kinds_are_answered_with_the_nearest_name() -> None:
+    assert "Did you mean `pid`?" in refused("controllers", "pit")
+
+
+def test_free_texts_are_described_as_such() -> None:
+    rows: list[Any] = json.loads(fine("controllers", "pid", "--json"))["parameters"]
+    (measured,) = [row for row in rows if row["name"] == "measured"]
+    assert measured["allowed"] == "text"
+
+
+def test_help_and_a_scenario_with_a_controller_load_nothing_heavy() -> None:
+    path = EXAMPLES / "closed_loop.toml"
+    code = (
+        "import sys, martensite.cli\n"
+        "from martensite.io.scenario import load\n"
+        "light = not any('martensite.controllers' in name for name in sys.modules)\n"
+        f"load({str(path)!r})\n"
+        "print(light, 'scipy' in sys.modules, 'matplotlib' in sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True", "False", "False"]
