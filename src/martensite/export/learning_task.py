@@ -1,0 +1,202 @@
+"""What a learner shall do on a bench: what follows which references, between which bounds.
+
+    r = −|y* − y| / (high − low) − w P T − penalty where a limit is exceeded
+
+is the reward of a period T, with the true output y, its reference y*, the electrical power P of
+all elements and the weight w. Every episode draws its own reference and, within declared spreads,
+its own plant:
+
+    p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
+
+Only the plant is drawn; what controllers and observers of the bench believe of it stays nominal.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.bench.bench import Bench
+from martensite.bench.names import AGE, MEASURED, readings
+from martensite.errors import InputError, ParameterError, suggestion
+
+Numbers = NDArray[np.float64]
+PLANT = "plant."
+SHARES = (0.1, 0.4)
+"""Shortest and longest level of steps, as shares of an episode, unless given."""
+TURNS = (1.0, 4.0)
+"""Fewest and most periods of a sine in an episode, unless given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What a learner shall do; all numbers in SI."""
+
+    output: str
+    """Output of the plant that shall follow the reference."""
+    low: float
+    """Lowest reference."""
+    high: float
+    """Highest reference."""
+    duration: float
+    """Length of an episode [s]."""
+    signals: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
+    """Lowest and highest signal by drive; drives that take a duty need none and get 0 to 1."""
+    observed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
+    """Range by name of the reading; by default that of `output`, with the range of references."""
+    preview: tuple[float, ...] = ()
+    """How far ahead the reference is seen, besides now [s]."""
+    references: tuple[str, ...] = ("steps", "sines")
+    """Kinds of references, one of which is drawn for an episode."""
+    hold: tuple[float, float] | None = None
+    """Shortest and longest time on a level of steps [s]; by default 0.1 and 0.4 of an episode."""
+    frequency: tuple[float, float] | None = None
+    """Lowest and highest frequency of sines [Hz]; by default 1 and 4 periods in an episode."""
+    spreads: Mapping[str, float] = field(default_factory=dict[str, Any])
+    """Half the width by path, or unique ending of a path, in the plant: in shares of the number,
+    in K for temperatures."""
+    energy_weight: float = 0.0
+    """What an electrical joule costs."""
+    penalty: float = 10.0
+    """What it costs to exceed a limit, which ends the episode."""
+    temperature_limit: float | None = None
+    """Highest temperature of any element [K]; by default that of the limits of each."""
+    stress_limit: float | None = None
+    """Highest stress of any element [Pa]; by default that of the limits of each."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise ParameterError(
+                f"A reference needs a range, but goes from {self.low:g} to {self.high:g}."
+            )
+        if not (math.isfinite(self.duration) and self.duration > 0.0):
+            raise ParameterError(f"An episode must last above 0 s, but lasts {self.duration:g} s.")
+        if not self.references:
+            raise ParameterError(f"A task needs a kind of reference: {', '.join(KINDS)}.")
+        for kind in self.references:
+            if kind not in KINDS:
+                raise ParameterError(f"No reference is named `{kind}`. {suggestion(kind, KINDS)}")
+        if min(self.preview, default=0.0) < 0.0:
+            raise ParameterError(f"A preview is ahead, but one is {min(self.preview):g} s.")
+
+    def reference(self, rng: np.random.Generator, times: Numbers) -> Numbers:
+        """A reference of an episode at times [s], shape (samples,)."""
+        kind = self.references[int(rng.integers(len(self.references)))]
+        return KINDS[kind](self, rng, times)
+
+
+def _steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+    """Levels anywhere in the range, each held for some time."""
+    shortest, longest = task.hold or tuple(share * task.duration for share in SHARES)
+    found, begin = np.empty_like(times), 0.0
+    while begin <= times[-1]:
+        level, held = rng.uniform(task.low, task.high), rng.uniform(shortest, longest)
+        found[times >= begin] = level
+        begin += max(held, 1e-6 * task.duration)
+    return found
+
+
+def _sines(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+    """One sine within the range, of any middle, amplitude, frequency and phase."""
+    slow, fast = task.frequency or tuple(turns / task.duration for turns in TURNS)
+    middle = rng.uniform(task.low, task.high)
+    most = min(middle - task.low, task.high - middle)
+    amplitude, phase = rng.uniform(0.0, most), rng.uniform(0.0, 2.0 * math.pi)
+    return middle + amplitude * np.sin(2.0 * math.pi * rng.uniform(slow, fast) * times + phase)
+
+
+KINDS: dict[str, Callable[[Task, np.random.Generator, Numbers], Numbers]] = {
+    "steps": _steps, "sines": _sines,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A parameter of the plant that differs from episode to episode."""
+
+    path: str
+    """In the bench."""
+    middle: float
+    wide: float
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """A value within the spread."""
+        return float(self.middle + self.wide * rng.uniform(-1.0, 1.0))
+
+
+def spreads_of(bench: Bench, task: Task) -> list[Spread]:
+    """What differs from episode to episode.
+
+    Raises:
+        ParameterError: an unknown name, or a spread that is none or leaves what is allowed.
+    """
+    return [_spread(bench, name, spread) for name, spread in task.spreads.items()]
+
+
+def _spread(bench: Bench, name: str, spread: float) -> Spread:
+    path = bench.plant.resolve(name.removeprefix(PLANT))
+    leaf = next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+    if not (math.isfinite(spread) and spread >= 0.0):
+        raise ParameterError(f"The spread of `{name}` must be at least 0, but is {spread:g}.")
+    wide = spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
+    for extreme in (leaf.value - wide, leaf.value + wide):
+        leaf.declared.convert(leaf.owner, path, extreme)
+    return Spread(PLANT + path, float(leaf.value), wide)
+
+
+def scaled(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
+    """Rows of values in -1 to 1 where they go through their ranges."""
+    low, high = np.array(ranges, float).reshape(-1, 2).T[:, :, None]
+    return 2.0 * (values - low) / (high - low) - 1.0
+
+
+def free_signals(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
+    """Lowest and highest signal of every drive that nobody has.
+
+    Raises:
+        InputError: there is no such drive, or a range is missing or none.
+    """
+    taken = bench.controllers.members()
+    free = {one.name: one.unit for one in bench.plant.drives() if one.name not in taken}
+    if not free:
+        raise InputError("Every drive of this bench has a controller; leave one to the learner.")
+    for name in task.signals:
+        if name not in free:
+            raise InputError(f"There is no free drive `{name}`. {suggestion(name, free)}")
+    for name, unit in free.items():
+        if name not in task.signals and unit != "1":
+            raise InputError(
+                f"Drive `{name}` takes a signal in {unit}: give its lowest and highest value in "
+                f"`signals`."
+            )
+    found = {name: task.signals.get(name, (0.0, 1.0)) for name in free}
+    _require_ranges(found)
+    return found
+
+
+def observed_readings(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
+    """Ranges of what is observed, by the name of the output of the bench.
+
+    Raises:
+        InputError: there is no such reading, or a range is none.
+    """
+    known = [name for name in readings(bench) if not name.endswith(AGE)]
+    wanted = dict(task.observed) or {task.output: (task.low, task.high)}
+    for name in wanted:
+        if name not in known:
+            raise InputError(f"There is no reading `{name}` to observe. {suggestion(name, known)}")
+    _require_ranges(wanted)
+    mounted = bench.sensors.members()
+    return {MEASURED + n if n in mounted else n: span for n, span in wanted.items()}
+
+
+def _require_ranges(ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Raise `InputError` unless all ranges are some."""
+    for name, (low, high) in ranges.items():
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise InputError(f"The range of `{name}` must be one, but is {low:g} to {high:g}.")
