@@ -14,6 +14,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from martensite.bench.faults.base import FAULTS
+from martensite.bench.supervisor import SUPERVISORS
+from martensite.bench.supervisors.checks.above import Overheat
+from martensite.bench.supervisors.checks.base import CHECKS, Checks
+from martensite.bench.supervisors.checks.sensor_lost import SensorLost
 from martensite.electrical.base import RESISTANCES, SOURCES, AbstractSource
 from martensite.electrical.per_length import PerLengthResistance
 from martensite.electrical.power import PowerSource
@@ -27,11 +32,13 @@ from martensite.materials.base import load_material, material_names
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.observers.base import OBSERVERS
 from martensite.parameters import REQUIRED, Declared, Parametrised, part, structure
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
+from martensite.sensors.base import SENSORS
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.system import AbstractSystem, Actuator, Group, Machine, System
@@ -47,7 +54,8 @@ ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {
     registry.kind: registry
     for registry in (
-        LAWS, COOLING, FLUIDS, ENDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS,
+        LAWS, COOLING, FLUIDS, ENDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS, SENSORS,
+        OBSERVERS, FAULTS, CHECKS, SUPERVISORS,
     )
 }  # fmt: skip
 
@@ -305,9 +313,30 @@ VALUES: dict[str, dict[str, Any]] = {
         "side": 0.1, "height": 0.05, "mass": 0.1, "eccentricity": -0.01, "damping": 1e-3,
     },
     "testing-machine": {"stiffness": 1e4, "section": 5.0, "gauge_length": 0.1},
+    "ambient-step": {"by": 20.0},
+    "drift": {"bias": 0.5, "rate": 0.2},
+    "overheat": {"limit": 340.0, "band": 5.0},
+    "over-current": {"limit": 1.0, "band": 0.2},
+    "over-stress": {"limit": 1e8, "band": 1e7},
+    "over-force": {"limit": 10.0, "band": 1.0},
+    "sensor-lost": {"timeout": 0.3},
+    "mismatch": {"limit": 0.1},
+    "thermal-bound": {
+        "limit": 400.0, "band": 5.0, "power": 10.0, "capacity": 0.1, "conductance": 0.03,
+        "ambient": 300.0,
+    },
+    "guard": {
+        "checks": Checks(
+            hot=Overheat(reading="temperature", limit=340.0, band=5.0),
+            lost=SensorLost(reading="temperature", timeout=0.3, drives=("drive",)),
+        ),
+        "hold": 0.1,
+    },
 }  # fmt: skip
 # Parts inside other parts: what an example takes, where the first by name would not do.
 USUAL = {"element": "wire"}
+# Texts that must be given: names of outputs of problem A.
+TEXTS = {"reading": "temperature", "sensor": "temperature", "other": "hottest"}
 # Options that an example leaves at their default: tried in other laws, and slow in these.
 UNTRIED = {
     "mas-polycrystal": ("heat_model", "groups"), "axial-wire": ("cells",), "ribbon": ("wires",),
@@ -317,7 +346,8 @@ BY_NAME = {
     "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,
     "h1": 0.1, "h2": 1e-4, "preload": 3.0, "series_resistance": 0.5, "current_limit": 0.6,
     "voltage_limit": 6.0, "count": 3.0, "spans": 2.0, "supply": 6.0, "reference_resistance": 4.0,
-    "low": 0.5, "high": 2.5, "level": 1.5, "waist_f": 0.8, "waist_r": 0.9,
+    "low": 0.5, "high": 2.5, "level": 1.5, "waist_f": 0.8, "waist_r": 0.9, "start": 0.5, "end": 1.5,
+    "longest": 0.3, "most": 0.02, "least": 0.05,
 }  # fmt: skip
 BY_UNIT = {
     "m": 1e-2, "kg": 0.5, "N": 3.0, "N/m": 500.0, "W/m^2/K": 80.0, "m/s": 1.0, "s": 0.5,
@@ -369,6 +399,10 @@ def example(cls: type[Parametrised], **choices: Any) -> Any:
             continue
         if declared.kind == "option":
             values[name] = declared.choices[0]
+        elif declared.kind == "text":
+            values[name] = TEXTS[name]
+        elif name == "model":
+            values[name] = problem_a()
         elif declared.kind == "part" and declared.registry is not None:
             usual = USUAL.get(declared.registry.kind, declared.registry.names()[0])
             values[name] = example(declared.registry[usual])

@@ -20,7 +20,10 @@ settings.load_profile("reproducible")
 SLOW = ("axial-wire-5-step", "ribbon-2-step", "hand-")
 """Cases of many elements whose kernels take long to trace, or to compile for JAX."""
 VARIED, PLAIN = "coil-spring-", "coil-spring-mean-small-none-none"
-"""An element of many forms, of which JAX compiles one; its compiler takes long over each."""
+"""An element of many forms, of which JAX compiles one; its compiler takes long over each.
+
+So it does over Kalman filters, of which it compiles none.
+"""
 UNCOMPILED = ("jax-", "numpy-", "traced floats-")
 
 
@@ -29,7 +32,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         case = item.name.partition("[")[2]
         long = case.startswith(UNCOMPILED) and any(words in case for words in SLOW)
-        if long or (case.startswith("jax-") and VARIED in case and PLAIN not in case):
+        varied = VARIED in case and PLAIN not in case
+        if long or (case.startswith("jax-") and (varied or "-kalman-" in case)):
             item.add_marker(pytest.mark.slow)
 
 

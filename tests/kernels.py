@@ -14,13 +14,16 @@ from typing import Any
 
 import builders
 import numpy as np
+import pytest
 from elastic import REST, Elastic
 
-from martensite.electrical.base import Conductor
+from martensite.electrical.base import AbstractSwitch, Conductor
 from martensite.electrical.current import CurrentSource
+from martensite.electrical.pwm import PwmVoltage
 from martensite.electrical.temperature import PrescribedTemperature
 from martensite.elements.base import Heating, Spring
 from martensite.elements.lumped import AbstractLumped
+from martensite.errors import ParameterError
 from martensite.laws.base import Fractions
 from martensite.mechanisms.base import AbstractMechanism, Load
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
@@ -76,8 +79,9 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     frozen = Fractions(x, x)
     spring = law.free_strain(xp, frozen, t1), law.compliance(xp, frozen)
     drive = law.drive(xp, move, s1, t1, dt)
+    put = law.moved(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
-    return end, law.fractions(after), spring, others, drive
+    return end, law.fractions(after), spring, others, drive, law.fractions(put)
 
 
 def law_extras(law: Any, xp: Any, strain: Any, stress: Any, temperature: Any) -> Any:
@@ -126,7 +130,13 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
     after, report = element.advance(xp, state, heating, pull, dt, 4)
     now = element.force(after)
     seen = element.tangent(xp, after, now), element.condition(xp, after, now, environment)
-    return after, report.crossing, seen
+    there = Fractions(0.5, 0.5), temperature, force
+    if not isinstance(element, AbstractLumped):
+        with pytest.raises(ParameterError, match="not the same all over"):
+            element.in_state(xp, after, *there)
+        return after, report.crossing, seen
+    put = element.in_state(xp, after, *there)
+    return after, report.crossing, seen, put.force
 
 
 def mechanism_answers(
@@ -194,9 +204,93 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
     return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings)
 
 
+def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
+    """The current, and of a switch the share of the time for which it is closed."""
+    shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
+    return source.current(xp, drive, ohms), *shares
+
+
+TRUTHS = {
+    "temperature": (250.0, 450.0), "ambient": (270.0, 310.0), "position": (-0.01, 0.01),
+    "angle": (-1.0, 1.0), "force": (0.0, 60.0), "current": (0.0, 0.6), "voltage": (-1.0, 5.0),
+}  # fmt: skip
+"""Ranges of what sensors look at."""
+
+
+def sensor_readings(sensor: Any, xp: Any, x: Any, y: Any, noise: Any, dt: Any) -> Any:
+    """Two readings after rest, whether there is anything to measure, and what is remembered."""
+    first, second = (
+        [low + share * (high - low) for share, (low, high) in zip(shares, ranges, strict=False)]
+        for ranges in [[TRUTHS[name] for name in sensor.sees]]
+        for shares in ((x, y), (y, x))
+    )
+    state = sensor.rest(xp, first)
+    one, state = sensor.reading(xp, state, second, noise, dt)
+    two, state = sensor.reading(xp, state, first, -noise, dt)
+    there = xp.where(sensor.valid(xp, first), 1.0, 0.0)
+    return one, two, there + 0.0 * x, *state
+
+
+def observer_course(observer: Any, xp: Any, u: Any, share: Any, age: Any, dt: Any) -> Any:
+    """Estimates at rest and a sample later, with readings that are new or old, and the memory."""
+    model, signals = observer.model, {drive.name: u for drive in observer.model.drives()}
+    seen = dict(zip(model.outputs(), model.observe(xp, model.init(xp, u), u), strict=True))
+    said = {name: share * seen[name] for name in observer.reads()}
+    said |= {f"{name}.age": xp.maximum(age, 0.0) for name in observer.reads()}
+    first, memory = observer.rest(xp, said, signals)
+    guess, memory = observer.update(xp, memory, said, signals, dt, 1)
+    return *first, *guess, *memory
+
+
+def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: Any) -> Any:
+    """What a fault makes of a plant, a signal, a reading and whether there is one."""
+    active, name = fault.active(xp, time), builders.TEXTS["sensor"]
+    plant = fault.plant(xp, builders.problem_a(source=PwmVoltage(supply=6.0)), active)
+    loss = plant.element.heat_loss(xp, 350.0, plant.environment)
+    grown = fault.grown(xp, time)
+    fresh = fault.fresh(xp, name, reading > held, active)
+    return (
+        plant.source.current(xp, u, 2.0), loss, fault.signal(xp, "drive", u, active),
+        grown.reading(xp, name, reading, held, active), xp.where(fresh, 1.0, 0.0),
+    )  # fmt: skip
+
+
+KNOWN = {
+    "temperature": (300.0, 380.0), "hottest": (300.0, 380.0), "temperature.age": (0.0, 0.6),
+}  # fmt: skip
+"""Ranges of what checks read."""
+
+
+def check_course(check: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, dt: Any) -> Any:
+    """Two samples of a check after rest, and what it remembers."""
+    found: list[Any] = []
+    memory = check.rest(xp, known(x))
+    for wanted, share in (({"drive": u}, x), ({"drive": v}, y)):
+        looked = check.look(xp, memory, wanted, known(share), dt)
+        found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
+        memory = check.passed(xp, looked.memory, wanted, dt)
+    return *found, *memory, check.on(xp, {"drive": u}, 0.5)
+
+
+def known(share: Any) -> dict[str, Any]:
+    """Readings somewhere in their ranges."""
+    return {name: low + share * (high - low) for name, (low, high) in KNOWN.items()}
+
+
+def supervisor_course(supervisor: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, dt: Any) -> Any:
+    """Two verdicts of a supervisor after rest, and what it remembers."""
+    memory, found = supervisor.rest(xp, known(x)), []
+    for wanted, share in ((u, x), (v, y)):
+        verdict = supervisor.judge(xp, memory, {"drive": wanted}, known(share), dt)
+        memory = verdict.memory
+        found += [verdict.signals["drive"], verdict.alarm]
+    return *found, *memory
+
+
 FRACTION, STRESS, TEMPERATURE = (0.0, 1.0), (0.0, 400e6), (275.0, 400.0)
 POINTS = {f"{name}{i}": r for i in range(3) for name, r in (("s", STRESS), ("t", TEMPERATURE))}
 START = {"x": FRACTION, "s0": STRESS, "t0": TEMPERATURE}
+SAMPLES = {"u": (-1.0, 1.0), "v": (-1.0, 1.0), "x": FRACTION, "y": FRACTION, "dt": (0.0, 0.5)}
 
 KERNELS: dict[str, dict[str, Kernel]] = {
     "law": {
@@ -233,9 +327,31 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     "drive": {
         "current": Kernel(
             {"u": (-10.0, 10.0), "R": (0.5, 50.0)},
-            lambda source, xp, *inputs: source.current(xp, *inputs),
+            source_current,
         ),
     },
+    "sensor": {
+        "readings": Kernel(
+            {"x": FRACTION, "y": FRACTION, "noise": (-3.0, 3.0), "dt": (0.0, 0.5)},
+            sensor_readings,
+        ),
+    },
+    "observer": {
+        "course": Kernel(
+            {"u": (0.0, 3.0), "share": (0.9, 1.1), "age": (-1.0, 1.0), "dt": (1e-3, 0.02)},
+            observer_course,
+            lanes=16,  # slow where it is not traced
+        ),
+    },
+    "fault": {
+        "effects": Kernel(
+            {"time": (0.0, 2.0), "u": FRACTION, "reading": (0.0, 9.0), "held": (0.0, 9.0)},
+            fault_effects,
+            lanes=64,
+        ),
+    },
+    "check": {"course": Kernel(SAMPLES, check_course)},
+    "supervisor": {"course": Kernel(SAMPLES, supervisor_course)},
     "element": {
         "answers": Kernel(
             {"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers

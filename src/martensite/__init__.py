@@ -18,21 +18,111 @@ import_module("martensite.simulate")
 globals().pop("simulate", None)
 
 if TYPE_CHECKING:
+    from martensite.bench.bench import Bench as Bench
+    from martensite.bench.consistency import Consistency as Consistency
+    from martensite.bench.consistency import consistency as consistency
+    from martensite.bench.faults.ambient_step import AmbientStep as AmbientStep
+    from martensite.bench.faults.draught import Draught as Draught
+    from martensite.bench.faults.drift import Drift as Drift
+    from martensite.bench.faults.drop_out import DropOut as DropOut
+    from martensite.bench.faults.open_circuit import OpenCircuit as OpenCircuit
+    from martensite.bench.faults.stuck import Stuck as Stuck
+    from martensite.bench.faults.supply_sag import SupplySag as SupplySag
+    from martensite.bench.mounted import Mounted as Mounted
+    from martensite.bench.parts import Controllers as Controllers
+    from martensite.bench.parts import Faults as Faults
+    from martensite.bench.parts import Observers as Observers
+    from martensite.bench.parts import Sensors as Sensors
+    from martensite.bench.realtime import RealtimeStep as RealtimeStep
+    from martensite.bench.run import opened as _open_bench
+    from martensite.bench.run import simulate_bench as simulate_bench
+    from martensite.bench.supervisors.checks.above import OverCurrent as OverCurrent
+    from martensite.bench.supervisors.checks.above import OverForce as OverForce
+    from martensite.bench.supervisors.checks.above import Overheat as Overheat
+    from martensite.bench.supervisors.checks.above import OverStress as OverStress
+    from martensite.bench.supervisors.checks.base import Checks as Checks
+    from martensite.bench.supervisors.checks.base import alarm_names as alarm_names
+    from martensite.bench.supervisors.checks.mismatch import Mismatch as Mismatch
+    from martensite.bench.supervisors.checks.open_circuit import NoCurrent as NoCurrent
+    from martensite.bench.supervisors.checks.sensor_lost import SensorLost as SensorLost
+    from martensite.bench.supervisors.checks.sensor_stuck import SensorStuck as SensorStuck
+    from martensite.bench.supervisors.checks.thermal_bound import ThermalBound as ThermalBound
+    from martensite.bench.supervisors.from_plant import guard_for as guard_for
+    from martensite.bench.supervisors.guard import Guard as Guard
+    from martensite.control.analysis.energy import CycleEnergies as CycleEnergies
+    from martensite.control.analysis.energy import energy_per_cycle as energy_per_cycle
+    from martensite.control.analysis.frequency import FrequencyResponse as FrequencyResponse
+    from martensite.control.analysis.frequency import frequency_response as frequency_response
+    from martensite.control.analysis.speed import Speeds as Speeds
+    from martensite.control.analysis.speed import speeds as speeds
     from martensite.control.averaging import Averaging as Averaging
     from martensite.control.averaging import compare_averaging as compare_averaging
     from martensite.control.closed_loop import ControlledModel as ControlledModel
+    from martensite.control.design.inverse_hysteresis import (
+        IdentifiedHysteresis as IdentifiedHysteresis,
+    )
+    from martensite.control.design.inverse_hysteresis import (
+        identify_hysteresis as identify_hysteresis,
+    )
+    from martensite.control.design.linear import in_readings as in_readings
+    from martensite.control.design.linear import linearised as _linearised_plant
+    from martensite.control.design.linear import mean_of as _mean_readings
+    from martensite.control.design.lqr import Regulator as Regulator
+    from martensite.control.design.lqr import Sizes as _LqrSizes
+    from martensite.control.design.lqr import lqr as lqr
+    from martensite.control.design.operating_point import OperatingPoint as _SteadyPoint
+    from martensite.control.design.operating_point import operating_point as _steady_point
+    from martensite.control.design.operating_point import operating_point_at as _steady_point_at
+    from martensite.control.rules.formulas import FirstOrder as FirstOrder
+    from martensite.control.rules.formulas import Integrating as Integrating
+    from martensite.control.rules.formulas import gains_by_rule as gains_by_rule
+    from martensite.control.rules.relay import gains_by_relay as gains_by_relay
+    from martensite.control.rules.relay import relay_test as relay_test
+    from martensite.control.rules.rule_starts import best_rules as best_rules
+    from martensite.control.rules.rule_starts import gains_by_tests as gains_by_tests
+    from martensite.control.rules.rule_starts import loop_tests as loop_tests
+    from martensite.control.rules.rule_starts import pid_values as pid_values
+    from martensite.control.rules.step_test import step_test as step_test
+    from martensite.control.search.bench_tuning import TunedBench as TunedBench
+    from martensite.control.search.bench_tuning import tune_bench as tune_bench
+    from martensite.control.search.gain_search import Search as _TuningSearch
+    from martensite.control.search.goals import Goal as _TuningGoal
+    from martensite.control.search.loop_runs import LoopRuns as LoopRuns
+    from martensite.control.search.over_plants import over_plants as over_plants
+    from martensite.control.search.perturbed import Plants as Plants
+    from martensite.control.search.perturbed import draw_plants as draw_plants
     from martensite.control.tuning import Tuning as Tuning
     from martensite.control.tuning import tune as tune
+    from martensite.controllers.cascade import Cascade as Cascade
     from martensite.controllers.constant_power import ConstantPower as ConstantPower
+    from martensite.controllers.correction import Correction as Correction
+    from martensite.controllers.direct import Direct as Direct
+    from martensite.controllers.feedforward import Feedforward as Feedforward
+    from martensite.controllers.inverse_play import InversePlay as InversePlay
     from martensite.controllers.latched import LatchedOnOff as LatchedOnOff
+    from martensite.controllers.mpc import Mpc as Mpc
     from martensite.controllers.on_off import OnOff as OnOff
     from martensite.controllers.pid import Gains as Gains
     from martensite.controllers.pid import Pid as Pid
+    from martensite.controllers.pid import PidGains as PidGains
+    from martensite.controllers.pid import PidLaw as PidLaw
+    from martensite.controllers.pid import per_sample as per_sample
+    from martensite.controllers.planning import Price as _PlanPrice
+    from martensite.controllers.planning import Search as _PlanSearch
+    from martensite.controllers.scheduled_pid import GainsAt as GainsAt
+    from martensite.controllers.scheduled_pid import Schedule as Schedule
+    from martensite.controllers.scheduled_pid import ScheduledPid as ScheduledPid
+    from martensite.controllers.sliding_mode import SlidingMode as SlidingMode
+    from martensite.controllers.state_feedback import StateFeedback as StateFeedback
+    from martensite.controllers.two_level import TwoLevel as TwoLevel
     from martensite.electrical.current import CurrentSource as CurrentSource
     from martensite.electrical.furst_seelecke import (
         FurstSeeleckeResistance as FurstSeeleckeResistance,
     )
+    from martensite.electrical.h_bridge import HBridge as HBridge
+    from martensite.electrical.linear_amplifier import LinearAmplifier as LinearAmplifier
     from martensite.electrical.mixture import MixtureResistance as MixtureResistance
+    from martensite.electrical.mosfet import Mosfet as Mosfet
     from martensite.electrical.per_length import PerLengthResistance as PerLengthResistance
     from martensite.electrical.power import PowerSource as PowerSource
     from martensite.electrical.power_pwm import PowerPwm as PowerPwm
@@ -49,8 +139,13 @@ if TYPE_CHECKING:
     from martensite.errors import InputError as InputError
     from martensite.errors import MartensiteError as MartensiteError
     from martensite.errors import SolveError as SolveError
+    from martensite.export.control_systems import plant_state_space as plant_state_space
     from martensite.export.control_systems import to_control as to_control
+    from martensite.export.control_systems import to_nonlinear_system as to_nonlinear_system
     from martensite.export.control_systems import to_state_space as to_state_space
+    from martensite.export.gymnasium import SmaEnv as SmaEnv
+    from martensite.export.gymnasium_vector import SmaVectorEnv as SmaVectorEnv
+    from martensite.export.learning_task import Task as _LearningTask
     from martensite.export.mjcf import bridge_of as bridge_of
     from martensite.export.mjcf import tendon_signals as tendon_signals
     from martensite.export.mjcf import to_mjcf as to_mjcf
@@ -154,6 +249,12 @@ if TYPE_CHECKING:
     from martensite.mechanisms.shared.platform_workspace import Workspace as Workspace
     from martensite.mechanisms.shared.platform_workspace import reachable_angles as reachable_angles
     from martensite.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
+    from martensite.observers.extended import ExtendedKalman as ExtendedKalman
+    from martensite.observers.inverse import InverseModel as InverseModel
+    from martensite.observers.shaken import Shaken as Shaken
+    from martensite.observers.unscented import UnscentedKalman as UnscentedKalman
+    from martensite.plot.bench import plot_bench as plot_bench
+    from martensite.plot.energy import plot_energy as plot_energy
     from martensite.plot.film_fit import plot_film as plot_film
     from martensite.plot.fit import plot_fit as plot_fit
     from martensite.plot.fit import plot_fit_loops as plot_fit_loops
@@ -162,6 +263,7 @@ if TYPE_CHECKING:
     from martensite.plot.fit_knowledge import plot_singular_values as plot_singular_values
     from martensite.plot.fit_likelihood import plot_likelihood as plot_likelihood
     from martensite.plot.fit_residuals import plot_fit_residuals as plot_fit_residuals
+    from martensite.plot.frequency import plot_frequency_response as plot_frequency_response
     from martensite.plot.law_paths import plot_point as plot_point
     from martensite.plot.model import plot_model as plot_model
     from martensite.plot.model import plot_model_loop as plot_model_loop
@@ -169,12 +271,23 @@ if TYPE_CHECKING:
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
     from martensite.plot.profile import plot_profile as plot_profile
+    from martensite.plot.speeds import plot_speeds as plot_speeds
     from martensite.plot.tangents import plot_tangents as plot_tangents
+    from martensite.plot.tuning import plot_tuning as plot_tuning
     from martensite.plot.workspace import plot_workspace as plot_workspace
     from martensite.report.fit_report import write_report as write_report
     from martensite.report.model_report import write_model_report as write_model_report
+    from martensite.sensors.current import CurrentSensor as CurrentSensor
+    from martensite.sensors.encoder import EncoderSensor as EncoderSensor
+    from martensite.sensors.force import ForceSensor as ForceSensor
+    from martensite.sensors.gyroscope import GyroscopeSensor as GyroscopeSensor
+    from martensite.sensors.ideal import IdealSensor as IdealSensor
     from martensite.sensors.infrared import InfraredSensor as InfraredSensor
     from martensite.sensors.position import PositionSensor as PositionSensor
+    from martensite.sensors.resistance import ResistanceSensor as ResistanceSensor
+    from martensite.sensors.thermocouple import ThermocoupleSensor as ThermocoupleSensor
+    from martensite.sensors.tilt import TiltSensor as TiltSensor
+    from martensite.sensors.voltage import VoltageSensor as VoltageSensor
     from martensite.signals.carrier import Carrier as Carrier
     from martensite.signals.constant import Constant as Constant
     from martensite.signals.held import Held as Held
@@ -199,6 +312,7 @@ if TYPE_CHECKING:
     from martensite.simulate.closed_loop import Loop as Loop
     from martensite.simulate.closed_loop import simulate_loop as simulate_loop
     from martensite.simulate.controlled import simulate_controlled as simulate_controlled
+    from martensite.simulate.lanes import Lanes as Lanes
     from martensite.simulate.point import Leg as Leg
     from martensite.simulate.point import PointResult as PointResult
     from martensite.simulate.point import material_point as material_point
@@ -227,6 +341,18 @@ if TYPE_CHECKING:
 
     __version__: str
     # Names that are others at home; an import under another name is not public by itself.
+    open_bench = _open_bench
+    linearised_plant = _linearised_plant
+    mean_readings = _mean_readings
+    LqrSizes = _LqrSizes
+    SteadyPoint = _SteadyPoint
+    steady_point = _steady_point
+    steady_point_at = _steady_point_at
+    TuningSearch = _TuningSearch
+    TuningGoal = _TuningGoal
+    PlanPrice = _PlanPrice
+    PlanSearch = _PlanSearch
+    LearningTask = _LearningTask
     BlockChain = _BlockChain
     EstimateOptions = _EstimateOptions
     estimate_model = _estimate_model
@@ -240,72 +366,122 @@ _HOME = {
     "Air": "thermal.fluids.air",
     "AirTable": "thermal.fluids.air_table",
     "Alarm": "simulate.alarms",
+    "AmbientStep": "bench.faults.ambient_step",
     "AntagonisticPulley": "mechanisms.pulley",
     "Averaging": "control.averaging",
     "AxialWire": "elements.axial_wire",
     "Batch": "simulate.batch",
     "BeamModes": "mechanisms.shared.beam_modes",
     "BeamMotor": "mechanisms.beam_motor",
+    "Bench": "bench.bench",
     "BiasSpring": "mechanisms.bias_spring",
     "BlockChain": "identify.chains.chain:Chain",
     "Brinson": "laws.brinson",
     "Bundle": "elements.bundle",
     "CantileverBeam": "mechanisms.shared.beam_modes",
     "Carrier": "signals.carrier",
+    "Cascade": "controllers.cascade",
     "Chain": "elements.chain",
+    "Checks": "bench.supervisors.checks.base",
     "ChurchillBernstein": "thermal.churchill_bernstein",
     "ChurchillChu": "thermal.churchill_chu",
     "ClampedEnds": "thermal.ends",
     "CoilSpring": "elements.coil_spring",
     "CombinedCooling": "thermal.combined",
+    "Consistency": "bench.consistency",
     "Constant": "signals.constant",
     "ConstantCooling": "thermal.constant",
     "ConstantPower": "controllers.constant_power",
     "ControlledModel": "control.closed_loop",
+    "Controllers": "bench.parts",
+    "Correction": "controllers.correction",
+    "CurrentSensor": "sensors.current",
     "CurrentSource": "electrical.current",
+    "CycleEnergies": "control.analysis.energy",
     "DeadWeight": "mechanisms.dead_weight",
+    "Direct": "controllers.direct",
+    "Draught": "bench.faults.draught",
+    "Drift": "bench.faults.drift",
+    "DropOut": "bench.faults.drop_out",
     "Elahinia": "laws.elahinia",
+    "EncoderSensor": "sensors.encoder",
     "Environment": "thermal.base",
     "Estimate": "identify.estimate",
     "EstimateOptions": "identify.chains.options:Options",
     "Experiment": "identify.fitting.experiment",
+    "ExtendedKalman": "observers.extended",
+    "Faults": "bench.parts",
+    "Feedforward": "controllers.feedforward",
     "FilmFit": "identify.film",
     "FilmPoints": "identify.film_points",
     "FilmReport": "identify.film_report",
     "Finger": "mechanisms.finger",
+    "FirstOrder": "control.rules.formulas",
     "Fit": "identify.fitting.fit",
+    "ForceSensor": "sensors.force",
+    "FrequencyResponse": "control.analysis.frequency",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
     "Gains": "controllers.pid",
+    "GainsAt": "controllers.scheduled_pid",
     "Group": "system.actuator",
+    "Guard": "bench.supervisors.guard",
+    "GyroscopeSensor": "sensors.gyroscope",
+    "HBridge": "electrical.h_bridge",
     "Hand": "mechanisms.hand",
     "Held": "signals.held",
+    "IdealSensor": "sensors.ideal",
+    "IdentifiedHysteresis": "control.design.inverse_hysteresis",
     "InfraredSensor": "sensors.infrared",
     "InputError": "errors",
+    "Integrating": "control.rules.formulas",
+    "InverseModel": "observers.inverse",
+    "InversePlay": "controllers.inverse_play",
     "Lagoudas": "laws.lagoudas",
+    "Lanes": "simulate.lanes",
     "LatchedOnOff": "controllers.latched",
     "LeFevreEde": "thermal.lefevre_ede",
+    "LearningTask": "export.learning_task:Task",
     "Leg": "simulate.point",
     "Lever": "mechanisms.lever",
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
+    "LinearAmplifier": "electrical.linear_amplifier",
     "LogDecrement": "identify.vibration",
     "Loop": "simulate.closed_loop",
+    "LoopRuns": "control.search.loop_runs",
+    "LqrSizes": "control.design.lqr:Sizes",
     "Machine": "system.machine",
     "MartensiteError": "errors",
     "Material": "materials.base",
+    "Mismatch": "bench.supervisors.checks.mismatch",
     "MixtureResistance": "electrical.mixture",
     "Morgan": "thermal.morgan",
+    "Mosfet": "electrical.mosfet",
     "MotorConstants": "identify.motor",
+    "Mounted": "bench.mounted",
+    "Mpc": "controllers.mpc",
     "MujocoBridge": "export.mujoco_bridge",
     "MujocoResult": "export.mujoco_result",
     "MullerAchenbachSeelecke": "laws.mas",
     "MullerAchenbachSeeleckeHybrid": "laws.mas_hybrid",
     "MullerAchenbachSeeleckePolycrystal": "laws.mas_polycrystal",
+    "NoCurrent": "bench.supervisors.checks.open_circuit",
+    "Observers": "bench.parts",
     "Oil": "thermal.fluids.oil",
     "OnOff": "controllers.on_off",
+    "OpenCircuit": "bench.faults.open_circuit",
+    "OverCurrent": "bench.supervisors.checks.above",
+    "OverForce": "bench.supervisors.checks.above",
+    "OverStress": "bench.supervisors.checks.above",
+    "Overheat": "bench.supervisors.checks.above",
     "ParallelPlatform": "mechanisms.parallel_platform",
     "PerLengthResistance": "electrical.per_length",
     "Pid": "controllers.pid",
+    "PidGains": "controllers.pid",
+    "PidLaw": "controllers.pid",
+    "PlanPrice": "controllers.planning:Price",
+    "PlanSearch": "controllers.planning:Search",
+    "Plants": "control.search.perturbed",
     "Plates": "mechanisms.shared.platform_kinematics",
     "PlaySum": "identify.blocks.shared.play",
     "PointResult": "simulate.point",
@@ -319,19 +495,36 @@ _HOME = {
     "PwmVoltage": "electrical.pwm",
     "Radiation": "thermal.radiation",
     "Ramp": "signals.ramp",
+    "RealtimeStep": "bench.realtime",
     "Record": "signals.records",
+    "Regulator": "control.design.lqr",
+    "ResistanceSensor": "sensors.resistance",
     "Result": "simulate.result",
     "Ribbon": "elements.ribbon",
     "Rise": "identify.rise",
     "Sampled": "signals.sampling.sampled",
     "Scenario": "io.scenario",
+    "Schedule": "controllers.scheduled_pid",
+    "ScheduledPid": "controllers.scheduled_pid",
     "Sensitivity": "simulate.batch",
+    "SensorLost": "bench.supervisors.checks.sensor_lost",
+    "SensorStuck": "bench.supervisors.checks.sensor_stuck",
+    "Sensors": "bench.parts",
+    "Shaken": "observers.shaken",
     "Sine": "signals.sine",
+    "SlidingMode": "controllers.sliding_mode",
+    "SmaEnv": "export.gymnasium",
+    "SmaVectorEnv": "export.gymnasium_vector",
     "SolveError": "errors",
     "SpectralPeak": "identify.spectrum",
+    "Speeds": "control.analysis.speed",
     "Stage": "identify.chains.stages",
     "Staircase": "signals.staircase",
+    "StateFeedback": "controllers.state_feedback",
+    "SteadyPoint": "control.design.operating_point:OperatingPoint",
     "Step": "signals.step",
+    "Stuck": "bench.faults.stuck",
+    "SupplySag": "bench.faults.supply_sag",
     "System": "system.single",
     "Table": "signals.table",
     "Tanaka": "laws.tanaka",
@@ -339,48 +532,81 @@ _HOME = {
     "TangentPoints": "identify.tangents",
     "TendonActuator": "export.mujoco_bridge",
     "TensileTestingMachine": "mechanisms.testing_machine",
+    "ThermalBound": "bench.supervisors.checks.thermal_bound",
+    "ThermocoupleSensor": "sensors.thermocouple",
+    "TiltSensor": "sensors.tilt",
     "Triangle": "signals.triangle",
+    "TunedBench": "control.search.bench_tuning",
     "Tuning": "control.tuning",
+    "TuningGoal": "control.search.goals:Goal",
+    "TuningSearch": "control.search.gain_search:Search",
+    "TwoLevel": "controllers.two_level",
+    "UnscentedKalman": "observers.unscented",
+    "VoltageSensor": "sensors.voltage",
     "VoltageSource": "electrical.voltage",
     "Water": "thermal.fluids.water",
     "Wire": "elements.wire",
     "WireRequest": "sizing.request",
     "Wish": "identify.fitting.free",
     "Workspace": "mechanisms.shared.platform_workspace",
+    "alarm_names": "bench.supervisors.checks.base",
     "beam_modes": "mechanisms.shared.beam_modes",
+    "best_rules": "control.rules.rule_starts",
     "bridge_of": "export.mjcf",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
+    "consistency": "bench.consistency",
     "detrended": "signals.sampling.trends",
+    "draw_plants": "control.search.perturbed",
+    "energy_per_cycle": "control.analysis.energy",
     "estimate_model": "identify.chains.estimate:estimate",
     "fit": "io.fitting.api",
     "fit_film": "identify.film",
     "fit_rise": "identify.rise",
+    "frequency_response": "control.analysis.frequency",
+    "gains_by_relay": "control.rules.relay",
+    "gains_by_rule": "control.rules.formulas",
+    "gains_by_tests": "control.rules.rule_starts",
+    "guard_for": "bench.supervisors.from_plant",
     "holding_tensions": "export.mujoco_rest",
+    "identify_hysteresis": "control.design.inverse_hysteresis",
     "identify_stages": "identify.chains.stages",
+    "in_readings": "control.design.linear",
     "judge_film": "identify.film_report",
     "linearise": "identify.chains.linearise",
+    "linearised_plant": "control.design.linear:linearised",
     "load": "io.scenario",
     "load_material": "materials.base",
     "load_wires": "materials.wires",
     "log_decrement": "identify.vibration",
+    "loop_tests": "control.rules.rule_starts",
+    "lqr": "control.design.lqr",
     "material_names": "materials.base",
     "material_point": "simulate.point",
+    "mean_readings": "control.design.linear:mean_of",
     "modal_numbers": "mechanisms.beam_motor",
     "model_uncertainty": "identify.chains.uncertainty:uncertainty",
     "motor_constants": "identify.motor",
     "moving_average": "identify.smoothing",
     "natural_frequency": "identify.spectrum",
+    "open_bench": "bench.run:opened",
     "open_result": "io.netcdf",
+    "over_plants": "control.search.over_plants",
     "parse_chain": "identify.chains.written",
+    "per_sample": "controllers.pid",
+    "pid_values": "control.rules.rule_starts",
+    "plant_state_space": "export.control_systems",
     "plateaus": "io.staircase",
     "platform_angles": "mechanisms.shared.platform_kinematics",
     "platform_lengths": "mechanisms.shared.platform_kinematics",
+    "plot_bench": "plot.bench",
     "plot_correlation": "plot.fit_knowledge",
+    "plot_energy": "plot.energy",
     "plot_film": "plot.film_fit",
     "plot_fit": "plot.fit",
     "plot_fit_loops": "plot.fit",
     "plot_fit_residuals": "plot.fit_residuals",
+    "plot_frequency_response": "plot.frequency",
     "plot_likelihood": "plot.fit_likelihood",
     "plot_model": "plot.model",
     "plot_model_loop": "plot.model",
@@ -390,7 +616,9 @@ _HOME = {
     "plot_result": "plot.overview",
     "plot_search": "plot.fit_knowledge",
     "plot_singular_values": "plot.fit_knowledge",
+    "plot_speeds": "plot.speeds",
     "plot_tangents": "plot.tangents",
+    "plot_tuning": "plot.tuning",
     "plot_workspace": "plot.workspace",
     "points_from_power": "identify.film_points",
     "problem": "identify.fitting.problem",
@@ -402,6 +630,7 @@ _HOME = {
     "read_silverbox": "io.public_benchmarks",
     "read_table": "io.tables",
     "read_wiener_hammerstein": "io.public_benchmarks",
+    "relay_test": "control.rules.relay",
     "render_mujoco": "export.mujoco_render",
     "resampled": "signals.sampling.resampling",
     "save": "io.netcdf",
@@ -410,12 +639,17 @@ _HOME = {
     "sensitivity": "simulate.batch",
     "simulate": "simulate.api",
     "simulate_batch": "simulate.batch",
+    "simulate_bench": "bench.run",
     "simulate_controlled": "simulate.controlled",
     "simulate_loop": "simulate.closed_loop",
     "size_wire": "sizing.candidates",
     "solve": "identify.fitting.solve",
+    "speeds": "control.analysis.speed",
     "static_curve": "identify.chains.linearise",
+    "steady_point": "control.design.operating_point:operating_point",
+    "steady_point_at": "control.design.operating_point:operating_point_at",
     "steady_running": "identify.motor_tests",
+    "step_test": "control.rules.step_test",
     "table_waveform": "signals.records",
     "tangent_fit": "identify.tangent_fit",
     "tangent_points": "identify.tangents",
@@ -423,8 +657,10 @@ _HOME = {
     "to_control": "export.control_systems",
     "to_dataset": "io.netcdf",
     "to_mjcf": "export.mjcf",
+    "to_nonlinear_system": "export.control_systems",
     "to_state_space": "export.control_systems",
     "tune": "control.tuning",
+    "tune_bench": "control.search.bench_tuning",
     "unwrap_counter": "io.staircase",
     "validate_model": "identify.chains.validation:validate",
     "winding_resistance": "identify.motor_tests",

@@ -120,7 +120,7 @@ CASES: dict[str, Case] = {
     ),
     "mpc": Case(position(
         Mpc, model=plant(), period=PERIOD, horizon=0.2, blocks=2, price=Price(error=MM),
-        search=Search(plans=16, rounds=1),
+        search=Search(plans=24, rounds=1),
     )),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
     "pid": Case(position(Pid, Kp=400.0, Ki=4.0, Kd=90.0, law=PidLaw(filter=2.0, weight=0.8))),

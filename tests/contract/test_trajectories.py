@@ -46,7 +46,7 @@ def disagreement(a, b):
     return float((np.abs(a - b).max(axis=0) / np.maximum(span, 1e-300)).max())
 
 
-@pytest.fixture(params=["resume", "restart"])
+@pytest.fixture(params=["resume", pytest.param("restart", marks=pytest.mark.slow)])
 def history(request):
     return request.param
 
@@ -85,6 +85,10 @@ def test_numpy_arrays_agree_over_five_seconds(history):
     assert (np.abs(ends[:, 1] - last) <= TOLERANCE * span + 1e-300).all()
 
 
+REPEATED = (
+    "mas-polycrystal-constant-31-internal-stress", "mas-constant-well", "lagoudas-waisted",
+)  # fmt: skip
+"""Second forms of the laws that take longest: with the slow tests."""
 LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0, "1": 0.8}
 PARTS = [
     thing
@@ -94,7 +98,14 @@ PARTS = [
 ]
 
 
-@pytest.mark.parametrize("thing", PARTS, ids=label)
+@pytest.mark.parametrize(
+    "thing",
+    [
+        pytest.param(part, marks=[pytest.mark.slow] if label(part) in REPEATED else [])
+        for part in PARTS
+    ],
+    ids=label,
+)
 def test_every_part_runs_the_same_in_c(thing, c_compiler):
     """Three seconds of on and off with any registered part in a system of one element."""
     system: Any = example_system(thing)

@@ -49,7 +49,8 @@ LOADS: dict[str, AbstractMechanism] = {
     "weight": DeadWeight(mass=0.05),
     "spring": BiasSpring(stiffness=1000.0, preload=0.5),
 }
-LOADED = pytest.mark.parametrize("load", LOADS)
+HEAVY = pytest.mark.slow
+"""Repetitions of a test of which another case stays fast."""
 
 # ---------------------------------------------------------------- the fin
 
@@ -69,7 +70,13 @@ FINS: dict[str, dict[str, float]] = {
 }
 
 
-@pytest.fixture(scope="module", params=FINS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        "long, ideal", "short, finite", "three spans",
+        pytest.param("short, ideal", marks=HEAVY), pytest.param("long, finite", marks=HEAVY),
+    ],
+)  # fmt: skip
 def ladder(request: pytest.FixtureRequest) -> tuple[tuple[float, float], list[Result]]:
     """Exact mean and highest overtemperature, and runs with more and more cells."""
     numbers = FINS[request.param]
@@ -147,7 +154,7 @@ def bench(element: Any, load: str, step: float = 0.02) -> Result:
     return simulate(clamped(element, heavy[load]), pulse, 24.0, step=step, samples=121)
 
 
-@LOADED
+@pytest.mark.parametrize("load", ["weight", pytest.param("spring", marks=HEAVY)])
 def test_without_clamps_it_is_the_lumped_wire(load: str) -> None:
     """Through the transformation, to what the solver leaves in its steps."""
     wire = wire_a(law_a())
@@ -198,8 +205,13 @@ def cycle(load: str, step: float, contact: float = IDEAL) -> tuple[Result, np.nd
     return run, brought - out, wire.heat_capacity_total() * warm + latent * (1.0 - fraction)
 
 
-@LOADED
-@pytest.mark.parametrize("contact", [IDEAL, 1e-4])
+@pytest.mark.parametrize(
+    ("load", "contact"),
+    [
+        ("weight", IDEAL), ("spring", 1e-4),
+        pytest.param("weight", 1e-4, marks=HEAVY), pytest.param("spring", IDEAL, marks=HEAVY),
+    ],
+)  # fmt: skip
 def test_energy_is_conserved_at_second_order_in_time(load: str, contact: float) -> None:
     errors, closing = [], []
     for step in (0.02, 0.01, 0.005):
@@ -222,7 +234,7 @@ def test_forgotten_latent_heat_is_noticed() -> None:
     assert np.abs(kept - forgetful).max() > 0.1 * stored.max()
 
 
-@pytest.mark.parametrize("load", ["weight", pytest.param("spring", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("load", ["weight", pytest.param("spring", marks=HEAVY)])
 def test_stroke_converges_in_the_cells_through_a_transformation(load: str) -> None:
     """Root mean square over a cycle; fronts pass from cell to cell, so orders scatter."""
     wire = thin_wire(10e-3, resistance=PerLengthResistance(r_A=110.0, r_M=125.0))

@@ -15,12 +15,13 @@ RUN = {"step": 10e-3, "samples": 601}
 
 
 def differenced(system, path, share):
-    """d(stroke)/d(parameter) by central differences of fourth order."""
+    """d(stroke)/d(parameter) by central differences of fourth order, of runs in C."""
     x = system.value_of(path)
     width = share * (10.0 if path.endswith("A_f") else x)
 
     def stroke(k):
-        return simulate(system.with_values({path: x + k * width}), SINE_A, 60.0, **RUN).stroke
+        other = system.with_values({path: x + k * width})
+        return simulate(other, SINE_A, 60.0, **RUN, runtime="c").stroke
 
     return (8 * (stroke(1) - stroke(-1)) - (stroke(2) - stroke(-2))) / (12 * width)
 
@@ -29,6 +30,7 @@ PARAMETERS = {"A_f": 1e-4, "C_A": 1e-4, "h0": 1e-4, "diameter": 1e-5}
 
 
 @pytest.mark.parametrize("rule", ["resume", pytest.param("restart", marks=pytest.mark.slow)])
+@pytest.mark.usefixtures("c_compiler")
 def test_slopes_of_the_stroke_are_those_of_differences(rule):
     system = problem_a(rule)
     found = sensitivity(system, SINE_A, 60.0, list(PARAMETERS), **RUN)
@@ -40,6 +42,7 @@ def test_slopes_of_the_stroke_are_those_of_differences(rule):
         ), name
 
 
+@pytest.mark.usefixtures("c_compiler")
 def test_a_wrong_parameter_is_noticed():
     """The slope for C_M is not that for C_A, and an error of 1e-5 is seen."""
     system = problem_a()

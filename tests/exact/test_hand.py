@@ -132,7 +132,7 @@ def test_a_passing_flexor_bends_both_joints_of_its_finger() -> None:
             assert np.abs(column(result, name)).max() < 1e-12, name
 
 
-@pytest.mark.parametrize("tendons", ["separate", "passing"])
+@pytest.mark.parametrize("tendons", [pytest.param("separate", marks=pytest.mark.slow), "passing"])
 def test_fingers_do_not_know_of_each_other(tendons: str) -> None:
     """Each moves alone as it moves together with others that have other powers."""
     together = {
@@ -195,7 +195,7 @@ class Joint(AbstractMultibody):
         return [one, one * GEOMETRY["offset"] / GEOMETRY["knuckle"]]
 
 
-@pytest.mark.parametrize("stiffness", [0.0, 0.02])
+@pytest.mark.parametrize("stiffness", [pytest.param(0.0, marks=pytest.mark.slow), 0.02])
 def test_a_joint_of_the_hand_is_a_joint_alone(stiffness: float) -> None:
     drives = {"flexor": pulse(0.5), "extensor": pulse(3.6)}
     alone = simulate(manned(Joint(stiffness=stiffness)), drives, 6.0, step=STEP, samples=121)

@@ -92,7 +92,7 @@ def test_thresholds_without_activation_are_noticed():
     assert apart(found, wire("mas", 0.005, rates="barrier"), "stress") > 0.5e6
 
 
-@pytest.mark.parametrize("seconds", [1.0, 1e-9])
+@pytest.mark.parametrize("seconds", [pytest.param(1.0, marks=pytest.mark.slow), 1e-9])
 def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
     """Four times the volume halves the thermal width; with or without activation."""
     options = {"ramp": 1e4, "transit_time": seconds}
@@ -107,8 +107,16 @@ def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
     assert gaps[-1] < (0.02e6 if seconds == 1.0 else 0.2e6)
 
 
-@pytest.mark.parametrize("rate", [1e-4, 1e-3, 1e-2, 1e-1])
-@pytest.mark.parametrize("T", [340.0, 355.0, 370.0])
+@pytest.mark.parametrize(
+    ("T", "rate"),
+    [
+        pytest.param(
+            T, rate, marks=[] if (T, rate) in ((340.0, 1e-3), (370.0, 1e-1)) else [pytest.mark.slow]
+        )
+        for T in (340.0, 355.0, 370.0)
+        for rate in (1e-4, 1e-3, 1e-2, 1e-1)
+    ],
+)
 def test_plateaus_of_the_rate_law(T, rate):
     """With the time in which ε_T is used up as the transit time."""
     found = plateaus(stretched(hybrid(transit_time=0.04 / rate), T, rate=rate))

@@ -17,9 +17,9 @@ from builders import ZERO, hanging_wire
 from tuning_cases import DELAY, DT, linear_bench
 
 from martensite.bench.bench import Bench
-from martensite.control.energy import energy_per_cycle
-from martensite.control.frequency import frequency_response
-from martensite.control.speed import speeds
+from martensite.control.analysis.energy import energy_per_cycle
+from martensite.control.analysis.frequency import frequency_response
+from martensite.control.analysis.speed import speeds
 from martensite.errors import InputError, ParameterError
 from martensite.plot.energy import plot_energy
 from martensite.plot.frequency import plot_frequency_response

@@ -127,8 +127,9 @@ def test_law_equals_reference(kind, rule):
 
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("kind", CASES.values(), ids=CASES)
-def test_cuts_change_nothing(kind, rule):
-    for seed in range(15):
+@pytest.mark.parametrize("paths", [3, pytest.param(15, marks=pytest.mark.slow)])
+def test_cuts_change_nothing(kind, rule, paths):
+    for seed in range(paths):
         p, path, start = random_case(1000 + seed, kind)
         whole = followed(p, rule, path, start)
         for substeps in (3, 17, 100):

@@ -24,7 +24,7 @@ def by_kvaerno(p, form):
     [
         ("edge", Wire(), 10e-3),
         ("edge", stiff(Wire()), 10e-3),
-        ("barrier", Wire(), 10e-3),
+        pytest.param("barrier", Wire(), 10e-3, marks=pytest.mark.slow),
         pytest.param("well", Wire(), 5e-3, marks=pytest.mark.slow),
     ],
     ids=["edge", "edge-stiff", "barrier", "well"],

@@ -25,7 +25,12 @@ TIMES = np.linspace(0.0, DURATION, 251)
 AT_13_S = 130
 FULL = {1.5: 92.75, 3.5: 75.44, 5.5: 62.19}
 """Angle [deg] of the whole stroke for r [mm], a = 8 mm; computed for this project."""
-CYCLES = [(r, a) for r in FULL for a in (8.0, 6.0)]
+SLOW = pytest.mark.slow
+QUICK = [(1.5, 8.0), (5.5, 6.0)]
+CYCLES = [
+    pytest.param(r, a, marks=[] if (r, a) in QUICK else [SLOW]) for r in FULL for a in (8.0, 6.0)
+]
+TWO = [(1.5, 8.0), pytest.param(3.5, 6.0, marks=SLOW)]
 
 
 def angle_and_stress(r, a, plus, minus):
@@ -100,7 +105,7 @@ def apart(a, b):
 # ---------------------------------------------------------------- the rate law
 
 
-@pytest.mark.parametrize("r", FULL)
+@pytest.mark.parametrize("r", [1.5, *(pytest.param(r, marks=SLOW) for r in (3.5, 5.5))])
 def test_full_stroke(r):
     """The root of the geometry alone, at the temperature that 2 W holds."""
     found = by_radau(r, 8.0)
@@ -111,7 +116,7 @@ def test_full_stroke(r):
         assert run.fraction[0] == run.fraction[-1] == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(("r", "a"), [(1.5, 8.0), (3.5, 6.0)])
+@pytest.mark.parametrize(("r", "a"), TWO)
 def test_the_rate_law_agrees_with_radau(r, a):
     degrees, stress, strain, kelvin = apart(ours("mas", r, a), by_radau(r, a))
     assert degrees < 0.03
@@ -132,7 +137,7 @@ def test_the_hybrid_law_follows_the_rate_law(r, a):
     assert kelvin < 0.2
 
 
-@pytest.mark.parametrize(("r", "a"), [(1.5, 8.0), (3.5, 6.0)])
+@pytest.mark.parametrize(("r", "a"), TWO)
 def test_the_hybrid_law_at_the_step_of_the_rate_law(r, a):
     degrees, stress, strain, _ = apart(ours("mas-hybrid", r, a), ours("mas", r, a))
     assert stress < 0.2e6

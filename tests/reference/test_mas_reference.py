@@ -20,6 +20,11 @@ FORMS = ("barrier", "edge", "well")
 PATHS = 2
 
 
+def quick(*forms):
+    """All forms; those not named with the slow tests."""
+    return [f if f in forms else pytest.param(f, marks=pytest.mark.slow) for f in FORMS]
+
+
 def column(corners, i):
     """Linear interpolation of column i between the corners."""
     table = np.array(corners)
@@ -92,7 +97,7 @@ def random_case(k):
     return corners, tuple(rng.dirichlet([1.0, 1.0, 1.0])[:2].tolist())
 
 
-@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("form", quick("edge"))
 def test_random_paths_converge_to_the_equations(form):
     """Up to 100 MPa/s and 30 K/s, turning in the middle of transformations."""
     errors = []
@@ -107,8 +112,13 @@ def test_random_paths_converge_to_the_equations(form):
     assert fine < 0.4 * coarse
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("mpa", [2.0, 150.0])
+@pytest.mark.parametrize(
+    ("mpa", "form"),
+    [
+        (2.0, "barrier"), (2.0, "edge"), (2.0, "well"), (150.0, "barrier"), (150.0, "edge"),
+        pytest.param(150.0, "well", marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
 def test_heating_and_cooling_at_constant_stress(form, mpa):
     """At 1 K/s: complete transformations."""
     corners = [(0.0, mpa * 1e6, 290.0), (110.0, mpa * 1e6, 400.0), (220.0, mpa * 1e6, 290.0)]
@@ -121,9 +131,18 @@ def test_heating_and_cooling_at_constant_stress(form, mpa):
 # ---------------------------------------------------------------- strain prescribed
 
 
-@pytest.mark.parametrize("form", FORMS)
+STRETCHED = [(355.0, (0.0, 0.0)), (325.0, (0.0, 0.0)), (305.0, (0.5, 0.5))]
+QUICK = [("edge", 355.0), ("edge", 305.0), ("barrier", 305.0)]
+"""The others repeat them: with the slow tests."""
+
+
 @pytest.mark.parametrize(
-    ("T", "start"), [(355.0, (0.0, 0.0)), (325.0, (0.0, 0.0)), (305.0, (0.5, 0.5))]
+    ("form", "T", "start"),
+    [
+        pytest.param(form, *case, marks=[] if (form, case[0]) in QUICK else [pytest.mark.slow])
+        for form in FORMS
+        for case in STRETCHED
+    ],
 )
 def test_stretching_at_constant_rate(form, T, start):
     corners = there_and_back(0.05, 1e-3, T)

@@ -88,8 +88,9 @@ def test_half_the_step_leaves_a_quarter_of_the_error():
 @pytest.mark.parametrize(
     ("wire", "form", "tolerance"),
     [
-        ("nominal", "edge", 1e-4), ("stiff", "edge", 1e-4), ("nominal", "barrier", 1e-4),
-        ("nominal", "well", 5e-4),
+        ("nominal", "edge", 1e-4), ("stiff", "edge", 1e-4),
+        pytest.param("nominal", "barrier", 1e-4, marks=pytest.mark.slow),
+        pytest.param("nominal", "well", 5e-4, marks=pytest.mark.slow),
     ],
 )  # fmt: skip
 def test_the_tolerance_is_met(wire, form, tolerance):
@@ -113,11 +114,11 @@ def test_the_tolerance_is_met(wire, form, tolerance):
         ("nominal", "edge", 20e-3, 1e-5, 1e-4),
         ("nominal", "barrier", 20e-3, 1e-5, 1e-4),
         ("nominal", "well", 20e-3, 1e-4, 1e-3),
-        ("nominal", "well", 5e-3, 1e-5, 1e-4),
+        pytest.param("nominal", "well", 5e-3, 1e-5, 1e-4, marks=pytest.mark.slow),
         ("stiff", "edge", 20e-3, 1e-4, 2e-4),
         ("stiff", "edge", 10e-3, 1e-5, 1e-4),
-        ("stiff", "barrier", 20e-3, 1e-4, 1e-4),
-        ("stiff", "well", 20e-3, 1e-4, 2e-4),
+        pytest.param("stiff", "barrier", 20e-3, 1e-4, 1e-4, marks=pytest.mark.slow),
+        pytest.param("stiff", "well", 20e-3, 1e-4, 2e-4, marks=pytest.mark.slow),
     ],
 )
 def test_the_package_agrees_with_radau(wire, form, step, rms, largest):
@@ -140,6 +141,7 @@ def by_ros2(wire, step, form="edge"):
     return np.array([*y, x])[:, :: round(0.1 / step)]
 
 
+@pytest.mark.slow
 def test_a_rosenbrock_scheme_is_right_with_short_steps():
     assert apart(by_ros2("nominal", 10e-3), by_radau())[0] < 1e-5
     assert apart(by_ros2("stiff", 5e-3), by_radau("stiff"))[0] < 1e-5

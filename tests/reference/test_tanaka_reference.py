@@ -23,8 +23,9 @@ def tanaka(rule, numbers):
 
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("kind", CASES.values(), ids=CASES)
-def test_law_equals_reference(kind, rule):
-    assert worst(kind, rule, 1000) <= TOLERANCE
+@pytest.mark.parametrize("paths", [200, pytest.param(1000, marks=pytest.mark.slow)])
+def test_law_equals_reference(kind, rule, paths):
+    assert worst(kind, rule, paths) <= TOLERANCE
 
 
 @pytest.mark.parametrize("rule", RULES)

@@ -190,7 +190,7 @@ class TestSeveralDrives:
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"sensors": Sensors(x=Mounted(sensor=PositionSensor(), of="positon"))}, "`position`"),
+        ({"sensors": Sensors(x=Mounted(sensor=PositionSensor(), of=("positon",)))}, "`position`"),
         ({"controllers": Controllers(drive=pid(measured="positoin"))}, "`position`"),
         ({"controllers": Controllers(wire=pid())}, "`drive`"),
         ({"faults": Faults(f=Stuck(sensor="encoder"))}, "`position`"),

@@ -14,15 +14,15 @@ from tuning_cases import linear_bench, wire_bench
 
 from martensite.bench.bench import Bench
 from martensite.bench.parts import Controllers
-from martensite.control.bench_tuning import tune_bench
-from martensite.control.free_gains import free_gains
-from martensite.control.gain_search import Search
-from martensite.control.goals import ERRORS, Cost, Course, Goal
-from martensite.control.loop_runs import LoopRuns, Seen, judged_output
-from martensite.control.measures import measures
-from martensite.control.over_plants import OverPlants, over_plants
-from martensite.control.perturbed import METHODS, draw_plants
-from martensite.control.rule_starts import gains_by_tests, loop_tests, pid_values
+from martensite.control.rules.rule_starts import gains_by_tests, loop_tests, pid_values
+from martensite.control.search.bench_tuning import tune_bench
+from martensite.control.search.free_gains import free_gains
+from martensite.control.search.gain_search import Search
+from martensite.control.search.goals import ERRORS, Cost, Course, Goal
+from martensite.control.search.loop_runs import LoopRuns, Seen, judged_output
+from martensite.control.search.measures import measures
+from martensite.control.search.over_plants import OverPlants, over_plants
+from martensite.control.search.perturbed import METHODS, draw_plants
 from martensite.errors import ParameterError, SolveError
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))

@@ -10,8 +10,8 @@ from builders import problem_a
 from martensite.bench.bench import Bench
 from martensite.bench.mounted import Mounted
 from martensite.bench.parts import Controllers, Sensors
-from martensite.control.linear import in_readings, linearised
-from martensite.control.operating_point import operating_point_at
+from martensite.control.design.linear import in_readings, linearised
+from martensite.control.design.operating_point import operating_point_at
 from martensite.controllers.pid import Pid, PidLaw
 from martensite.errors import InputError
 from martensite.export.control_systems import (

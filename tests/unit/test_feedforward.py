@@ -14,7 +14,7 @@ from builders import law_a, problem_a, wire_a
 from martensite.bench.bench import Bench
 from martensite.bench.mounted import Mounted
 from martensite.bench.parts import Controllers, Sensors
-from martensite.control.inverse_hysteresis import identify_hysteresis, rising_curve
+from martensite.control.design.inverse_hysteresis import identify_hysteresis, rising_curve
 from martensite.control.response import rms_error
 from martensite.controllers.base import AbstractController
 from martensite.controllers.correction import Correction

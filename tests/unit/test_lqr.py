@@ -13,9 +13,9 @@ from scipy.linalg import solve_discrete_lyapunov
 
 from martensite.bench.bench import Bench
 from martensite.bench.parts import Controllers
-from martensite.control.linear import Readings, in_readings, linearised, mean_of
-from martensite.control.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
-from martensite.control.operating_point import (
+from martensite.control.design.linear import Readings, in_readings, linearised, mean_of
+from martensite.control.design.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
+from martensite.control.design.operating_point import (
     OperatingPoint,
     operating_point,
     operating_point_at,

@@ -13,7 +13,7 @@ import pytest
 from scipy.optimize import brentq
 from tuning_cases import DELAY, DT, linear_bench
 
-from martensite.control.relay import (
+from martensite.control.rules.relay import (
     RELAY_CITES,
     RELAY_RULES,
     LimitCycle,

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from tuning_cases import DELAY, DT, linear_bench
 
-from martensite.control.first_order_fit import fitted
-from martensite.control.rules import (
+from martensite.control.rules.first_order_fit import fitted
+from martensite.control.rules.formulas import (
     FORMS,
     RULES,
     FirstOrder,
@@ -22,7 +22,7 @@ from martensite.control.rules import (
     gains_by_rule,
     series,
 )
-from martensite.control.step_test import holding, step_test
+from martensite.control.rules.step_test import holding, step_test
 from martensite.errors import DataError, ParameterError
 from martensite.io.citations import bibliography
 

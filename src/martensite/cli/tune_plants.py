@@ -10,10 +10,10 @@ from martensite.errors import InputError, ParameterError, suggestion
 
 if TYPE_CHECKING:
     from martensite.bench.bench import Bench
-    from martensite.control.bench_tuning import TunedBench
-    from martensite.control.loop_runs import LoopRuns
-    from martensite.control.over_plants import Ratio
-    from martensite.control.perturbed import Plants
+    from martensite.control.search.bench_tuning import TunedBench
+    from martensite.control.search.loop_runs import LoopRuns
+    from martensite.control.search.over_plants import Ratio
+    from martensite.control.search.perturbed import Plants
     from martensite.io.scenario import Scenario
 
 PLANTS = 64
@@ -29,7 +29,7 @@ def drawn_plants(
     """
     if not texts:
         return None, None
-    from martensite.control.perturbed import draw_plants
+    from martensite.control.search.perturbed import draw_plants
 
     spreads = dict(_spread(text, scenario, bench) for text in texts)
     first, second = (
@@ -65,7 +65,7 @@ def judged(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | 
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None
-    from martensite.control.over_plants import over_plants
+    from martensite.control.search.over_plants import over_plants
 
     both = over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")

@@ -14,11 +14,11 @@ from martensite.errors import InputError, ParameterError, UnknownNameError
 
 if TYPE_CHECKING:
     from martensite.bench.bench import Bench
-    from martensite.control.bench_tuning import TunedBench
-    from martensite.control.loop_runs import LoopRuns
-    from martensite.control.over_plants import Ratio
-    from martensite.control.perturbed import Plants
-    from martensite.control.rule_starts import LoopTests
+    from martensite.control.rules.rule_starts import LoopTests
+    from martensite.control.search.bench_tuning import TunedBench
+    from martensite.control.search.loop_runs import LoopRuns
+    from martensite.control.search.over_plants import Ratio
+    from martensite.control.search.perturbed import Plants
     from martensite.io.scenario import Scenario
 
 TRIED = 3
@@ -60,8 +60,8 @@ class Given:
 
     def _rules(self) -> list[str]:
         """Rules of the method."""
-        from martensite.control.relay import RELAY_RULES
-        from martensite.control.rules import RULES
+        from martensite.control.rules.formulas import RULES
+        from martensite.control.rules.relay import RELAY_RULES
 
         return list(RULES if self.method == "rules" else RELAY_RULES)
 
@@ -90,7 +90,7 @@ def run_tuning(scenario: Scenario, given: Given) -> Tuning:
         InputError: the scenario has no loop, or an option does not fit it.
         SolveError: the loop cannot be run.
     """
-    from martensite.control.loop_runs import loop_of
+    from martensite.control.search.loop_runs import loop_of
 
     bench = _bench(scenario)
     drive = loop_of(bench, given.loop)
@@ -129,7 +129,7 @@ def _duration(given: Given, scenario: Scenario) -> float:
 
 
 def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
-    from martensite.control.loop_runs import LoopRuns
+    from martensite.control.search.loop_runs import LoopRuns
     from martensite.simulate.driven import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
@@ -153,7 +153,7 @@ def _level(given: Given, runs: LoopRuns) -> float:
 
 
 def _tests(given: Given, runs: LoopRuns, scenario: Scenario) -> LoopTests:
-    from martensite.control.rule_starts import loop_tests
+    from martensite.control.rules.rule_starts import loop_tests
     from martensite.simulate.driven import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
@@ -166,10 +166,10 @@ def _tests(given: Given, runs: LoopRuns, scenario: Scenario) -> LoopTests:
 
 def _ruled(runs: LoopRuns, given: Given, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
     """Gains by one rule, and the loop before and after."""
-    from martensite.control.bench_tuning import compared
-    from martensite.control.relay import gains_by_relay
-    from martensite.control.rule_starts import pid_values
-    from martensite.control.rules import gains_by_rule
+    from martensite.control.rules.formulas import gains_by_rule
+    from martensite.control.rules.relay import gains_by_relay
+    from martensite.control.rules.rule_starts import pid_values
+    from martensite.control.search.bench_tuning import compared
 
     tests, form = _tests(given, runs, scenario), given.form or "pid"
     if given.method == "rules":
@@ -188,9 +188,9 @@ def _searched(
     runs: LoopRuns, given: Given, length: float, scenario: Scenario, plants: Plants | None
 ) -> tuple[TunedBench, LoopTests | None, str]:
     """Gains of least cost."""
-    from martensite.control.bench_tuning import tune_bench
-    from martensite.control.gain_search import Search
-    from martensite.control.goals import Goal
+    from martensite.control.search.bench_tuning import tune_bench
+    from martensite.control.search.gain_search import Search
+    from martensite.control.search.goals import Goal
     from martensite.controllers.pid import Pid
     from martensite.simulate.driven import by_name
 
@@ -224,7 +224,7 @@ def _starts(
     """The best gains by rules on the nominal plant; none where the tests cannot be made."""
     if not pid:
         return None, []
-    from martensite.control.rule_starts import best_rules
+    from martensite.control.rules.rule_starts import best_rules
 
     try:
         tests = _tests(given, runs, scenario)

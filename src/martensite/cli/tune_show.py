@@ -144,8 +144,8 @@ def _rows(found: Tuning) -> list[tuple[str, str, str]]:
 def _number(name: str, value: float, found: Tuning) -> str:
     """A measure in a unit that people read."""
     from martensite import units
-    from martensite.control.loop_runs import judged_output
-    from martensite.control.measures import UNITS
+    from martensite.control.search.loop_runs import judged_output
+    from martensite.control.search.measures import UNITS
 
     bench = found.found.bench
     unit = bench.outputs()[judged_output(bench, found.drive)].unit

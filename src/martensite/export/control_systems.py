@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from martensite.bench.names import JITTER, NOISE
-from martensite.control.linear import linearised
-from martensite.control.operating_point import OperatingPoint
+from martensite.control.design.linear import linearised
+from martensite.control.design.operating_point import OperatingPoint
 from martensite.errors import InputError, suggestion
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear

@@ -100,7 +100,7 @@ def temperatures(result: Result) -> list[str]:
     return [plant.label(port, TEMPERATURE) for port in plant.actuators()]
 
 
-def estimates(result: Result, found: list[Loop]) -> list[str]:
+def estimates(result: Result, found: Sequence[Loop]) -> list[str]:
     """Columns of estimates whose truth is known, and which no loop shows."""
     shown = {loop.reading for loop in found}
     return [

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.control.energy import CycleEnergies
+from martensite.control.analysis.energy import CycleEnergies
 from martensite.plot.fit import headline
 from martensite.plot.style import COOLING, FAINT, HEATING, INK, SIMULATED, new_figure, styled
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite import units
-from martensite.control.frequency import FrequencyResponse
+from martensite.control.analysis.frequency import FrequencyResponse
 from martensite.plot.differences import ratio
 from martensite.plot.fit import headline
 from martensite.plot.machine import colours

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite import units
-from martensite.control.speed import Speeds
+from martensite.control.analysis.speed import Speeds
 from martensite.plot.differences import difference
 from martensite.plot.fit import headline
 from martensite.plot.machine import colours

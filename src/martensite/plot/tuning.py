@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from martensite import units
-from martensite.control.bench_tuning import TunedBench
-from martensite.control.loop_runs import judged_output
+from martensite.control.search.bench_tuning import TunedBench
+from martensite.control.search.loop_runs import judged_output
 from martensite.plot.style import HEATING, INK, QUIET, new_figure, styled
 
 if TYPE_CHECKING:

@@ -26,6 +26,11 @@ class Interrupted(AbstractSource):
         """As the source: a chamber has no circuit."""
         return self.source.sets_temperature
 
+    @property
+    def supplied_by(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Parameters of the source that are its supply: a fault of that still finds them."""
+        return tuple(f"source.{name}" for name in self.source.supplied_by)
+
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)

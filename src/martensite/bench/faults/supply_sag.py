@@ -32,6 +32,6 @@ class SupplySag(AbstractFault):
 
         def sagged(one: Actuator) -> dict[str, Scalar]:
             source = one.source
-            return {f"source.{n}": getattr(source, n) * left for n in source.supplied_by}
+            return {f"source.{n}": source.value_of(n) * left for n in source.supplied_by}
 
         return changed(plant, self.drive, sagged)

@@ -1,4 +1,9 @@
-"""A guard from what is known of a plant: bounds on the temperature of every element."""
+"""A guard from what is known of a plant: bounds on the temperature of every element.
+
+The bound is for elements of one temperature: a wire, a coil, and bundles and chains of them, with
+power, heat capacity and heat loss of the whole. A ribbon or an axial wire has many temperatures;
+the whole, with wires that carry no current in it, says nothing of the hottest of them.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +14,12 @@ from martensite.bench.supervisors.checks.base import AbstractCheck, Checks
 from martensite.bench.supervisors.checks.thermal_bound import ThermalBound
 from martensite.bench.supervisors.guard import Guard
 from martensite.elements.base import AbstractElement
-from martensite.elements.round_wire import AbstractRoundWire
+from martensite.elements.lumped import AbstractLumped
 from martensite.errors import InputError
 from martensite.runtimes import floats
 from martensite.system import AbstractSystem, Actuator
 from martensite.thermal.base import Environment
-from martensite.thermal.ends import AdiabaticEnds
+from martensite.thermal.ends import AbstractEnds, AdiabaticEnds
 
 GRID = 201
 """Temperatures and resistances among which the worst is searched."""
@@ -31,7 +36,7 @@ def guard_for(
     """A guard that bounds the temperature of every element of a plant without a sensor.
 
     Args:
-        system: the plant; its elements are round wires, such as `wire` or `coil-spring`.
+        system: the plant; its elements have one temperature, such as `wire` or a bundle of them.
         temperature_limit: highest temperature [K]; by default that of the limits of each element.
         hottest: hottest surroundings [K]; by default the ambient temperature of each.
         least_cooling: least film coefficient over that of the environment, such as 0.5 for air
@@ -44,7 +49,7 @@ def guard_for(
         checks: further checks by name.
 
     Raises:
-        InputError: there is no limit, no full signal, or the element is no round wire.
+        InputError: there is no limit, no full signal, or an element has many temperatures.
     """
     found: dict[str, AbstractCheck] = dict(checks or {})
     for port, one in system.actuators().items():
@@ -74,7 +79,7 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
         hottest: highest temperature of the element [K].
         full: the signal.
     """
-    element, source = _round(actuator.element), actuator.source
+    element, source = _lumped(actuator.element), actuator.source
     ohms = [
         element.ohms(floats, fraction, strain, temperature)
         for fraction in (0.0, 1.0)
@@ -91,7 +96,7 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
 
 def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:
     """Least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
-    element = _round(actuator.element).with_parts(ends=AdiabaticEnds())
+    element = _endless(_lumped(actuator.element))
     around = Environment(temperature=ambient, cooling=actuator.environment.cooling)
     warm = _grid(ambient, limit)[1:]
     return min(element.heat_loss(floats, one, around) / (one - ambient) for one in warm)
@@ -107,14 +112,22 @@ def _full(actuator: Actuator, full: float | None) -> float:
     return 1.0 if full is None else full
 
 
-def _round(element: AbstractElement) -> AbstractRoundWire:
-    """The element, if it is made of one round wire."""
-    if not isinstance(element, AbstractRoundWire):
+def _lumped(element: AbstractElement) -> AbstractLumped:
+    """The element, if it has one temperature."""
+    if not isinstance(element, AbstractLumped):
         raise InputError(
-            f"The bound of a guard is known for elements of one round wire, not for "
-            f"`{element.registered_name}`; give it as a check `thermal-bound`."
+            f"The bound of a guard is known for elements of one temperature, such as `wire`, not "
+            f"for `{element.registered_name}`; give it as a check `thermal-bound`."
         )
     return element
+
+
+def _endless(element: AbstractElement) -> AbstractElement:
+    """The element, and those that it is made of, with ends that lose nothing."""
+    parts = dict(element.children())
+    inner = {n: _endless(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
+    ends = {n: AdiabaticEnds() for n, one in parts.items() if isinstance(one, AbstractEnds)}
+    return element.with_parts(**inner, **ends)
 
 
 def _grid(low: float, high: float) -> list[float]:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.control.rules import FirstOrder, Integrating
+from martensite.control.rules.formulas import FirstOrder, Integrating
 from martensite.errors import DataError
 
 Numbers = NDArray[Any]

@@ -1,12 +1,12 @@
-r"""A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
+""" "A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
 
     signal u₀ → u₀ + Δ → u₀, each for some time
 
-Models of first order with dead time (`martensite.control.first_order_fit`) are fitted to the step
-up (heating) and to the step back (cooling): a shape-memory actuator is heated by power and cools
-by itself, and what it does has hysteresis, so that the two differ, and a step smaller than the
-hysteresis moves hardly anything on its way back. `holding` finds what signals hold a level on the
-way up and down: a step must go from below the one to above the other.
+Models of first order with dead time (`martensite.control.rules.first_order_fit`) are fitted to the
+step up (heating) and to the step back (cooling): a shape-memory actuator is heated by power and
+cools by itself, and what it does has hysteresis, so that the two differ, and a step smaller than
+the hysteresis moves hardly anything on its way back. `holding` finds what signals hold a level on
+the way up and down: a step must go from below the one to above the other.
 
 What is looked at is the reading that the controller has, with its lag, delay and noise.
 """
@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from martensite.bench.bench import Bench
 from martensite.bench.names import MEASURED
 from martensite.bench.run import opened, simulate_bench
-from martensite.control.first_order_fit import Response, fitted
-from martensite.control.loop_runs import loop_of
-from martensite.control.rules import FirstOrder
+from martensite.control.rules.first_order_fit import Response, fitted
+from martensite.control.rules.formulas import FirstOrder
+from martensite.control.search.loop_runs import loop_of
 from martensite.errors import ParameterError
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant

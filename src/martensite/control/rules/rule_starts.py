@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.bench.bench import Bench
-from martensite.control.goals import Course
-from martensite.control.loop_runs import LoopRuns, Seen, loop_of
-from martensite.control.measures import itae
-from martensite.control.relay import RELAY_RULES, LimitCycle, gains_by_relay, relay_test
-from martensite.control.rules import FORMS, RULES, Ideal, gains_by_rule
-from martensite.control.step_test import Holding, StepTest, Waveforms, holding, step_test
+from martensite.control.rules.formulas import FORMS, RULES, Ideal, gains_by_rule
+from martensite.control.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, relay_test
+from martensite.control.rules.step_test import Holding, StepTest, Waveforms, holding, step_test
+from martensite.control.search.goals import Course
+from martensite.control.search.loop_runs import LoopRuns, Seen, loop_of
+from martensite.control.search.measures import itae
 from martensite.controllers.pid import Pid
 from martensite.errors import DataError, ParameterError
 

@@ -24,7 +24,7 @@ from typing import Any, cast
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from martensite.control.linear import Readings
+from martensite.control.design.linear import Readings
 from martensite.controllers.state_feedback import StateFeedback
 from martensite.errors import ParameterError, SolveError, suggestion
 from martensite.identify.chains.linear_system import Linear

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.control.goals import Course, Numbers
-from martensite.control.loop_runs import LoopRuns, Seen
-from martensite.control.measures import itae
-from martensite.control.perturbed import Plants
+from martensite.control.search.goals import Course, Numbers
+from martensite.control.search.loop_runs import LoopRuns, Seen
+from martensite.control.search.measures import itae
+from martensite.control.search.perturbed import Plants
 from martensite.errors import ParameterError, suggestion
 
 

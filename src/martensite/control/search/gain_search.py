@@ -1,14 +1,14 @@
 """The search for parameters of least cost over a batch of plants.
 
-The cost of `martensite.control.goals` is followed downhill with its exact derivatives, which are
-marched in C beside the values (`martensite.control.loop_runs`), by the method L-BFGS-B (Byrd, Lu,
-Nocedal and Zhu (1995); SciPy) on logarithms of gains, from the best of several starts. Starts are
-the numbers of the bench, those that are given, such as gains by rules, and some scattered around
-the best of them. Between its switchings a loop is smooth, over them it jumps a little: where a
-search ends on such an edge, a cloud of points around it is tried and the best gone on from. In a
-loop that swings by itself derivatives grow from swing to swing: they are shortened to what can be.
-What acts through a switch alone, such as the band of an ON/OFF controller, has no derivative; then
-scattered starts and clouds are all that searches.
+The cost of `martensite.control.search.goals` is followed downhill with its exact derivatives,
+which are marched in C beside the values (`martensite.control.search.loop_runs`), by the method
+L-BFGS-B (Byrd, Lu, Nocedal and Zhu (1995); SciPy) on logarithms of gains, from the best of several
+starts. Starts are the numbers of the bench, those that are given, such as gains by rules, and some
+scattered around the best of them. Between its switchings a loop is smooth, over them it jumps a
+little: where a search ends on such an edge, a cloud of points around it is tried and the best gone
+on from. In a loop that swings by itself derivatives grow from swing to swing: they are shortened
+to what can be. What acts through a switch alone, such as the band of an ON/OFF controller, has no
+derivative; then scattered starts and clouds are all that searches.
 
 Without a compiler the method is that of Nelder and Mead, without derivatives.
 """
@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.control.free_gains import FreeGain, values_at
-from martensite.control.goals import Cost, Numbers
-from martensite.control.loop_runs import LoopRuns, Seen
-from martensite.control.perturbed import Plants
+from martensite.control.search.free_gains import FreeGain, values_at
+from martensite.control.search.goals import Cost, Numbers
+from martensite.control.search.loop_runs import LoopRuns, Seen
+from martensite.control.search.perturbed import Plants
 from martensite.errors import SolveError
 
 Tell = Callable[[str, float], None]

@@ -1,8 +1,8 @@
 """Tuning on the bench itself: parameters of controllers of least cost, over a batch of plants.
 
-The cost is that of `martensite.control.goals`, the search that of `martensite.control.gain_search`,
-with exact derivatives through the loop. Starts are the numbers of the bench and those that are
-given, such as gains by rules.
+The cost is that of `martensite.control.search.goals`, the search that of
+`martensite.control.search.gain_search`, with exact derivatives through the loop. Starts are the
+numbers of the bench and those that are given, such as gains by rules.
 
 Sensors, observers and controllers are those of the bench in every run; what is drawn are plants.
 """
@@ -15,12 +15,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from martensite.bench.bench import Bench
-from martensite.control.free_gains import Bounds, FreeGain, free_gains, values_at
-from martensite.control.gain_search import Hunt, Search, Tell
-from martensite.control.goals import Cost, Course, Goal, Numbers
-from martensite.control.loop_runs import LoopRuns, Seen
-from martensite.control.measures import Measures, measures
-from martensite.control.perturbed import Plants
+from martensite.control.search.free_gains import Bounds, FreeGain, free_gains, values_at
+from martensite.control.search.gain_search import Hunt, Search, Tell
+from martensite.control.search.goals import Cost, Course, Goal, Numbers
+from martensite.control.search.loop_runs import LoopRuns, Seen
+from martensite.control.search.measures import Measures, measures
+from martensite.control.search.perturbed import Plants
 from martensite.errors import SolveError
 from martensite.signals.base import AbstractWaveform
 

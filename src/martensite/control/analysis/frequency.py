@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.control.driven_lanes import DrivenLanes, require_positive
-from martensite.control.operating_point import operating_point
+from martensite.control.analysis.driven_lanes import DrivenLanes, require_positive
+from martensite.control.design.operating_point import operating_point
 from martensite.errors import InputError
 from martensite.signals.sampling.sampled import Numbers
 from martensite.system import AbstractSystem

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from martensite.control.goals import Course, Numbers
-from martensite.control.loop_runs import Seen
 from martensite.control.response import BAND
+from martensite.control.search.goals import Course, Numbers
+from martensite.control.search.loop_runs import Seen
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ from martensite.bench.bench import Bench
 from martensite.bench.names import MEASURED, REFERENCE, WANTED, references
 from martensite.bench.parts import Controllers
 from martensite.bench.run import simulate_bench
-from martensite.control.loop_runs import loop_of
-from martensite.control.rules import FORMS, Ideal
+from martensite.control.rules.formulas import FORMS, Ideal
+from martensite.control.search.loop_runs import loop_of
 from martensite.controllers.on_off import OnOff
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.signals.base import AbstractWaveform

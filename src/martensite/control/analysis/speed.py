@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.control.driven_lanes import DrivenLanes, require_positive
+from martensite.control.analysis.driven_lanes import DrivenLanes, require_positive
 from martensite.control.response import RISE
 from martensite.errors import InputError
 from martensite.signals.sampling.sampled import Numbers

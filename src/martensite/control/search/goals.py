@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.control.loop_runs import Seen
+from martensite.control.search.loop_runs import Seen
 from martensite.errors import ParameterError, suggestion
 
 Numbers = NDArray[np.float64]

@@ -26,7 +26,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from martensite.control.operating_point import OperatingPoint
+from martensite.control.design.operating_point import OperatingPoint
 from martensite.errors import InputError, suggestion
 from martensite.identify.chains.linear_system import Linear
 from martensite.runtimes import floats

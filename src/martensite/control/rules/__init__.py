@@ -1,0 +1,1 @@
+"""Rules for gains, and the tests of a loop that they need."""

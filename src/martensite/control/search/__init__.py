@@ -1,0 +1,1 @@
+"""Gains by search: exact derivatives through the closed loop, over perturbed plants."""

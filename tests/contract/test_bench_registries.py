@@ -1,0 +1,459 @@
+"""Every registered observer, fault, check and supervisor keeps the promises of its interface.
+
+Observers run beside the plant: C does what floats do, they tell as many numbers as they name,
+remember as many at every sample, stay numbers whatever a sensor says, and rest with the plant.
+Faults leave no trace before they begin and disturb nothing once they are over. Guards are silent
+while all is well, and cut as they say when it is not. The plant is the wire of problem A under a
+switched voltage; all faults and all checks share one program, in which most of them never act.
+That kernels mean the same on every runtime is checked with those of all other parts.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import example, problem_a
+
+from martensite.bench.bench import Bench
+from martensite.bench.faults.base import FAULTS
+from martensite.bench.faults.stuck import Stuck
+from martensite.bench.faults.supply_sag import SupplySag
+from martensite.bench.mounted import NEVER, Mounted
+from martensite.bench.parts import Faults, Observers, Sensors
+from martensite.bench.run import simulate_bench
+from martensite.bench.supervisor import SUPERVISORS
+from martensite.bench.supervisors.checks import base as checks_base
+from martensite.bench.supervisors.checks.above import Overheat
+from martensite.bench.supervisors.checks.base import CHECKS, Checks, Looked, alarm_names
+from martensite.bench.supervisors.from_plant import guard_for
+from martensite.bench.supervisors.guard import Guard
+from martensite.electrical.pwm import PwmVoltage
+from martensite.errors import ParameterError
+from martensite.observers import hidden
+from martensite.observers.base import ESTIMATED, OBSERVERS
+from martensite.observers.inverse import InverseModel
+from martensite.runtimes import floats
+from martensite.sensors.ideal import IdealSensor
+from martensite.sensors.resistance import ResistanceSensor
+from martensite.signals.sine import Sine
+
+PLANT = problem_a(source=PwmVoltage(supply=6.0))
+PERIOD, SAMPLES = 0.05, 60
+HEATING = Sine(low=0.05, high=0.3, frequency=0.4)
+LATE = 1e6
+"""When nothing is looked at any more [s]."""
+FIRST, LAST = 20, 35
+"""Samples in which a fault is there, the last one not."""
+
+Columns = dict[str, np.ndarray]
+
+
+def columns(bench: Bench, runtime: str | None = None, seed: int | None = None) -> Columns:
+    """A run of a bench, heated from outside."""
+    waves = {"drive": HEATING}
+    end = SAMPLES * PERIOD
+    found = simulate_bench(bench, end, waveforms=waves, seed=seed, runtime=runtime)
+    return {"time": np.array(found.times)} | {n: np.array(c) for n, c in found.columns.items()}
+
+
+def agree(one: Columns, other: Columns) -> None:
+    """Raise unless two runs are one, to 1e-7 of the size of each column."""
+    for name, values in one.items():
+        size = max(np.ptp(values), 1e-3 * np.abs(values).max())
+        np.testing.assert_allclose(values, other[name], rtol=0.0, atol=1e-7 * size, err_msg=name)
+
+
+# ---------------------------------------------------------------- observers
+
+
+@cache
+def observer(name: str) -> Any:
+    return example(OBSERVERS[name], model=PLANT)
+
+
+def watched(one: Any) -> Bench:
+    meter = Mounted(sensor=ResistanceSensor(relative_noise=0.005))
+    return Bench(
+        plant=PLANT, period=PERIOD, substeps=1, sensors=Sensors(resistance=meter),
+        observers=Observers(wire=one),
+    )  # fmt: skip
+
+
+def at_rest(one: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Readings and signals of the model at rest."""
+    state = one.model.init(floats, 0.0)
+    seen = dict(zip(one.model.outputs(), one.model.observe(floats, state, 0.0), strict=True))
+    readings = {name: seen[name] for name in one.reads()}
+    return readings | {f"{name}.age": 0.0 for name in readings}, {"drive": 0.0}
+
+
+def check_shape(one: Any) -> None:
+    """As many estimates as names, and as many numbers remembered, at every sample."""
+    readings, signals = at_rest(one)
+    guess, memory = one.rest(floats, readings, signals)
+    count = len(memory)
+    for k in range(3):
+        assert len(guess) == len(one.estimates())
+        assert len(memory) == count
+        assert all(isinstance(x, float | int) for x in (*guess, *memory))
+        guess, memory = one.update(floats, memory, readings, {"drive": 0.1 * k}, PERIOD, 1 + k)
+
+
+def check_absurd(one: Any) -> None:
+    """Whatever a sensor says, and if it never says anything, estimates are numbers."""
+    readings, signals = at_rest(one)
+    for said, age in ((1e9, 0.0), (-1e9, 0.0), (0.0, 0.0), (1e-300, 0.0), (1e9, NEVER)):
+        told = {name: age if name.endswith(".age") else said for name in readings}
+        guess, memory = one.rest(floats, told, signals)
+        for _ in range(3):
+            guess, memory = one.update(floats, memory, told, {"drive": 0.3}, PERIOD, 1)
+        assert np.isfinite([*guess, *memory]).all(), (said, age)
+        fraction = dict(zip(one.estimates(), guess, strict=True))["martensite_fraction"]
+        assert 0.0 <= fraction <= 1.0
+
+
+def check_rest(one: Any) -> None:
+    """With the plant at rest nothing moves, or by no more than is allowed at an end."""
+    readings, signals = at_rest(one)
+    guess, memory = one.rest(floats, readings, signals)
+    first = dict(zip(one.estimates(), guess, strict=True))
+    for _ in range(5):
+        guess, memory = one.update(floats, memory, readings, signals, PERIOD, 1)
+    last = dict(zip(one.estimates(), guess, strict=True))
+    share = AT_AN_END.get(one.registered_name, 0.0)
+    for name in hidden.names(one.model):
+        allowed = share * last.get(f"{name}_std", 0.0) + 1e-9
+        assert abs(last[name] - first[name]) <= allowed, name
+
+
+AT_AN_END = {"unscented-kalman": 2.0}
+"""Standard deviations by which an estimate may be off where all is martensite.
+
+Sigma points beyond an end are put there, and pull the mean away from it.
+"""
+OBSERVING = [check_shape, check_absurd, check_rest]
+
+
+@pytest.mark.parametrize("name", OBSERVERS.names())
+@pytest.mark.parametrize("check", OBSERVING)
+def test_promise_of_an_observer(check: Any, name: str) -> None:
+    check(observer(name))
+
+
+@pytest.mark.parametrize("name", OBSERVERS.names())
+def test_an_observer_is_the_same_in_c(name: str, c_compiler: str) -> None:
+    bench = watched(observer(name))
+    plain = columns(bench, "floats", seed=3)
+    assert {ESTIMATED + n for n in observer(name).estimates()} <= set(plain)
+    agree(plain, columns(bench, "c", seed=3))
+
+
+def test_two_observers_of_the_same_thing_are_refused() -> None:
+    twice = Observers(one=observer("inverse-model"), other=observer("extended-kalman"))
+    with pytest.raises(ParameterError, match="`one` and `other` both estimate `temperature`"):
+        watched(observer("inverse-model")).with_parts(observers=twice)
+
+
+# ---------------------------------------------------------------- faults and checks
+
+
+WATCHED: dict[str, dict[str, Any]] = {
+    "overheat": {"reading": "felt", "limit": 420.0},
+    "over-current": {"reading": "current", "limit": 3.0},
+    "over-stress": {"reading": "stress", "limit": 1e9},
+    "over-force": {"reading": "force", "limit": 100.0},
+    "sensor-lost": {"reading": "felt", "timeout": 0.12},
+    "sensor-stuck": {"reading": "felt", "longest": 0.12},
+    "open-circuit": {"reading": "current", "longest": 0.12, "most": 0.01, "least": 0.01},
+    "mismatch": {"reading": "felt", "other": "again", "limit": 0.5},
+}
+"""Checks as they are set on a bench on which all is well; the bound comes from the plant."""
+FAULTY: dict[str, dict[str, Any]] = {
+    "ambient-step": {"by": 20.0},
+    "draught": {"factor": 2.0},
+    "drift": {"sensor": "felt", "bias": 1.0, "rate": 2.0},
+    "drop-out": {"sensor": "felt"},
+    "open-circuit": {},
+    "stuck": {"sensor": "felt"},
+    "supply-sag": {"share": 0.5},
+}
+SAFE = 0.01
+UNGUARDED = {
+    "overheat.limit": 1e9, "over-current.limit": 1e9, "over-stress.limit": 1e12,
+    "over-force.limit": 1e9, "sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE,
+    "open-circuit.longest": LATE, "mismatch.limit": 1e9, "thermal-bound.limit": 1e9,
+}  # fmt: skip
+TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
+    "overheat": ({"limit": 310.0}, None),
+    "over-current": ({"limit": 1.0}, None),
+    "over-stress": ({"limit": 45e6}, None),
+    "over-force": ({"limit": 5.1}, None),
+    "sensor-lost": ({}, "drop-out"),
+    "sensor-stuck": ({}, "stuck"),
+    "open-circuit": ({}, "open-circuit"),
+    "mismatch": ({}, "drift"),
+    "thermal-bound": ({"limit": 330.0}, None),
+}
+"""What makes each check trip: other numbers of its own, or a fault."""
+
+
+def named(name: str) -> str:
+    return name.replace("-", "_")
+
+
+@cache
+def guarded() -> Bench:
+    """A bench with every fault, none of which begins, and a guard with every check."""
+    sensors = {"felt": "temperature", "again": "temperature"} | {
+        name: name for name in ("current", "stress", "force")
+    }
+    bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
+    checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
+    return Bench(
+        plant=PLANT, period=PERIOD, substeps=1,
+        sensors=Sensors(**{n: Mounted(sensor=IdealSensor(), of=(o,)) for n, o in sensors.items()}),
+        supervisor=Guard(checks=Checks(**checks, thermal_bound=bound), safe=SAFE),
+        faults=Faults(**{named(n): FAULTS[n](**g, start=LATE) for n, g in FAULTY.items()}),
+    )  # fmt: skip
+
+
+def checks_at(values: dict[str, float]) -> dict[str, float]:
+    return {f"supervisor.checks.{named(name)}": value for name, value in values.items()}
+
+
+def window(name: str) -> dict[str, float]:
+    """A fault in its samples."""
+    place = f"faults.{named(name)}"
+    return {f"{place}.start": FIRST * PERIOD, f"{place}.end": LAST * PERIOD}
+
+
+def run(values: dict[str, float]) -> Columns:
+    """The bench with other numbers, in C if there is a compiler."""
+    return columns(guarded().with_values(values))
+
+
+@cache
+def healthy() -> Columns:
+    return run({})
+
+
+def leaves_no_trace(found: Columns, well: Columns) -> None:
+    """Raise unless all is bit for bit the same before a fault, and something is not in it."""
+    for name, values in found.items():
+        np.testing.assert_array_equal(values[:FIRST], well[name][:FIRST], err_msg=name)
+    inside = slice(FIRST, LAST)
+    assert any((values[inside] != well[name][inside]).any() for name, values in found.items())
+
+
+def is_over(found: Columns) -> None:
+    """Raise unless readings, current and heat loss are as they must be once a fault is over."""
+    after = slice(LAST, SAMPLES)
+    source, element = PLANT.source, PLANT.element
+    felt = found.get("measured.felt", found["temperature"])
+    np.testing.assert_array_equal(felt[after], found["temperature"][after])
+    times, kelvins, ohms = (
+        found[name][after].tolist() for name in ("time", "temperature", "resistance")
+    )
+    rows = zip(map(HEATING.value, times), ohms, strict=True)
+    currents = [source.current(floats, u, R) for u, R in rows]
+    losses = [element.heat_loss(floats, T, PLANT.environment) for T in kelvins]
+    np.testing.assert_allclose(found["current"][after], currents, rtol=1e-9)
+    np.testing.assert_allclose(found["heat_loss"][after], losses, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", FAULTS.names())
+def test_a_fault_is_there_from_its_start_to_its_end(name: str) -> None:
+    found = run(window(name) | checks_at(UNGUARDED))
+    leaves_no_trace(found, run(checks_at(UNGUARDED)))
+    is_over(found)
+
+
+def test_faults_and_guard_are_the_same_in_c(c_compiler: str) -> None:
+    """All faults one after the other, and two checks that trip in the end."""
+    values = {"supervisor.checks.overheat.limit": 380.0, "supervisor.checks.mismatch.limit": 4.0}
+    for k, name in enumerate(FAULTS.names()):
+        place = f"faults.{named(name)}"
+        values |= {f"{place}.start": 0.3 * k + 0.1, f"{place}.end": 0.3 * k + 0.5}
+    quiet = checks_at({"sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE})
+    bench = guarded().with_values(values | quiet | checks_at({"open-circuit.longest": LATE}))
+    plain = columns(bench, "floats")
+    assert plain["alarm"].max() > 0.0
+    agree(plain, columns(bench, "c"))
+
+
+def is_silent(found: Columns, free: Columns) -> None:
+    """Raise unless a guard lets everything pass that passes without it."""
+    assert set(found["alarm"]) == {0.0}
+    np.testing.assert_array_equal(found["current"], free["current"])
+
+
+def cuts(found: Columns, alarm: int, fault: str | None = None) -> None:
+    """Raise unless from some sample on there is an alarm and the safe signal, and before not.
+
+    Signals are told by the current, but while a fault is there, which may be in the current.
+    """
+    numbers = found["alarm"]
+    assert set(numbers) == {0.0, alarm}
+    assert (np.diff(numbers) >= 0.0).all()
+    wanted = [HEATING.value(t) for t in found["time"].tolist()]
+    signals = np.where(numbers > 0.0, SAFE, wanted)
+    rows = zip(signals.tolist(), found["resistance"].tolist(), strict=True)
+    expected = np.array([PLANT.source.current(floats, u, ohms) for u, ohms in rows])
+    off = np.abs(found["current"] / expected - 1.0)
+    if fault is not None:
+        off[FIRST:LAST] = 0.0
+    assert off.max() < 1e-9
+
+
+@pytest.mark.parametrize("name", CHECKS.names())
+def test_a_check_is_silent_until_it_trips_and_then_cuts(name: str) -> None:
+    numbers, fault = TRIPPED[name]
+    others = {k: v for k, v in UNGUARDED.items() if not k.startswith(f"{name}.")}
+    alone = checks_at(others)
+    is_silent(run(alone), run(checks_at(UNGUARDED)))
+    changed = checks_at({f"{name}.{n}": v for n, v in numbers.items()})
+    found = run(alone | changed | (window(fault) if fault else {}))
+    cuts(found, CHECKS[name].alarm, fault)
+
+
+def test_a_guard_is_silent_while_all_is_well() -> None:
+    is_silent(healthy(), run(checks_at(UNGUARDED)))
+
+
+def documented() -> dict[str, int]:
+    """Name of a check -> number of its alarm, from the table of the documentation."""
+    rows = re.findall(r"^\| (\d+) \| (`.+`) \|", checks_base.__doc__ or "", re.MULTILINE)
+    numbers = [number for number, _ in rows]
+    assert len(set(numbers)) == len(numbers)
+    return {name: int(number) for number, names in rows for name in re.findall("`(.+?)`", names)}
+
+
+def test_alarms_are_documented() -> None:
+    assert documented() == {name: CHECKS[name].alarm for name in CHECKS.names()}
+    assert sorted(alarm_names()) == list(range(len(alarm_names())))
+
+
+def test_all_are_looked_at() -> None:
+    assert sorted(FAULTY) == FAULTS.names()
+    assert sorted(TRIPPED) == CHECKS.names()
+    assert [type(guarded().supervisor).registered_name] == SUPERVISORS.names()
+    assert sorted(guarded().supervisor.checks.members()) == [named(n) for n in CHECKS.names()]
+
+
+# ---------------------------------------------------------------- the suite can fail
+
+
+class Growing(InverseModel):
+    """Remembers ever more."""
+
+    def update(self, xp: Any, memory: Any, *given: Any) -> Any:
+        guess, after = super().update(xp, memory, *given)
+        return guess, [*after, 0.0]
+
+
+class Talkative(InverseModel):
+    """Tells a number that has no name."""
+
+    def _told(self, xp: Any, state: Any, signals: Any) -> Any:
+        guess, memory = super()._told(xp, state, signals)
+        return [*guess, 1.0], memory
+
+
+class Naive(InverseModel):
+    """Believes a reading whatever it is."""
+
+    def update(self, xp: Any, memory: Any, readings: Any, *given: Any) -> Any:
+        guess, after = super().update(xp, memory, readings, *given)
+        return [guess[0], readings["resistance"], *guess[2:]], after
+
+
+class Restless(InverseModel):
+    """Gets warmer and warmer."""
+
+    def update(self, xp: Any, memory: Any, *given: Any) -> Any:
+        guess, after = super().update(xp, memory, *given)
+        return [guess[0] + 1e-3, *guess[1:]], after
+
+
+@pytest.mark.parametrize(
+    ("check", "cls"),
+    [(check_shape, Growing), (check_shape, Talkative), (check_absurd, Naive),
+     (check_rest, Restless)],
+)  # fmt: skip
+def test_a_broken_observer_is_noticed(check: Any, cls: Any) -> None:
+    with pytest.raises((AssertionError, ValueError, IndexError)):
+        check(cls(model=PLANT))
+
+
+def test_runs_that_differ_are_noticed() -> None:
+    found = healthy()
+    with pytest.raises(AssertionError, match="temperature"):
+        agree(found, found | {"temperature": found["temperature"] * (1.0 + 1e-6)})
+
+
+class Early(SupplySag):
+    """Begins a little before its time, and never ends."""
+
+    def active(self, xp: Any, time: Any) -> Any:
+        return time >= self.start - 2.0 * PERIOD
+
+
+class Mute(Stuck):
+    """Does nothing."""
+
+    def reading(self, xp: Any, sensor: str, reading: Any, held: Any, active: Any) -> Any:
+        return reading
+
+
+class Nervous(Overheat):
+    """Trips a little below its limit, and only then."""
+
+    def look(self, xp: Any, memory: Any, *given: Any) -> Looked:
+        looked = super().look(xp, memory, *given)
+        return looked._replace(trips=given[0]["drive"] > 0.2)
+
+
+class Leaky(Guard):
+    """Lets a little more pass than it says."""
+
+    def judge(self, xp: Any, memory: Any, *given: Any) -> Any:
+        found = super().judge(xp, memory, *given)
+        return found._replace(signals={"drive": 1.01 * found.signals["drive"]})
+
+
+def small(**parts: Any) -> Columns:
+    """A run of a bench with little on it, on floats."""
+    bench = Bench(
+        plant=PLANT, period=PERIOD, substeps=1,
+        sensors=Sensors(felt=Mounted(sensor=IdealSensor(), of=("temperature",))), **parts,
+    )  # fmt: skip
+    return columns(bench, "floats")
+
+
+def test_a_broken_fault_is_noticed() -> None:
+    well, when = small(), {"start": FIRST * PERIOD, "end": LAST * PERIOD}
+    early = small(faults=Faults(one=Early(share=0.5, **when)))
+    with pytest.raises(AssertionError, match="Arrays are not equal"):
+        leaves_no_trace(early, well)
+    with pytest.raises(AssertionError, match="Not equal to tolerance"):
+        is_over(early)
+    with pytest.raises(AssertionError):
+        leaves_no_trace(small(faults=Faults(one=Mute(sensor="felt", **when))), well)
+
+
+def test_a_broken_check_or_guard_is_noticed() -> None:
+    free = small()
+    nervous = small(supervisor=Guard(checks=Checks(one=Nervous(reading="felt")), safe=SAFE))
+    with pytest.raises(AssertionError):
+        is_silent(nervous, free)
+    hot = Checks(one=Overheat(reading="felt", limit=310.0))
+    cuts(small(supervisor=Guard(checks=hot, safe=SAFE)), 1)
+    with pytest.raises(AssertionError):
+        cuts(small(supervisor=Leaky(checks=hot, safe=SAFE)), 1)
+    with pytest.raises(AssertionError):
+        cuts(small(supervisor=Guard(checks=hot, safe=2.0 * SAFE)), 1)
