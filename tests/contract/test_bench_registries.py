@@ -10,7 +10,6 @@ That kernels mean the same on every runtime is checked with those of all other p
 
 from __future__ import annotations
 
-import math
 import re
 from functools import cache
 from typing import Any
@@ -341,8 +340,10 @@ def test_alarms_are_documented() -> None:
 def test_all_are_looked_at() -> None:
     assert sorted(FAULTY) == FAULTS.names()
     assert sorted(TRIPPED) == CHECKS.names()
-    assert [type(guarded().supervisor).registered_name] == SUPERVISORS.names()
-    assert sorted(guarded().supervisor.checks.members()) == [named(n) for n in CHECKS.names()]
+    guard = guarded().supervisor
+    assert isinstance(guard, Guard)
+    assert SUPERVISORS.names() == [guard.registered_name]
+    assert sorted(guard.checks.members()) == [named(n) for n in CHECKS.names()]
 
 
 # ---------------------------------------------------------------- the suite can fail
@@ -386,7 +387,7 @@ class Restless(InverseModel):
      (check_rest, Restless)],
 )  # fmt: skip
 def test_a_broken_observer_is_noticed(check: Any, cls: Any) -> None:
-    with pytest.raises((AssertionError, ValueError, IndexError)):
+    with pytest.raises(AssertionError):
         check(cls(model=PLANT))
 
 
@@ -436,14 +437,15 @@ def small(**parts: Any) -> Columns:
 
 
 def test_a_broken_fault_is_noticed() -> None:
-    well, when = small(), {"start": FIRST * PERIOD, "end": LAST * PERIOD}
-    early = small(faults=Faults(one=Early(share=0.5, **when)))
+    well, start, end = small(), FIRST * PERIOD, LAST * PERIOD
+    early = small(faults=Faults(one=Early(share=0.5, start=start, end=end)))
     with pytest.raises(AssertionError, match="Arrays are not equal"):
         leaves_no_trace(early, well)
     with pytest.raises(AssertionError, match="Not equal to tolerance"):
         is_over(early)
     with pytest.raises(AssertionError):
-        leaves_no_trace(small(faults=Faults(one=Mute(sensor="felt", **when))), well)
+        mute = Mute(sensor="felt", start=start, end=end)
+        leaves_no_trace(small(faults=Faults(one=mute)), well)
 
 
 def test_a_broken_check_or_guard_is_noticed() -> None:

@@ -134,6 +134,15 @@ def test_faults_add_up():
     assert found["temperature"] == pytest.approx(HEALTHY["temperature"], rel=1e-13)
 
 
+def test_a_sag_is_felt_behind_a_contact():
+    """In whatever order faults are named: the contact is closed again, the supply is not."""
+    faults = {"loose": fault("open-circuit", end=0.6), "sag": fault("supply-sag")}
+    found, other = run(**faults), run(**dict(reversed(faults.items())))
+    assert found["current"] == other["current"]
+    ratio = found["current"][13] * found["resistance"][13] / HEALTHY["current"][13]
+    assert ratio / HEALTHY["resistance"][13] == pytest.approx(0.5, rel=1e-12)
+
+
 # ---------------------------------------------------------------- one of several actuators
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from martensite.bench.mounted import Mounted
@@ -22,6 +23,16 @@ def references(bench: Bench) -> list[str]:
     """Names of the references, in the order of the controllers."""
     names = list(bench.controllers.members())
     return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
+
+
+def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
+    """Names of the references of drives that run outside of a bench, by drive.
+
+    As on a bench: `reference` of a controller that is alone, `reference.DRIVE` beside others.
+    """
+    found = list(outside)
+    alone = len(found) == 1 and not bench.controllers.members()
+    return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
 
 
 def drives(bench: Bench) -> list[Drive]:
@@ -75,12 +86,26 @@ def outputs(bench: Bench) -> dict[str, Output]:
     members = bench.controllers.members().items()
     rows = zip(references(bench), reference_units(bench), members, strict=True)
     for name, unit, (drive, one) in rows:
-        found[name] = Output(unit, f"reference of {one.measured or drive}", "r")
-        wanted = name.replace(REFERENCE, WANTED)
-        found[wanted] = Output(signals[drive], f"signal that {drive} shall have", "u")
+        found[name] = reference_output(unit, one.measured or drive)
+        found[wanted_name(name)] = wanted_output(signals[drive], drive)
     if bench.supervisor is not None:
         found[ALARM] = Output("1", "alarm of the supervisor", "a")
     return found
+
+
+def reference_output(unit: str, followed: str) -> Output:
+    """What a controller shall follow."""
+    return Output(unit, f"reference of {followed}", "r")
+
+
+def wanted_output(unit: str, drive: str) -> Output:
+    """What a controller answers."""
+    return Output(unit, f"signal that {drive} shall have", "u")
+
+
+def wanted_name(reference: str) -> str:
+    """Name of the signal that a controller wants, by that of its reference."""
+    return WANTED + reference.removeprefix(REFERENCE)
 
 
 def truths(bench: Bench) -> dict[str, Output]:

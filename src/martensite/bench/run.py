@@ -2,18 +2,32 @@
 
 References come from the controllers themselves, noise from a seed. A controller that is no
 kernel, such as a predictive one, runs outside: the bench is opened at its drive, and it is
-called once per period with what the bench measures.
+called once per period with what the bench measures. The result has the columns `reference` and
+`wanted` of either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.bench.bench import Bench
-from martensite.bench.names import AGE, JITTER, MEASURED, NOISE, drives, references
+from martensite.bench.names import (
+    AGE,
+    JITTER,
+    MEASURED,
+    NOISE,
+    drives,
+    outside_references,
+    readings,
+    reference_output,
+    references,
+    wanted_name,
+    wanted_output,
+)
 from martensite.bench.parts import Controllers
 from martensite.controllers.base import AbstractController
 from martensite.observers.base import ESTIMATED
@@ -31,7 +45,7 @@ if TYPE_CHECKING:
 def simulate_bench(
     bench: Bench, duration: float, *, outside: Mapping[str, AbstractDrive] | None = None,
     waveforms: Mapping[str, AbstractWaveform] | None = None, seed: int | None = 0,
-    runtime: str | None = None,
+    runtime: str | None = None, watch: Callable[[float], None] | None = None,
 ) -> Result:  # fmt: skip
     """Run a bench from rest.
 
@@ -43,6 +57,8 @@ def simulate_bench(
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
         seed: of noise and jitter; None for a run without.
         runtime: floats, c or jax; by default c if there is a compiler.
+        watch: called after every period with the share of the run that is done, if something
+            runs outside.
 
     Raises:
         InputError: a name or a unit does not fit.
@@ -53,10 +69,31 @@ def simulate_bench(
     if outside:
         seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
         periods = round(duration / bench.period)
-        return simulate_controlled(bench, played | seeing, periods * bench.period, bench.period)
+        length = periods * bench.period
+        found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
+        return _with_loops(found, bench, outside)
     chosen = runtime or ("c" if compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     return simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
+
+
+def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:
+    """A result with the references, and the wanted signals, of drives outside of the bench.
+
+    Nobody answers at the end: the last signal is held.
+    """
+    units = {name: output.unit for name, output in readings(bench).items()}
+    signals = {drive.name: drive.unit for drive in bench.drives()}
+    columns, beside = dict(result.columns), dict(result.beside)
+    for drive, name in outside_references(bench, outside).items():
+        one, held = outside[drive], result.waveform[drive].values
+        if isinstance(one, AbstractController):
+            unit = one.reference_unit(units, signals[drive])
+            beside[name] = reference_output(unit, one.measured or drive)
+            columns[name] = [one.reference.value(time) for time in result.times]
+        beside[wanted_name(name)] = wanted_output(signals[drive], drive)
+        columns[wanted_name(name)] = [*held, held[-1]]
+    return replace(result, columns=columns, beside=beside)
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:

@@ -13,15 +13,18 @@ from typing import Self
 from martensite.bench.faults.base import FAULTS, AbstractFault
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
+from martensite.units import DIFFERENCE, RATE
 
 
 @FAULTS.register("drift")
 class Drift(AbstractFault):
     """A sensor with an offset that grows."""
 
+    names_reading = ("sensor",)
+
     sensor: str = text("name of the sensor")
-    bias: Scalar = param("1", "offset when it begins, in the SI unit of the sensor", default=0.0)
-    rate: Scalar = param("1/s", "growth of it, in that unit per second", default=0.0)
+    bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0)
+    rate: Scalar = param(RATE, "growth of it", default=0.0)
 
     def names(self) -> dict[str, str]:
         """The sensor."""

@@ -11,6 +11,7 @@ import math
 from martensite.bench.supervisors.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.units import DIFFERENCE
 
 
 @CHECKS.register("mismatch")
@@ -18,12 +19,11 @@ class Mismatch(AbstractCheck):
     """Two readings that contradict each other."""
 
     alarm, size = 7, 1
+    names_reading = ("reading", "other")
 
     reading: str = text("name of a reading")
     other: str = text("name of the other reading, or of an estimate")
-    limit: Scalar = param(
-        "1", "largest difference, in the SI unit of both", above=0.0, default=math.inf
-    )
+    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, default=math.inf)
     longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0)
 
     def reads(self) -> tuple[str, ...]:

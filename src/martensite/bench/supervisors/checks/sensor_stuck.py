@@ -14,6 +14,7 @@ from martensite.bench.supervisors.checks.base import CHECKS, AbstractCheck, Colu
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import DIFFERENCE
 
 
 @CHECKS.register("sensor-stuck")
@@ -21,14 +22,13 @@ class SensorStuck(AbstractCheck):
     """A sensor whose reading does not change."""
 
     alarm, size = 5, 3
+    names_reading = ("reading",)
 
     reading: str = text("name of the reading")
     longest: Scalar = param(
         "s", "time under a signal after which it is stuck", above=0.0, default=math.inf
     )
-    band: Scalar = param(
-        "1", "change that is none, in the SI unit of the reading", low=0.0, default=0.0
-    )
+    band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0)
     least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0)
 
     def reads(self) -> tuple[str, ...]:
