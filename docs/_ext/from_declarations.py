@@ -19,6 +19,7 @@ import parts
 
 from martensite.bench.mounted import Mounted
 from martensite.elements.limits import Limits
+from martensite.io.bench_guard import FromPlant
 from martensite.io.bench_sections import Conduct
 from martensite.io.scenario import Run
 from martensite.thermal.base import Environment
@@ -42,6 +43,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(Conduct),
+    "from-plant": lambda: parts.parameters_of(FromPlant),
     "mounted": lambda: parts.parameters_of(Mounted),
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(Limits),

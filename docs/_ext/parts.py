@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 
 import martensite
 from martensite import units
-from martensite.cli import describe, show
+from martensite.cli import describe
 from martensite.materials.base import DOUBTFUL, Material, load_material, material_names
 from martensite.materials.names import NAMES
 from martensite.parameters import Parametrised
@@ -107,15 +106,11 @@ def public_names() -> str:
 
 
 def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:
-    unit = entry["unit"] or ""
-    default = "required" if entry["required"] else str(entry["default"])
-    if isinstance(entry["default"], float):
-        value = entry["default"]
-        default = "none" if math.isinf(value) else show.quantity(value, unit)
+    unit, default = entry["unit"] or "", plain(describe.default_of(entry))
     words = [code(word.strip()) for word in entry["allowed"].split("|")]
     allowed = plain(entry["allowed"]) if entry["unit"] else " ".join(words)
     shown = "" if unit == "1" else code(unit)
-    return code(entry["name"]), shown, plain(entry["meaning"]), allowed, plain(default)
+    return code(entry["name"]), shown, plain(entry["meaning"]), allowed, default
 
 
 # -- materials ---------------------------------------------------------------------------

@@ -57,8 +57,7 @@ class Declared:
             raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
         except (TypeError, ValueError):
             raise ParameterError(
-                f"Parameter `{name}` of `{owner}` must be a number in {self.unit} "
-                f"or a text with a unit, but is {value!r}."
+                f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}."
             ) from None
         if math.isinf(number) and number != self.default:
             raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
@@ -66,14 +65,14 @@ class Declared:
         if too_low or number > self.high or math.isnan(number):
             raise ParameterError(
                 f"Parameter `{name}` of `{owner}` must be {self.allowed()}, but is {value}"
-                f"{'' if isinstance(value, str) or self.unit == '1' else ' ' + self.unit}."
+                f"{'' if isinstance(value, str) else self._label(self.unit)}."
             )
         return number
 
     def allowed(self) -> str:
         """The allowed range in words, in readable units."""
         unit = self._readable()
-        label = "" if unit == "1" else f" {unit}"
+        label = self._label(unit)
         low, high = (f"{units.from_si(v, unit, self.unit):.6g}{label}" for v in self.bounds)
         if math.isinf(self.low) and math.isinf(self.high):
             return "finite"
@@ -82,6 +81,17 @@ class Declared:
         if math.isinf(self.low):
             return f"at most {high}"
         return f"above {low} and at most {high}" if self.open_low else f"between {low} and {high}"
+
+    def _sort(self) -> str:
+        """What is taken, in words."""
+        if self.unit in units.OF_READINGS:
+            return "a number in the SI unit of the reading"
+        return f"a number in {self.unit} or a text with a unit"
+
+    @staticmethod
+    def _label(unit: str) -> str:
+        """What is written behind a number; nothing where the unit depends on the place."""
+        return "" if unit in ("1", *units.OF_READINGS) else f" {unit}"
 
     def _readable(self) -> str:
         """The unit a person would rather read, unless it makes the bounds unwieldy."""
@@ -155,6 +165,9 @@ class Parametrised:
     registered_name: ClassVar[str] = ""
     cites: ClassVar[tuple[str, ...]] = ()
     declarations: ClassVar[dict[str, Declared]] = {}
+    names_reading: ClassVar[tuple[str, ...]] = ()
+    """Texts of its own that may name a reading; in the unit of the first that does, its levels and
+    differences of a reading are given, and those of its components."""
 
     def __init_subclass__(cls, *, init: bool = True) -> None:
         """File declarations; `init=False` tells type checkers not to derive arguments from them."""

@@ -83,6 +83,14 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {
 DEGREES = "delta_degC"
 """Unit of a difference of two temperatures [K], which has no zero to be shifted."""
 
+LEVEL = "reading"
+"""Declared unit of a level of a reading: that of the reading, which depends on the place."""
+DIFFERENCE = "reading difference"
+"""Declared unit of a difference of two readings; of two temperatures it has no zero."""
+RATE = "reading difference/s"
+"""Declared unit of a rate of a reading."""
+OF_READINGS = (LEVEL, DIFFERENCE, RATE)
+
 # declared SI unit -> unit a person would rather read
 READABLE = {
     "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
@@ -144,6 +152,15 @@ def familiar(value: float, unit: str) -> str:
     """The unit in which a value of this size, in SI, is best read: GPa for a modulus."""
     larger = _LARGER.get(unit)
     return larger[0] if larger and abs(value) >= larger[1] else readable(unit)
+
+
+def of_reading(unit: str, reading: str) -> str:
+    """The SI unit of a number declared in `unit`, for a reading in the SI unit `reading`."""
+    if unit == RATE:
+        return f"{reading}/s"
+    if unit == DIFFERENCE:
+        return DEGREES if reading == "K" else reading
+    return reading if unit == LEVEL else unit
 
 
 @cache

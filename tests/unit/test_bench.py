@@ -19,8 +19,10 @@ from martensite.electrical.pwm import PwmVoltage
 from martensite.errors import InputError, ParameterError
 from martensite.mechanisms.pulley import AntagonisticPulley
 from martensite.observers.inverse import InverseModel
+from martensite.parameters import param
 from martensite.sensors.position import PositionSensor
 from martensite.sensors.resistance import ResistanceSensor
+from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
@@ -54,6 +56,18 @@ def bench(**parts: Any) -> Bench:
     return Bench(**(known | parts))
 
 
+class Steady(AbstractDrive):
+    """A drive that follows nothing."""
+
+    level: float = param("1", "what it says")
+
+    def init(self) -> None:
+        return None
+
+    def __call__(self, time: float, measurement: Any, memory: Any) -> tuple[float, None]:
+        return self.level, None
+
+
 def apart(one: Any, other: Any, name: str, last: int | None = None) -> float:
     """Largest difference of a column."""
     return float(np.max(np.abs(np.subtract(one[name], other[name])[:last])))
@@ -74,6 +88,30 @@ class TestSameEverywhere:
         assert apart(inside, outside, "position") <= 1e-10
         assert apart(inside, outside, "measured.position") <= 1e-10
         assert apart(inside, outside, "drive", -1) <= 1e-7  # nobody answers at the end
+
+    def test_columns_of_a_controller_outside_are_those_of_one_inside(self) -> None:
+        inside = simulate_bench(bench(), 1.0, runtime="floats")
+        opening, controller = opened(bench(), "drive")
+        outside = simulate_bench(opening, 1.0, outside={"drive": controller})
+        assert set(outside.columns) == set(inside.columns)
+        assert outside.outputs == inside.outputs
+        assert apart(inside, outside, "reference") <= 1e-12
+        assert max(inside["reference"]) > 1e-3
+        assert apart(inside, outside, "wanted", -1) <= 1e-7
+        assert outside["wanted"][-1] == outside["wanted"][-2]  # nobody answers at the end
+
+    def test_drive_that_follows_nothing_has_no_reference(self) -> None:
+        run = simulate_bench(
+            bench(controllers=Controllers()), 0.2, outside={"drive": Steady(level=0.1)}
+        )
+        assert "reference" not in run.columns
+        assert set(run["wanted"]) == {0.1}
+
+    def test_a_run_outside_tells_how_far_it_is(self) -> None:
+        told: list[float] = []
+        opening, controller = opened(bench(), "drive")
+        simulate_bench(opening, 0.5, outside={"drive": controller}, watch=told.append)
+        assert told == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
     def test_gains_matter(self) -> None:
         """The comparisons above see a controller that is another."""
@@ -185,6 +223,19 @@ class TestSeveralDrives:
         runs = [simulate_bench(b, 2.0, runtime="floats") for b in (both, one)]
         assert apart(*runs, coordinate) == 0.0
         assert max(runs[0][coordinate]) > 0.02
+
+    def test_drives_outside_are_in_the_names_of_their_columns(self, machine: Machine) -> None:
+        coordinate = next(iter(machine.mechanism.outputs()))
+        switch = OnOff(measured=coordinate, reference=Constant(level=0.02), high=0.3)
+        names, alone = ("protagonist", "antagonist"), Bench(plant=machine, period=0.05)
+        run = simulate_bench(alone, 0.2, outside=dict.fromkeys(names, switch))
+        assert {f"{n}.{d}" for n in ("reference", "wanted") for d in names} <= set(run.columns)
+        assert set(run["reference.antagonist"]) == {0.02}
+        assert run.unit("reference.antagonist") == run.unit(coordinate)
+        assert run["wanted.protagonist"] == pytest.approx(run["protagonist.drive"])
+        one = alone.with_parts(controllers=Controllers(protagonist=switch))
+        mixed = simulate_bench(one, 0.2, outside={"antagonist": switch})
+        assert {"reference", "wanted", "reference.antagonist"} <= set(mixed.columns)
 
 
 @pytest.mark.parametrize(

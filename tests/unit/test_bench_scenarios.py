@@ -222,7 +222,7 @@ def test_model_of_an_observer_is_the_system_or_differs_where_it_says() -> None:
 
 
 def test_gains_by_points_and_components_of_components() -> None:
-    rising = "rising = { low = { at = 0, Kp = 100 }, high = { at = 0.004, Kp = 200 } }"
+    rising = "rising = { low = { at = '0 mm', Kp = 100 }, high = { at = '4 mm', Kp = 200 } }"
     scenario = controlled(f"kind = 'scheduled-pid'\nmeasured = 'position'\n{rising}\n")
     assert scenario.bench is not None
     found = scenario.bench.controllers.members()["drive"]
@@ -237,7 +237,7 @@ def test_gains_by_points_and_components_of_components() -> None:
 
 
 def test_controller_that_is_no_kernel_stays_outside() -> None:
-    plan = "horizon = '1 s'\nblocks = 5\nprice = { error = 0.001 }\n"
+    plan = "horizon = '1 s'\nblocks = 5\nprice = { error = '1 mm' }\n"
     scenario = controlled(f"kind = 'mpc'\nmeasured = 'position'\n{plan}")
     assert scenario.bench is not None
     assert scenario.bench.controllers.members() == {}

@@ -165,7 +165,7 @@ def test_columns_name_those_of_a_file_without_headings(folder: Path) -> None:
     assert len(parsed("run", "wire.toml", "--no-figure", *columns)["comparison"]) == 1
 
 
-@pytest.mark.parametrize("ending", ["svg", "pdf"])
+@pytest.mark.parametrize("ending", ["svg", pytest.param("pdf", marks=pytest.mark.slow)])
 def test_figure_in_another_format(folder: Path, ending: str) -> None:
     fine("run", "wire.toml", "--figure", f"a.{ending}", "--out", "b.nc")
     assert names(folder) == {"wire.toml", "b.nc", f"a.{ending}"}
@@ -219,7 +219,7 @@ def test_bad_call_is_refused_and_nothing_written(
     assert names(folder) == {"wire.toml"}
 
 
-@pytest.mark.parametrize("name", ["wire.nc", "wire.png"])
+@pytest.mark.parametrize("name", [pytest.param("wire.nc", marks=pytest.mark.slow), "wire.png"])
 def test_existing_file_is_kept_without_force(folder: Path, name: str) -> None:
     (folder / name).write_text("mine", encoding="utf-8")
     assert f"`{name}` is there already; use --force" in refused("run", "wire.toml")
@@ -292,10 +292,13 @@ def test_params_of_a_scenario_are_the_paths_that_set_takes(folder: Path) -> None
     assert found["element.density"]["from"] == "datasheet, flexinol-90"
     assert found["drive.waveform.high"]["unit"] == "V"
     assert found["drive.series_resistance"]["from"] == "default"
+    settings: list[str] = []
     for path, entry in found.items():
         if entry["value"] is not None:
             setting = f"{path}={entry['value']!r} {entry['unit']}"
-            parsed("check", "wire.toml", "--set", setting.replace(" 1", ""))
+            settings += ["--set", setting.replace(" 1", "")]
+    assert len(settings) > 40
+    parsed("check", "wire.toml", *settings)
     text = fine("params", "wire.toml")
     assert "0.381 mm" in text
     assert " none " in text and " inf" not in text

@@ -8,13 +8,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from typer.testing import CliRunner, Result
 
-from martensite.cli import app
+from martensite.cli import app, waiting
 from martensite.cli.describe import registries
 from martensite.io.netcdf import open_result
 from martensite.io.scenario import load, read
@@ -95,7 +97,7 @@ def test_run_refuses_what_has_no_effect_on_a_bench(
 
 
 def test_run_refuses_a_runtime_for_a_controller_outside(folder: Path) -> None:
-    settings = ["controller.kind=mpc", "controller.horizon=1 s", "controller.price.error=0.001"]
+    settings = ["controller.kind=mpc", "controller.horizon=1 s", "controller.price.error=1 mm"]
     text = (folder / "loop.toml").read_text(encoding="utf-8")
     for line in ("Kp = 150        # duty per metre\n", "Ki = 1.5        # and sample\n"):
         assert line in text
@@ -104,6 +106,42 @@ def test_run_refuses_a_runtime_for_a_controller_outside(folder: Path) -> None:
     arguments = [part for one in settings for part in ("--set", one)]
     assert "Option `--runtime` has no effect" in refused("run", "loop.toml", *SHORT, *arguments)
     assert "20 periods" in fine("check", "loop.toml", "--set", "run.duration=0.4 s", *arguments)
+
+
+def outside(folder: Path) -> tuple[str, ...]:
+    """Arguments of a short run of the loop under a predictive controller."""
+    text = (EXAMPLES / "closed_loop_predictive.toml").read_text(encoding="utf-8")
+    (folder / "predicted.toml").write_text(text, encoding="utf-8")
+    return ("run", "predicted.toml", "--no-figure", "--set", "run.duration=0.2 s")
+
+
+def test_run_outside_is_written_with_reference_and_wanted_signal(folder: Path) -> None:
+    fine(*outside(folder))
+    saved = open_result("predicted.nc")
+    assert saved["reference"].attrs["units"] == "m"
+    assert saved["wanted"].values.shape == saved["position"].values.shape
+
+
+@pytest.mark.parametrize("json", [True, False])
+@pytest.mark.parametrize("terminal", [True, False])
+def test_run_outside_shows_how_far_it_is_to_a_terminal(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, json: bool, terminal: bool
+) -> None:
+    class Watcher:
+        told: ClassVar[list[float]] = []
+
+        def __call__(self, text: str, share: float) -> None:
+            assert text == "simulating Position of a wire that is planned ahead"
+            self.told.append(share)
+
+    @contextmanager
+    def bar(label: str) -> Iterator[Any]:
+        yield Watcher() if terminal else None
+
+    monkeypatch.setattr(waiting, "share_bar", bar)
+    fine(*outside(folder), *(["--json"] if json else []))
+    shown = terminal and not json
+    assert Watcher.told == (pytest.approx([0.25, 0.5, 0.75, 1.0]) if shown else [])
 
 
 # ---------------------------------------------------------------- check, params, cite

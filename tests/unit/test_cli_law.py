@@ -52,8 +52,18 @@ def refused(*arguments: str) -> str:
 # ---------------------------------------------------------------- what it says
 
 
-@pytest.mark.parametrize("name", LAWS.names())
-@pytest.mark.parametrize("path", ["superelastic", "isobaric"])
+LONG = ("isobaric", "mas-polycrystal")
+"""Its other path is with the quick tests."""
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        pytest.param(path, name, marks=[pytest.mark.slow] if (path, name) == LONG else [])
+        for path in ("superelastic", "isobaric")
+        for name in LAWS.names()
+    ],
+)
 def test_every_law_runs_and_transforms(name: str, path: str) -> None:
     found = report(name, "--path", path, *QUICK)
     (law,) = found["laws"]

@@ -66,7 +66,7 @@ def test_json_is_in_si_and_names_the_chosen_one() -> None:
 
 
 def test_no_wire_at_all_is_said_with_the_nearest() -> None:
-    text = fine(*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "2")
+    text = fine(*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "2", "--alloy", "90")
     assert "No wire meets the request" in text
     assert len(rows(text)) == 5
     assert max(map(len, rows(text))) <= 100

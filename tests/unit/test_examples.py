@@ -343,6 +343,23 @@ def test_guard_keeps_the_wire_below_what_its_comments_say() -> None:
     assert latched["temperature"][-1] < 60.0 + 273.15
 
 
+def test_planned_wire_cools_while_its_stroke_holds_and_lags_as_its_comments_say() -> None:
+    result = closed("_predictive")
+    assert apart(result) < 0.55e-3
+    assert set(result["alarm"]) == {0.0}
+    at = {round(t, 6): k for k, t in enumerate(result.times)}
+    assert result["position"][at[7.0]] == pytest.approx(6e-3, abs=0.1e-3)
+    assert result["temperature"][at[7.0]] < result["temperature"][at[4.0]] - 15.0
+    assert result["wanted"][at[5.0]] == 0.0
+    short = closed("_predictive", controller__horizon="0.2 s", run__duration="3 s")
+    assert max(short["wanted"]) == 0.0
+    cut = closed(
+        "_predictive", supervisor__from_plant__temperature_limit="80 degC", run__duration="4 s"
+    )
+    assert 8.0 in cut["alarm"]
+    assert max(cut["temperature"]) < 80.0 + 273.15
+
+
 def test_wire_of_the_beam_is_switched_when_its_comments_say() -> None:
     result = closed("_beam")
     current = result["drive"]

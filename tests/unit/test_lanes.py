@@ -137,6 +137,46 @@ def test_reset_forgets() -> None:
     assert np.array_equal(found.advance(signals(8), DT), first)
 
 
+# ---------------------------------------------------------------- other parameters
+
+
+@pytest.mark.parametrize("native", NATIVE)
+def test_other_values_are_those_of_new_lanes(native: bool) -> None:
+    """Steps that are hard included, whose constants are kept apart."""
+    new, found = lanes(native, **{PATH: WARMER}), lanes(native)
+    found.advance(hard(), 0.3)
+    found.set_values({PATH: WARMER})
+    found.reset()
+    for dt, given in ((DT, signals(10)), (0.3, hard())):
+        rows = new.advance(given, dt)
+        assert np.array_equal(found.advance(given, dt), rows)
+    assert np.array_equal(found.observe(0.2), new.observe(0.2))
+    assert np.array_equal(found.worst, new.worst)
+    assert not np.allclose(rows, lanes(native).advance(given, dt))
+
+
+@pytest.mark.parametrize("native", NATIVE)
+def test_values_that_are_not_named_and_states_stay(native: bool) -> None:
+    found, both = lanes(native, **{PATH: WARMER}), {PATH: WARMER, "source.supply": 5.0}
+    found.advance(signals(5), DT)
+    state, worst = found.state.copy(), found.worst.copy()
+    found.set_values({"source.supply": 5.0})
+    assert np.array_equal(found.state, state)
+    assert np.array_equal(found.worst, worst)
+    found.reset()
+    new = lanes(native, **both)
+    assert np.array_equal(found.advance(signals(5), DT), new.advance(signals(5), DT))
+
+
+def test_values_that_do_not_fit_are_refused_and_change_nothing() -> None:
+    found, same = lanes(), lanes()
+    with pytest.raises(InputError, match=r"no parameter `source.suply`.*`source.supply`"):
+        found.set_values({PATH: 250.0, "source.suply": 5.0})
+    with pytest.raises(InputError, match=r"one number or of shape \(5,\), but their shape is \(3,"):
+        found.set_values({PATH: [300.0, 301.0, 302.0]})
+    assert np.array_equal(found.advance(signals(3), DT), same.advance(signals(3), DT))
+
+
 # ---------------------------------------------------------------- steps that are hard
 
 

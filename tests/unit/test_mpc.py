@@ -68,7 +68,7 @@ def run(controller: Mpc, duration: float, seed: int = 0, **changes: Any) -> Resu
 # ---------------------------------------------------------------- plans
 
 
-def planner(price: Price = ERROR, plans: int = 16) -> Planner:
+def planner(price: Price = ERROR, plans: int = 20) -> Planner:
     search = Search(plans=plans, rounds=3)
     return Planner(Lanes(SYSTEM, plans), "position", price, search, Limits(0.0, 1.0))
 
@@ -84,7 +84,7 @@ def test_a_plan_costs_what_its_parts_add_up_to() -> None:
     price = Price(
         error=0.2 * MM, energy=0.03, change=0.5, hottest=310.0, strongest=40e6, excess=0.4
     )
-    plans = np.random.default_rng(1).uniform(0.3, 0.8, (4, 16))
+    plans = np.random.default_rng(1).uniform(0.3, 0.8, (4, 20))
     found = planner(price).costs(at_rest(3 * MM, 8, signal=0.2), plans, 0.1)
     lanes = Lanes(SYSTEM, 1)
     lanes.reset()
@@ -98,7 +98,7 @@ def test_a_plan_costs_what_its_parts_add_up_to() -> None:
     assert max(seen["hottest"]) > 320.0
     assert max(seen["stress"]) > 41e6
     assert found[5] == pytest.approx(expected, rel=1e-9)
-    assert len(set(found.tolist())) == 16
+    assert len(set(found.tolist())) == 20
 
 
 @in_c

@@ -5,6 +5,7 @@ Source of truth: the columns of the result, converted by hand.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -150,6 +151,11 @@ def test_controller_outside_of_the_bench_is_shown_with_its_reference() -> None:
     result = simulate_bench(made, 1.0, outside={"drive": outer})
     axes = panels(plot_bench(result, outside={"drive": outer}))["position of the mechanism"]
     assert line(axes, "reference") == pytest.approx([3.0] * len(result.times))
+    signal = panels(plot_bench(result, outside={"drive": outer}))["signal"]
+    assert line(signal, "wanted") == pytest.approx(np.array(result["wanted"]))
+    bare = replace(result, columns={n: c for n, c in result.columns.items() if n in made.outputs()})
+    again = panels(plot_bench(bare, outside={"drive": outer}))["position of the mechanism"]
+    assert line(again, "reference") == pytest.approx([3.0] * len(result.times))
     lone = panels(plot_bench(result))
     assert "reference less response" not in lone
     assert "measured" in [one.get_label() for one in lone["position of the mechanism"].get_lines()]

@@ -343,3 +343,12 @@ def test_changing_leaves_the_original_alone() -> None:
     after = changed(document, {"element.law.A_s": "1 K"})
     assert after == {"element": {"law": {"kind": "liang-rogers", "A_s": "1 K"}}}
     assert document == {"element": {"law": "liang-rogers"}}
+
+
+def test_changing_leaves_what_it_is_given_alone() -> None:
+    settings: dict[str, dict[str, str] | str] = {
+        "element": {"law": "brinson"},
+        "element.law.A_s": "1 K",
+    }
+    assert changed({}, settings)["element"]["law"]["A_s"] == "1 K"
+    assert settings["element"] == {"law": "brinson"}

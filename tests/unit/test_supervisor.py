@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import problem_a
+from builders import example, problem_a
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
@@ -28,12 +28,17 @@ from martensite.bench.supervisors.guard import Guard
 from martensite.controllers.pid import Pid
 from martensite.electrical.mosfet import Mosfet
 from martensite.electrical.power import PowerSource
+from martensite.elements.bundle import Bundle
 from martensite.elements.limits import Limits
+from martensite.elements.ribbon import Ribbon
 from martensite.errors import InputError, ParameterError
+from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.parameters import param
 from martensite.runtimes import floats
 from martensite.sensors.base import AbstractSensor
+from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
+from martensite.thermal.ends import ClampedEnds
 
 NEVER = 1e6
 LIMIT = 413.15
@@ -300,6 +305,47 @@ def test_a_guard_takes_its_limit_from_the_element():
     (one,) = guard_for(limited).checks.members().values()
     assert (one.value_of("limit"), one.value_of("ambient")) == (390.0, 293.15)
     assert one.value_of("capacity") == WIRE.element.heat_capacity_total()
+
+
+SOURCE = {"supply": 6.0, "frequency": 1e3, "on_resistance": 0.1}
+
+
+def pulling(element: Any, times: float = 1.0) -> Any:
+    """A stiffer spring and a stronger source for so many strands."""
+    source = Mosfet(**(SOURCE | {"supply": 6.0 * times, "on_resistance": 0.1 * times}))
+    spring = BiasSpring(stiffness=1000.0 * times, preload=5.0 * times)
+    return WIRE.with_parts(element=element, source=source, mechanism=spring)
+
+
+def test_a_bundle_is_bounded_as_a_whole():
+    """Three strands in series at three times the voltage: everything three times; ends apart."""
+    clamped = WIRE.element.with_parts(ends=ClampedEnds(thermal_conductivity=18.0))
+    bundle = Bundle(strand=clamped, count=3.0)
+    three, one = (
+        guard_for(plant, temperature_limit=LIMIT).checks.members()["bound_drive"]
+        for plant in (pulling(bundle, 3.0), pulling(WIRE.element))
+    )
+    for name in ("power", "capacity", "conductance"):
+        assert three.value_of(name) == pytest.approx(3.0 * one.value_of(name), rel=1e-12)
+
+
+def test_the_bound_of_a_bundle_holds():
+    plant = pulling(Bundle(strand=WIRE.element, count=3.0), 3.0)
+    guard = guard_for(plant, temperature_limit=LIMIT, answer="resume", band=5.0)
+    full = {"drive": Constant(level=1.0)}
+    free = Bench(plant=plant, period=PERIOD, substeps=1)
+    found, hot = (
+        simulate_bench(one, 2.0, waveforms=full, runtime="floats")
+        for one in (free.with_parts(supervisor=guard), free)
+    )
+    assert alarms(found)[0] == 8.0
+    assert 350.0 < max(found["temperature"]) < LIMIT < max(hot["temperature"])
+
+
+def test_an_element_of_many_temperatures_has_no_bound():
+    ribbon = example(Ribbon)
+    with pytest.raises(InputError, match=r"elements of one temperature, .* not for `ribbon`"):
+        guard_for(WIRE.with_parts(element=ribbon), temperature_limit=LIMIT)
 
 
 def test_a_guard_that_lacks_a_number_says_so():

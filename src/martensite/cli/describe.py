@@ -12,6 +12,7 @@ from martensite.errors import UnknownNameError
 from martensite.parameters import REQUIRED, Declared, Parametrised
 from martensite.registry import Registry
 from martensite.signals.base import DRIVE
+from martensite.units import OF_READINGS
 
 
 def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
@@ -84,6 +85,8 @@ def _declared(name: str, declared: Declared) -> dict[str, Any]:
 def _allowed(declared: Declared) -> str:
     if declared.unit == DRIVE:
         return "any level in the unit of the source"
+    if declared.unit in OF_READINGS:
+        return f"{declared.allowed()}, in the unit of the reading"
     if declared.kind == "parameter":
         return declared.allowed()
     if declared.kind == "option":
@@ -125,10 +128,19 @@ def print_part(part: dict[str, Any]) -> None:
 
 
 def _row(entry: dict[str, Any]) -> tuple[str, ...]:
-    default = "required" if entry["required"] else str(entry["default"])
-    if isinstance(entry["default"], float) and entry["unit"] != DRIVE:
-        default = show.quantity(entry["default"], entry["unit"])
-    return entry["name"], entry["unit"] or "", entry["meaning"], entry["allowed"], default
+    unit = entry["unit"] or ""
+    return entry["name"], unit, entry["meaning"], entry["allowed"], default_of(entry)
+
+
+def default_of(entry: dict[str, Any]) -> str:
+    """The default of a described parameter, in a readable unit if it is known."""
+    default = entry["default"]
+    if not isinstance(default, float):
+        return "required" if entry["required"] else str(default)
+    if entry["unit"] in OF_READINGS and default and math.isfinite(default):
+        return f"{default:g} in SI"
+    placed = entry["unit"] in (DRIVE, *OF_READINGS)
+    return show.quantity(default, "1" if placed else entry["unit"])
 
 
 def print_list(registry: Registry[Any]) -> None:

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from martensite.cli.outputs import Outputs, parts
-from martensite.cli.waiting import spinner
+from martensite.cli.waiting import run_bar, spinner
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,6 +39,8 @@ class Wanted:
     """What the scenario follows; compared with as well, as far as the run goes."""
     carrier: float | None = None
     """Frequency [Hz] of the pulses to be made beside the averaged run."""
+    quiet: bool = False
+    """Whether no progress is shown, even to a terminal."""
 
 
 @dataclass(frozen=True)
@@ -159,13 +161,22 @@ def _print_averaging(found: Averaging) -> None:
 def execute(scenario: Scenario, wanted: Wanted) -> Executed:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
     record = _record(scenario, wanted)
-    with spinner(f"simulating {scenario.title}"):
-        result = scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
-        averaging = _averaged(scenario, wanted.carrier)
+    result = _run(scenario, wanted)
+    averaging = _averaged(scenario, wanted.carrier)
     agreements = _compared(result, record, wanted.compare is None and wanted.log is not None)
     with spinner("writing"), parts(wanted.outputs) as files:
         _write(files, scenario, result, record)
     return Executed(scenario, result, wanted.outputs, agreements, averaging)
+
+
+def _run(scenario: Scenario, wanted: Wanted) -> Result:
+    """The run; one with a controller outside of the bench takes long and shows how far it is."""
+    label = f"simulating {scenario.title}"
+    if not scenario.outside:
+        with spinner(label):
+            return scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
+    with run_bar(label, wanted.quiet) as watch:
+        return scenario.run(watch=watch)
 
 
 def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
@@ -182,7 +193,8 @@ def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
         raise InputError(
             "Option `--carrier` is for a system of one element and one drive, without a bench."
         )
-    return compare_averaging(system, waveform, scenario.duration, carrier)
+    with spinner(f"simulating the pulses of {scenario.title}"):
+        return compare_averaging(system, waveform, scenario.duration, carrier)
 
 
 def _draw(path: Path, scenario: Scenario, result: Result, records: list[Record] | None) -> None:

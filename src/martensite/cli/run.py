@@ -92,7 +92,7 @@ def run(
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
     pulses = None if carrier is None else quantity("carrier", carrier, "Hz")
-    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, record, pulses)
+    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, record, pulses, json)
     execute(loaded, wanted).show(json)
 
 

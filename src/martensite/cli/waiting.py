@@ -54,6 +54,16 @@ def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
 
 
 @contextmanager
+def run_bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
+    """A bar for a run, moved by calling what it gives with the share that is done."""
+    if quiet:
+        yield None
+        return
+    with share_bar(label) as tell:
+        yield None if tell is None else lambda share: tell(label, share)
+
+
+@contextmanager
 def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
     """A bar for a search, with the words that `describe` finds for what it tells.
 

@@ -42,6 +42,7 @@ class AbstractController(AbstractDrive):
 
     kernel: ClassVar[bool] = True
     """False for one that is no kernel and runs as a drive only."""
+    names_reading = ("measured",)
 
     measured: str = text("name of the reading that shall follow the reference")
     reference: AbstractWaveform = part("what it shall follow, in its SI unit", WAVEFORMS)

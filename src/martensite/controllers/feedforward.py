@@ -39,6 +39,7 @@ from martensite.runtimes.bracket import solve_bracketed
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 from martensite.system import AbstractSystem, advanced
+from martensite.units import DIFFERENCE
 
 SLIGHT = 1e-9
 """Slope added to the output over its range, so that a flat model has an answer: the last one."""
@@ -77,9 +78,8 @@ class Feedforward(AbstractController):
         "whether the output rises or falls with the signal", "rising", "falling", default="rising"
     )
     slack: Scalar = param(
-        "1", "least answer of the model in the time L that is one, in the output's SI unit",
-        above=0.0, default=1e-6,
-    )  # fmt: skip
+        DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6
+    )
     substeps: int = part("steps of the model in a sample", default=1)
     ahead: int = part("steps of the model in the time L", default=1)
     iterations: int = part("Newton iterations for the signal", default=8)

@@ -14,6 +14,7 @@ from martensite.controllers.base import CONTROLLERS, AbstractController, Column,
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import DIFFERENCE
 
 
 @CONTROLLERS.register("on-off")
@@ -21,9 +22,8 @@ class OnOff(AbstractController):
     """A switch that keeps a measured quantity near its target."""
 
     band: Scalar = param(
-        "1", "how far below the target it is switched on again, in its SI unit",
-        low=0.0, default=0.0,
-    )  # fmt: skip
+        DIFFERENCE, "how far below the target it is switched on again", low=0.0, default=0.0
+    )
     high: Scalar = param(DRIVE, "signal while it is on")
     low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
 

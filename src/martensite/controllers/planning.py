@@ -33,6 +33,7 @@ from martensite.parameters import Parametrised, param, part
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.lanes_native import Numbers
 from martensite.simulate.march import SOLVED
+from martensite.units import DIFFERENCE
 
 KELVIN, MEGAPASCAL = 1.0, 1e6
 ELITE = 8
@@ -52,9 +53,7 @@ LEAST_PLANS = 1 + LEVELS + 2 * len(WHILES)
 class Price(Parametrised):
     """What a plan is charged for."""
 
-    error: float = param(
-        "1", "error that costs 1, in the SI unit of what is followed", above=0.0, default=1e-4
-    )
+    error: float = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
     energy: float = param("1/W", "price of electrical power", low=0.0, default=0.0)
     change: float = param("1", "price of changes of the signal", low=0.0, default=0.01)
     hottest: float = param("K", "temperature that costs nothing yet", default=math.inf)

@@ -24,12 +24,13 @@ from martensite.errors import ParameterError
 from martensite.parameters import Parametrised, option, param, part, text
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system import Members
+from martensite.units import LEVEL
 
 
 class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
-    at: Scalar = param("1", "where: value of the reference or of the reading, in its SI unit")
+    at: Scalar = param(LEVEL, "where: value of the reference or of the reading")
     Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured")
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
@@ -82,6 +83,7 @@ class ScheduledPid(AbstractController):
     """A PID controller with gains over a reading or the reference, rising and falling."""
 
     cites = ("copaci2019",)
+    names_reading = ("over", "measured")
 
     over: str = text("name of the reading that decides; the reference if none", default="")
     rising: Schedule = part("gains since the reference rose")

@@ -30,6 +30,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import RATE
 
 
 class SlidingMemory(NamedTuple):
@@ -53,7 +54,7 @@ class SlidingMode(AbstractController):
 
     gain: Scalar = param(DRIVE, "largest signal K of the switching part")
     slope: Scalar = param("1/s", "slope λ of the surface", above=0.0)
-    layer: Scalar = param("1", "half width Φ of the boundary layer, in units of s", above=0.0)
+    layer: Scalar = param(RATE, "half width Φ of the boundary layer, in units of s", above=0.0)
     boundary: str = option(
         "what the switching is inside of the layer", "saturation", "tanh", default="saturation"
     )

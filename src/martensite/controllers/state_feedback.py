@@ -19,6 +19,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import param, part, text
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import LEVEL
 
 
 @CONTROLLERS.register("state-feedback")
@@ -29,7 +30,7 @@ class StateFeedback(AbstractController):
     gains: Any = part("gains K, one per state, in signal per SI unit", default=(0.0,))
     at: Any = part("states z_0 of the operating point, in SI", default=(0.0,))
     signal: Scalar = param(DRIVE, "signal u_0 of the operating point", default=0.0)
-    level: Scalar = param("1", "what is measured there, y_0, in its SI unit", default=0.0)
+    level: Scalar = param(LEVEL, "what is measured there, y_0", default=0.0)
     prefilter: Scalar = param("1", "gain N of the reference", default=0.0)
     Ki: Scalar = param("1/s", "gain K_I of the integral of the error", default=0.0)
     low: Scalar = param(DRIVE, "least signal", default=0.0)

@@ -20,6 +20,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.units import DIFFERENCE
 
 
 @CONTROLLERS.register("two-level")
@@ -28,7 +29,7 @@ class TwoLevel(AbstractController):
 
     cites = ("grant1997",)
 
-    far: Scalar = param("1", "error φ from which it is full, in SI units of the reading", above=0.0)
+    far: Scalar = param(DIFFERENCE, "error φ from which it is full", above=0.0)
     high: Scalar = param(DRIVE, "signal u_H far from the target")
     near: Scalar = param(DRIVE, "signal u_L near it")
     low: Scalar = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)

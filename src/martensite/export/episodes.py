@@ -74,7 +74,7 @@ class Episodes:
         """
         if count < 1:
             raise InputError(f"There must be an environment at least, but there are {count}.")
-        self.bench, self.task, self.count, self._native = bench, task, count, native
+        self.bench, self.task, self.count = bench, task, count
         self.length = max(1, round(task.duration / bench.period))
         self._ahead = [0, *(round(time / bench.period) for time in task.preview)]
         self._drives: list[Drive] = bench.drives()
@@ -161,7 +161,7 @@ class Episodes:
         changed = [self._draw(k, random[k], given) for k in chosen]
         state, worst = self._lanes.state, self._lanes.worst.copy()
         if any(changed):
-            self._lanes = Lanes(self.bench, self.count, self._values, self._native)
+            self._lanes.set_values(self._values)
         self._at[chosen] = 0
         signals = self._signals_at(self._idle, 0)
         self._lanes.reset(signals)

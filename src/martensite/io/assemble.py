@@ -24,6 +24,7 @@ from martensite.errors import ParameterError, suggestion
 from martensite.io import recorded
 from martensite.io.build import Builder, Table, as_table, refuse_unknown, section
 from martensite.io.law_match import law_caution
+from martensite.io.scales import Scales
 from martensite.materials.base import Material, load_material
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
@@ -211,7 +212,7 @@ class Assembly:
         if "kind" in table:
             with section(below):
                 require_unit(WAVEFORMS[str(table["kind"])], unit)
-        builder = Builder(drive_unit=unit, origins=self.origins)
+        builder = Builder(scales=Scales(unit), origins=self.origins)
         return builder.choose(WAVEFORMS, table, below)
 
     def _followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:

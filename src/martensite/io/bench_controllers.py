@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.errors import ParameterError, suggestion
 from martensite.io.assemble import section_of
-from martensite.io.bench_parts import PartsBuilder
+from martensite.io.bench_parts import PartsBuilder, reading_units
 from martensite.io.bench_tables import (
     PAIRS,
     PERIOD,
@@ -18,6 +18,7 @@ from martensite.io.bench_tables import (
     timed,
 )
 from martensite.io.build import Table, section
+from martensite.io.scales import Scales
 from martensite.parameters import Parametrised
 from martensite.signals.constant import Constant
 
@@ -45,7 +46,7 @@ class ControllersBuilder:
         cls = kind_of(CONTROLLERS, table, path)
         built = self._bare(cls, (name, table, path), unit)
         kind = self._followed(built, path, unit)
-        self.parts.places.note(f"controllers.{name}.{REFERENCE}", below, kind)
+        self.parts.places.note(f"controllers.{name}.{REFERENCE}", below, Scales(kind))
         waveform = self.parts.assembly.waveform_of(given, kind, below, name)
         return name, built.with_parts(reference=waveform)
 
@@ -53,13 +54,15 @@ class ControllersBuilder:
         """A controller with nothing to follow yet."""
         name, table, path = row
         where, parts = f"controllers.{name}", self.parts
-        parts.places.note(where, path, unit)
+        scales = Scales(unit, reading_units(self.bench))
+        parts.places.note(where, path, scales)
         made = {REFERENCE: Constant(level=0.0), **parts.model(cls, table, path, where)}
         full, moved = gathered(cls, timed(cls, table, self.bench.period))
         extra = (*made, PERIOD) if path == CONTROLLER else tuple(made)
-        built = parts.builder(unit, extra, **made).build(cls, full, path)
+        built = parts.builder(scales, extra, **made).build(cls, full, path)
+        parts.places.note_scales(where, built, scales)
         for inner, flat in moved.items():
-            parts.places.note(f"{where}.{inner}", f"{path}.{flat}", unit)
+            parts.places.note(f"{where}.{inner}", f"{path}.{flat}")
             parts.assembly.origins[f"{path}.{flat}"] = "scenario"
         return built
 
@@ -69,10 +72,9 @@ class ControllersBuilder:
         Raises:
             ParameterError: it reads what is not known.
         """
-        from martensite.bench.names import readings
         from martensite.controllers.base import require
 
-        known = {name: output.unit for name, output in readings(self.bench).items()}
+        known = reading_units(self.bench)
         with section(path):
             require(built, known)
             return built.reference_unit(known, unit)

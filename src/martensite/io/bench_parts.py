@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from martensite.io.assemble import Assembly, section_of
+from martensite.io.bench_guard import note_origins, with_plant
 from martensite.io.bench_tables import (
     FAULTS,
     MODEL,
@@ -21,6 +22,7 @@ from martensite.io.bench_tables import (
 from martensite.io.build import Builder, Table, section
 from martensite.io.overrides import changed
 from martensite.io.places import Places
+from martensite.io.scales import Scales
 from martensite.parameters import Parametrised
 
 if TYPE_CHECKING:
@@ -33,6 +35,12 @@ if TYPE_CHECKING:
     from martensite.system import AbstractSystem
 
 
+GUARD = "guard"
+"""Kind of supervisor whose checks may come from the plant."""
+MEASURED = "reading"
+"""What a sensor calls its own reading."""
+
+
 @dataclass(frozen=True)
 class PartsBuilder:
     """Builds what is around a plant; notes origins and places of all numbers."""
@@ -42,11 +50,10 @@ class PartsBuilder:
     """What everything is around."""
     places: Places
 
-    def builder(self, unit: str = "1", extra: tuple[str, ...] = (), **made: Any) -> Builder:
-        """A builder of components with levels in a unit; see `Builder` for the rest."""
-        return Builder(
-            drive_unit=unit, origins=self.assembly.origins, extra=extra, plain=True, made=made
-        )
+    def builder(self, scales: Scales, extra: tuple[str, ...] = (), **made: Any) -> Builder:
+        """A builder of components with levels in some units; see `Builder` for the rest."""
+        origins = self.assembly.origins
+        return Builder(scales=scales, origins=origins, extra=extra, plain=True, made=made)
 
     def model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> Table:
         """The model of a component that has one, as what is made elsewhere."""
@@ -78,14 +85,15 @@ class PartsBuilder:
         given = {key: value for key, value in table.items() if key in mount}
         seen = texts(given.get("of")) or list(cls.sees)
         unit = cls.unit or self._output_unit(seen)
-        sensor = self.builder(unit, (*mount, *names)).build(cls, table, path)
-        mounted = self.builder(unit, sensor=sensor).build(Mounted, given, path)
+        scales = Scales(readings={MEASURED: unit}, named=(MEASURED,))
+        sensor = self.builder(scales, (*mount, *names)).build(cls, table, path)
+        mounted = self.builder(scales, sensor=sensor).build(Mounted, given, path)
         same = seen and unit == self._output_unit(seen)
         natural = seen[0].replace(".", "_") if same else str(table["kind"]).replace("-", "_")
         name = name or str(table.get(NAME, natural))
         check_name(name, path)
-        self.places.note(f"sensors.{name}", path, unit)
-        self.places.note(f"sensors.{name}.sensor", path, unit)
+        self.places.note(f"sensors.{name}", path)
+        self.places.note(f"sensors.{name}.sensor", path, scales)
         return name, mounted
 
     def _output_unit(self, seen: list[str]) -> str:
@@ -93,8 +101,8 @@ class PartsBuilder:
         known = self.plant.outputs()
         return known[seen[0]].unit if seen and seen[0] in known else "1"
 
-    def observer(self, row: Row) -> tuple[str, AbstractObserver]:
-        """An observer, and its name: by default its kind."""
+    def observer(self, bench: Bench, row: Row) -> tuple[str, AbstractObserver]:
+        """An observer of a bench with sensors, and its name: by default its kind."""
         from martensite.observers.base import OBSERVERS
 
         name, table, path = row
@@ -102,33 +110,51 @@ class PartsBuilder:
         name = name or str(table["kind"]).replace("-", "_")
         check_name(name, path)
         where = f"observers.{name}"
-        self.places.note(where, path)
+        scales = Scales(readings=reading_units(bench))
+        self.places.note(where, path, scales)
         made = self.model(cls, table, path, where)
         extra = (MODEL,) if made else ()
-        return name, self.builder("1", extra, **made).build(cls, table, path)
+        found = self.builder(scales, extra, **made).build(cls, table, path)
+        self.places.note_scales(where, found, scales)
+        return name, found
 
-    def supervisor(self) -> AbstractSupervisor | None:
-        """Who has the last word, if anybody."""
+    def supervisor(self, bench: Bench) -> AbstractSupervisor | None:
+        """Who has the last word on a bench, if anybody."""
         if SUPERVISOR not in self.assembly.document:
             return None
         from martensite.bench.supervisor import SUPERVISORS
 
         units = {drive.unit for drive in self.plant.drives()}
         unit = units.pop() if len(units) == 1 else "1"
-        self.places.note(SUPERVISOR, SUPERVISOR, unit)
-        table = section_of(self.assembly.document, SUPERVISOR)
-        return self.builder(unit).choose(SUPERVISORS, table, SUPERVISOR)
+        scales = Scales(unit, reading_units(bench))
+        document = self.assembly.document
+        table = section_of(document, SUPERVISOR)
+        cls, builder, full = kind_of(SUPERVISORS, table, SUPERVISOR), self.builder(scales), table
+        if cls.registered_name == GUARD:
+            full = with_plant(table, bench, builder, document)
+        found = builder.build(cls, full, SUPERVISOR)
+        note_origins(table, full, self.assembly.origins)
+        self.places.note(SUPERVISOR, SUPERVISOR, scales)
+        self.places.note_scales(SUPERVISOR, found, scales)
+        return found
 
     def fault(self, bench: Bench, row: Row) -> tuple[str, AbstractFault]:
         """What goes wrong on a bench, and its name; levels are in the unit of what it disturbs."""
         from martensite.bench.faults.base import FAULTS as KNOWN
-        from martensite.bench.names import readings
 
         name, table, path = row
         check_name(name, path)
         drives = {drive.name: drive.unit for drive in self.plant.drives()}
-        known = {reading: output.unit for reading, output in readings(bench).items()}
         only = next(iter(drives.values())) if len(drives) == 1 else "1"
-        unit = known.get(str(table.get("sensor"))) or drives.get(str(table.get("drive"))) or only
-        self.places.note(f"{FAULTS}.{name}", path, unit)
-        return name, self.builder(unit).choose(KNOWN, table, path)
+        scales = Scales(drives.get(str(table.get("drive"))) or only, reading_units(bench))
+        found = self.builder(scales).choose(KNOWN, table, path)
+        self.places.note(f"{FAULTS}.{name}", path, scales)
+        self.places.note_scales(f"{FAULTS}.{name}", found, scales)
+        return name, found
+
+
+def reading_units(bench: Bench) -> dict[str, str]:
+    """SI units of everything that may be read on a bench."""
+    from martensite.bench.names import readings
+
+    return {name: output.unit for name, output in readings(bench).items()}

@@ -129,15 +129,16 @@ def _bench(parts: PartsBuilder, conduct: Conduct) -> tuple[Bench, dict[str, Abst
     given |= {"plant": parts.plant, "period": conduct.period, "switching": conduct.switching}
     given["substeps"] = int(conduct.substeps)
     given["sensors"] = Sensors(**dict(map(parts.sensor, rows(document, "sensor"))))
-    given["observers"] = Observers(**dict(map(parts.observer, rows(document, "observer"))))
     bench = Bench(**given)
+    observers = dict(parts.observer(bench, row) for row in rows(document, "observer"))
+    bench = bench.with_parts(observers=Observers(**observers))
     builder = ControllersBuilder(parts, bench)
     found = dict(map(builder.controller, rows(document, "controller")))
     _check_references(document, found)
     faults = dict(parts.fault(bench, row) for row in named(document, FAULTS))
     bench = bench.with_parts(
         controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
-        supervisor=parts.supervisor(), faults=Faults(**faults),
+        supervisor=parts.supervisor(bench), faults=Faults(**faults),
     )  # fmt: skip
     return bench, {name: one for name, one in found.items() if not one.kernel}
 

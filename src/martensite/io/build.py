@@ -17,11 +17,11 @@ from typing import Any, cast
 from martensite import units
 from martensite.errors import InputError, ParameterError, UnitError, suggestion
 from martensite.io.components import component_class, is_members, is_plain, plain
+from martensite.io.scales import Scales
 from martensite.materials.base import Material
 from martensite.materials.names import NAMES
 from martensite.parameters import REQUIRED, Declared, Parametrised
 from martensite.registry import Registry
-from martensite.signals.base import DRIVE
 
 Table = Mapping[str, Any]
 ASSUMED_KINDS = {"resistance": "mixture"}
@@ -39,8 +39,8 @@ class Builder:
 
     material: Material | None = None
     """Fills numbers that the tables leave out, in components built with `draws`."""
-    drive_unit: str = "1"
-    """Unit of the source, in which the levels of a waveform are declared."""
+    scales: Scales = field(default_factory=Scales)
+    """Units of levels of a waveform, and of readings."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path -> scenario, default, or the kind and name of the material."""
     extra: tuple[str, ...] = ()
@@ -63,6 +63,9 @@ class Builder:
         """Build a component of a known class from its table."""
         if is_members(cls):
             return self._members(cls, table, path, draws)
+        scales = self.scales.within(cls, table)
+        if scales is not self.scales:
+            return replace(self, scales=scales).build(cls, table, path, draws=draws)
         names = [name for name in _parts(cls) if name not in self.made]
         children = {name: self._child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
@@ -169,16 +172,14 @@ class Builder:
         """The value as the constructor takes it; text keeps its unit for the messages."""
         if declared.kind in ("option", "text"):
             return value
-        unit = self.drive_unit if declared.unit == DRIVE else declared.unit
+        with section(path):
+            unit = self.scales.unit(declared)
         if not isinstance(value, str):
             return _plain(value, name, unit, path)
-        if declared.unit != DRIVE:
+        if unit == declared.unit:
             return value
         with section(path):
-            try:
-                return units.parse(value, unit)
-            except UnitError as error:
-                raise UnitError(f"Parameter `{name}` of `{_name(cls)}`: {error}") from None
+            return replace(declared, unit=unit).convert(_name(cls), name, value)
 
     def _refuse_unknown(
         self,
@@ -210,8 +211,8 @@ class Builder:
     def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
         """What is missing, in which unit, who does not have it, where to write it."""
         brief = len(missing) > FULLY_DESCRIBED
-        listed = ", ".join(_describe(cls.declarations[name], name, brief) for name in missing)
-        unit = self._unit_label(cls.declarations[missing[0]])
+        listed = ", ".join(self._described(cls.declarations[name], name, brief) for name in missing)
+        unit = self.scales.label(cls.declarations[missing[0]])
         sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
         remedy = f"write `{sample}` in [{path}]"
         if draws and any(name in NAMES for name in missing):
@@ -221,9 +222,10 @@ class Builder:
                 remedy = f"material `{self.material.name}` does not hold it: {remedy}"
         return f"[{path}] `{_name(cls)}` needs {listed}; {remedy}."
 
-    def _unit_label(self, declared: Declared) -> str:
-        unit = units.readable(self.drive_unit if declared.unit == DRIVE else declared.unit)
-        return "" if unit == "1" else unit
+    def _described(self, declared: Declared, name: str, brief: bool) -> str:
+        unit = self.scales.label(declared) if declared.kind == "parameter" else ""
+        unit = f" [{unit}]" if unit else ""
+        return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")
 
 
 def _plain(value: Any, name: str, unit: str, path: str) -> float:
@@ -237,12 +239,6 @@ def _plain(value: Any, name: str, unit: str, path: str) -> float:
             f'write for example `{name} = "{value} {label}"`.'
         )
     return float(value)
-
-
-def _describe(declared: Declared, name: str, brief: bool) -> str:
-    known = declared.kind == "parameter" and declared.unit not in ("1", DRIVE)
-    unit = f" [{units.readable(declared.unit)}]" if known else ""
-    return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")
 
 
 def _parts(cls: type[Parametrised]) -> Iterator[str]:

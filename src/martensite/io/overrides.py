@@ -47,7 +47,7 @@ def changed(document: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[st
     """A copy of a TOML document with the values at the given dotted paths replaced."""
     copy = deepcopy(dict(document))
     for path, value in settings.items():
-        _set(copy, path, value)
+        _set(copy, path, deepcopy(value))
     return copy
 
 

@@ -6,11 +6,12 @@ sections, `controller.high`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from martensite.io.assemble import DRIVE, scenario_path
-from martensite.parameters import Leaf
-from martensite.signals.base import DRIVE as DRIVE_UNIT
+from martensite.io.scales import Scales
+from martensite.parameters import Leaf, Parametrised
 
 
 @dataclass
@@ -21,16 +22,24 @@ class Places:
     """What the section of the source is called."""
     written: dict[str, str] = field(default_factory=dict[str, str])
     """Beginning of a path in the bench -> its beginning in the scenario."""
-    units: dict[str, str] = field(default_factory=dict[str, str])
-    """Beginning of a path in the bench -> unit of levels below it."""
+    scales: dict[str, Scales] = field(default_factory=dict[str, Scales])
+    """Beginning of a path in the bench -> units of levels below it."""
     systems: set[str] = field(default_factory=set[str])
     """Beginnings of paths in the bench below which there is a system."""
 
-    def note(self, path: str, written: str, unit: str = "") -> None:
-        """A part of the bench, the section it is in, and the unit of levels in it."""
+    def note(self, path: str, written: str, scales: Scales | None = None) -> None:
+        """A part of the bench, the section it is in, and the units of levels in it."""
         self.written[path] = written
-        if unit:
-            self.units[path] = unit
+        if scales is not None:
+            self.scales[path] = scales
+
+    def note_scales(self, path: str, part: Parametrised, scales: Scales) -> None:
+        """The units of levels in what names a reading: a part of the bench, or its components."""
+        own = scales.within(type(part), part.__dict__)
+        if own is not scales:
+            self.scales[path] = own
+        for name, child in part.children():
+            self.note_scales(f"{path}.{name}", child, own)
 
     def note_system(self, path: str, written: str) -> None:
         """A system in the bench, and where the scenario describes it."""
@@ -54,13 +63,12 @@ class Places:
 
     def unit(self, leaf: Leaf) -> str:
         """The unit of a number of the system or bench; that of a level depends on its place."""
-        begin = _longest(self.units, leaf.path)
-        if leaf.declared.unit != DRIVE_UNIT or begin is None:
-            return leaf.declared.unit
-        return self.units[begin]
+        begin = _longest(self.scales, leaf.path)
+        known = None if begin is None else self.scales[begin].known(leaf.declared)
+        return known or leaf.declared.unit
 
 
-def _longest(known: dict[str, str], path: str) -> str | None:
+def _longest(known: Iterable[str], path: str) -> str | None:
     """The longest of some beginnings that a path has."""
     found = [begin for begin in known if path == begin or path.startswith(f"{begin}.")]
     return max(found, key=len, default=None)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,15 +126,19 @@ class Scenario:
         found = [*self.remarks, *(c for part in self.parts() for c in part.cautions())]
         return list(dict.fromkeys(found))
 
-    def run(self, *, tolerance: float | None = None, runtime: str | None = None) -> Result:
+    def run(
+        self, *, tolerance: float | None = None, runtime: str | None = None,
+        watch: Callable[[float], None] | None = None,
+    ) -> Result:  # fmt: skip
         """Simulate.
 
         Args:
             tolerance: replaces that of the scenario; without a meaning on a bench.
             runtime: floats, c or jax; by default floats, or on a bench c if there is a compiler.
+            watch: called with the share of the run that is done, if a controller runs outside.
         """
         if self.bench is not None:
-            return self._run_bench(self.bench, runtime)
+            return self._run_bench(self.bench, runtime, watch)
         from martensite.simulate.api import simulate
 
         return simulate(
@@ -144,13 +148,15 @@ class Scenario:
             samples=self.samples, runtime=runtime or "floats",
         )  # fmt: skip
 
-    def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
+    def _run_bench(
+        self, bench: Bench, runtime: str | None, watch: Callable[[float], None] | None
+    ) -> Result:
         from martensite.bench.run import simulate_bench
         from martensite.simulate.driven import by_name
 
         return simulate_bench(
             bench, self.duration, outside=self.outside or None, seed=self.seed, runtime=runtime,
-            waveforms=by_name(self.system, self.waveform),
+            waveforms=by_name(self.system, self.waveform), watch=watch,
         )  # fmt: skip
 
 

@@ -35,7 +35,7 @@ from martensite.parameters import param, text
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
-from martensite.units import DEGREES
+from martensite.units import DEGREES, DIFFERENCE, of_reading
 
 LEAST, MOST = 0.2, 5.0
 """Limits of the factors of drifting parameters."""
@@ -65,6 +65,8 @@ class Forecast(NamedTuple):
 class AbstractFilter(AbstractObserver):
     """Interface of a Kalman filter; a subclass adds `forecast`."""
 
+    names_reading = ("measured",)
+
     measured: tuple[str, ...] = text(
         "readings it uses, called as the outputs of the model", default=("resistance",)
     )
@@ -74,7 +76,7 @@ class AbstractFilter(AbstractObserver):
         "1", "standard deviation of readings as a share of them", low=0.0, default=0.01
     )
     reading_deviation: Scalar = param(
-        "1", "standard deviation of readings whatever they are, in their SI unit",
+        DIFFERENCE, "standard deviation of readings whatever they are; in SI if units differ",
         low=0.0, default=0.0,
     )  # fmt: skip
     temperature_noise: Scalar = param(
@@ -267,5 +269,5 @@ def _pairs(items: Sequence[Any]) -> list[tuple[Any, Any]]:
 
 
 def _deviation(output: Output) -> Output:
-    unit = DEGREES if output.unit == "K" else output.unit
+    unit = of_reading(DIFFERENCE, output.unit)
     return Output(unit, f"standard deviation of {output.long_name}", f"s_{output.symbol}")

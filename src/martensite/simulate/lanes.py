@@ -43,18 +43,13 @@ class Lanes:
             native: whether to run in C; by default if there is a compiler.
         """
         quick = compile_system(system, ITERATIONS)
-        given = dict(values or {})
-        known = {leaf.path: leaf.value for leaf in system.leaves()}
-        for path in given:
-            if path not in known:
-                raise InputError(f"There is no parameter `{path}`. {suggestion(path, known)}")
-        rows = [np.broadcast_to(np.asarray(given.get(path, known[path]), float), lanes)
-                for path in quick.paths]  # fmt: skip
+        self._rows = {path: k for k, path in enumerate(quick.paths)}
+        table = np.repeat(np.array(quick.values(system))[:, None], lanes, axis=1)
+        self._fill(table, values or {})
         self.lanes, self.system = lanes, system
         self.names: tuple[str, ...] = quick.outputs
         self.drives = tuple(drive.name for drive in system.drives())
         self._shape = len(self.drives), lanes
-        table = np.array(rows).reshape(len(quick.paths), lanes)
         in_c = compiler() is not None if native is None else native
         self._engine = (
             NativeLanes(quick, table, system) if in_c else PlainLanes(quick, table, system)
@@ -66,6 +61,22 @@ class Lanes:
     def worst(self) -> Numbers:
         """Worst reports since the last reset, shape (2, lanes)."""
         return self._engine.worst
+
+    def set_values(self, values: Mapping[str, Any]) -> None:
+        """Other parameters from now on, as if the lanes had been made with them.
+
+        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters.
+
+        Args:
+            values: parameters by path, each a number or of shape (lanes,); what is not named
+                stays as it is.
+
+        Raises:
+            InputError: there is no such parameter, or it has another shape.
+        """
+        table = self._engine.table.copy()
+        self._fill(table, values)
+        self._engine.set_table(table)
 
     def reset(self, signals: Any = 0.0) -> None:
         """All lanes at rest under first signals, shape (drives, lanes) or what spreads to it."""
@@ -108,6 +119,19 @@ class Lanes:
         lost = [bool(np.isnan(column).any()) for column in self.state.T]
         found = [classify(float(r), float(s)) for r, s in self.worst.T]
         return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]
+
+    def _fill(self, table: Numbers, values: Mapping[str, Any]) -> None:
+        """Put parameters by path into the rows of a table, shape (parameters, lanes)."""
+        for path, value in values.items():
+            if path not in self._rows:
+                raise InputError(f"There is no parameter `{path}`. {suggestion(path, self._rows)}")
+            given, lanes = np.asarray(value, float), table.shape[1]
+            if given.shape not in ((), (1,), (lanes,)):
+                raise InputError(
+                    f"Values of `{path}` must be one number or of shape ({lanes},), but their "
+                    f"shape is {given.shape}."
+                )
+            table[self._rows[path]] = given
 
     def _spread(self, signals: Any) -> Numbers:
         """Signals of one moment, for all drives and lanes."""

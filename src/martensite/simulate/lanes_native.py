@@ -88,7 +88,7 @@ class NativeLanes:
     def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
         self.compiled, self.system = compiled, system
         size, n, outputs = compiled.size, table.shape[1], len(compiled.outputs)
-        self.n, self.library, self.table = n, _library(compiled), np.ascontiguousarray(table)
+        self.n, self.library, self.table = n, _library(compiled), np.array(table, order="C")
         self.constants = self._prepared(compiled, self.library)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self.worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
@@ -98,6 +98,12 @@ class NativeLanes:
         self._held = tuple(map(_at, (self.constants, self.x, self.y, self.worst)))
         self._first = _CALLBACK(self._thorough)
         self._again: tuple[Any, ...] = self._first, None, None
+
+    def set_table(self, table: Numbers) -> None:
+        """Other parameters, shape (parameters, lanes); what was compiled stays."""
+        self.table[...] = table
+        self.library.prepare(self.n, _at(self.table), _at(self.constants))
+        self._again = self._first, None, None
 
     def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""

@@ -18,10 +18,18 @@ class PlainLanes:
     """Lanes one after the other on floats."""
 
     def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
-        self.compiled, self.system, self.table = compiled, system, table
+        self.compiled, self.system, self.table = compiled, system, np.array(table)
         self.functions = [compiled.program.bind_floats(*column) for column in table.T.tolist()]
         self.worst = np.zeros((2, table.shape[1]))
         self.patient: dict[int, Callable[..., tuple[float, ...]]] = {}
+
+    def set_table(self, table: Numbers) -> None:
+        """Other parameters, shape (parameters, lanes)."""
+        changed = np.flatnonzero((table != self.table).any(axis=0))
+        self.table = np.array(table)
+        for lane in changed.tolist():
+            self.functions[lane] = self.compiled.program.bind_floats(*table[:, lane].tolist())
+            self.patient.pop(lane, None)
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""

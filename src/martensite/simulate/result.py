@@ -44,6 +44,8 @@ class Result:
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
     """One list per cell and quantity named in `martensite.system.PROFILES`, in SI units; empty
     for an element that is the same all over."""
+    beside: dict[str, Output] = field(default_factory=dict[str, Output])
+    """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
 
     def __getitem__(self, name: str) -> list[float]:
         """A column by name, or the times."""
@@ -52,7 +54,7 @@ class Result:
     @cached_property
     def outputs(self) -> dict[str, Output]:
         """How every column is called, with its unit."""
-        return self.system.outputs()
+        return self.system.outputs() | self.beside
 
     def unit(self, name: str) -> str:
         """SI unit of a column."""

@@ -1,4 +1,4 @@
-""" "A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
+"""A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
 
     signal u₀ → u₀ + Δ → u₀, each for some time
 

@@ -19,7 +19,7 @@ class Mismatch(AbstractCheck):
     """Two readings that contradict each other."""
 
     alarm, size = 7, 1
-    names_reading = ("reading", "other")
+    names_reading = ("reading",)
 
     reading: str = text("name of a reading")
     other: str = text("name of the other reading, or of an estimate")
