@@ -9,6 +9,8 @@ PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
 # What JAX compiles runs once in a test: made quickly, not optimised. test-all compiles as users do.
 XLA_QUICK ?= --xla_backend_optimization_level=0
+# Many processes share the cores: each computes on one thread.
+export OPENBLAS_NUM_THREADS ?= 1
 
 VENV := .venv
 BIN := $(VENV)/bin

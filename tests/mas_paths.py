@@ -1,10 +1,13 @@
 """Bare laws of layers in wells on prescribed paths of stress or strain, traced once per structure.
 
-`TABLE_1` is the single crystal of the finger prototype (material `finger-mas`).
+Paths run in C, or in plain floats where there is no compiler; that all
+runtimes agree is tested elsewhere. `TABLE_1` is the single crystal of the finger prototype
+(material `finger-mas`).
 """
 
 from __future__ import annotations
 
+import ctypes
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -15,6 +18,7 @@ from martensite.laws.coupling import advance
 from martensite.laws.mas import MullerAchenbachSeelecke
 from martensite.parameters import structure
 from martensite.runtimes import floats
+from martensite.runtimes.c99 import c_source, compiler, load_library
 from martensite.runtimes.nested import flatten
 from martensite.runtimes.program import Program
 
@@ -57,13 +61,68 @@ _PROGRAMS: dict[Any, Any] = {}
 
 
 def traced(law: Any, iterations: int) -> Any:
-    """(functions bound to the numbers of the law, rebuild) for a law."""
+    """A program for a law, and the numbers of the law that it takes."""
     key = structure(law), iterations
     if key not in _PROGRAMS:
         _PROGRAMS[key] = _trace(law, iterations)
     program, paths = _PROGRAMS[key]
     known = {leaf.path: leaf.value for leaf in law.leaves()}
-    return program.bind_floats(*(known[path] for path in paths))
+    return program, [known[path] for path in paths]
+
+
+_MARCH = """
+void march(long steps, const double *p, const double *start, const double *rows, double *y) {{
+    double c[{constants}], x[{inputs}];
+    k_prepare(1, p, c);
+    memcpy(x, start, {size} * sizeof(double));
+    for (long k = 0; k < steps; k++, y += {outputs}) {{
+        memcpy(x + {size}, rows + 3 * k, 3 * sizeof(double));
+        k_{control}(1, c, x, y);
+        memcpy(x, y, {size} * sizeof(double));
+    }}
+}}
+"""
+
+
+_LIBRARIES: dict[Any, Any] = {}
+
+
+def library(program: Program, control: str) -> Any:
+    """The steps of a whole path in C."""
+    key = id(program), control  # programs are kept
+    if key not in _LIBRARIES:
+        _LIBRARIES[key] = _built(program, control)
+    return _LIBRARIES[key]
+
+
+def _built(program: Program, control: str) -> Any:
+    function = program.functions[control]
+    march = _MARCH.format(
+        constants=max(1, len(program.hoisted)), inputs=len(function.inputs),
+        outputs=len(function.outputs), size=len(function.inputs) - 3, control=control,
+    )  # fmt: skip
+    return load_library(c_source(program, [function]) + march)
+
+
+def marched(law: Any, iterations: int, control: str, start: Any, rows: np.ndarray) -> np.ndarray:
+    """What a law answers to rows of value, temperature and length of step: one row each."""
+    program, values = traced(law, iterations)
+    if compiler() is None:
+        return stepped(program.bind_floats(*values)[control], start, rows)
+    found = np.empty((len(rows), len(program.functions[control].outputs)))
+    arrays = [np.array(a, dtype=float) for a in (values, start, rows)]
+    pointers: Any = [a.ctypes.data_as(ctypes.c_void_p) for a in (*arrays, found)]
+    library(program, control).march(ctypes.c_long(len(rows)), *pointers)
+    return found
+
+
+def stepped(advance_by: Any, start: Any, rows: np.ndarray) -> np.ndarray:
+    """The same in plain floats."""
+    found, numbers = [], list(start)
+    for row in rows.tolist():
+        found.append(advance_by(*numbers, *row))
+        numbers = found[-1][: len(numbers)]
+    return np.array(found)
 
 
 def _trace(law: Any, iterations: int) -> tuple[Program, list[str]]:
@@ -114,7 +173,6 @@ def follow(
     `control` says whether the values are stresses [Pa] or strains [-]; a strain-driven path
     starts at the stress that its first strain needs.
     """
-    advance_by = traced(law, iterations)[control]
     fractions = Fractions(start[0] + start[1], start[0] - start[1])
     first = Point(*corners[0])
     stress = first.value
@@ -125,15 +183,17 @@ def follow(
     numbers: Any = flatten(memory)
     size = len(numbers)
     strain = law.strain(floats, fractions, stress, first.temperature)
-    rows = [(first.time, *numbers[-2:], strain, *fractions, 0.0)]
+    times, rows = [first.time], []
     for a, b in pairwise(Point(*corner) for corner in corners):
         count = max(1, round((b.time - a.time) / step))
         for k in range(1, count + 1):
             t, value, temperature = (p + (q - p) * k / count for p, q in zip(a, b, strict=True))
-            out = advance_by(*numbers, value, temperature, (b.time - a.time) / count)
-            numbers = out[:size]
-            rows.append((t, *numbers[-2:], *out[size:]))
-    t, stress, temperature, strain, martensite, oriented, residual = np.array(rows).T
+            times.append(t)
+            rows.append((value, temperature, (b.time - a.time) / count))
+    begin = [*numbers[-2:], strain, *fractions, 0.0]
+    found = marched(law, iterations, control, numbers, np.array(rows))[:, size - 2 :]
+    t = np.array(times)
+    stress, temperature, strain, martensite, oriented, residual = np.vstack([begin, found]).T
     half = 0.5 * (martensite + oriented), 0.5 * (martensite - oriented)
     return Path(t, stress, temperature, strain, *half, float(residual.max()))
 

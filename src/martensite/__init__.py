@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from martensite.bench.supervisors.checks.sensor_stuck import SensorStuck as SensorStuck
     from martensite.bench.supervisors.checks.thermal_bound import ThermalBound as ThermalBound
     from martensite.bench.supervisors.from_plant import guard_for as guard_for
+    from martensite.bench.supervisors.from_sensors import checks_for as checks_for
     from martensite.bench.supervisors.guard import Guard as Guard
     from martensite.control.analysis.energy import CycleEnergies as CycleEnergies
     from martensite.control.analysis.energy import energy_per_cycle as energy_per_cycle
@@ -553,6 +554,7 @@ _HOME = {
     "beam_modes": "mechanisms.shared.beam_modes",
     "best_rules": "control.rules.rule_starts",
     "bridge_of": "export.mjcf",
+    "checks_for": "bench.supervisors.from_sensors",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
     "consistency": "bench.consistency",

@@ -124,7 +124,7 @@ def test_stroke_of_a_weight_is_the_difference_of_two_rates() -> None:
     assert run("weight").stroke == pytest.approx(free + cold - hot, rel=1e-9)
 
 
-@pytest.mark.parametrize("runtime", ["c", "jax"])
+@pytest.mark.parametrize("runtime", ["c", pytest.param("jax", marks=pytest.mark.slow)])
 def test_runtimes_agree(
     load: str, deflection: str, result: Result, runtime: str, request: pytest.FixtureRequest
 ) -> None:

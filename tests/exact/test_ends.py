@@ -101,8 +101,13 @@ def test_slope_is_that_of_finite_differences() -> None:
 
 
 @pytest.mark.parametrize(
-    ("length", "contact"), [(20e-3, IDEAL), (4e-3, IDEAL), (20e-3, 1e-4), (60e-3, 1e-5)]
-)
+    ("length", "contact"),
+    [
+        (4e-3, IDEAL), (20e-3, 1e-4),
+        pytest.param(20e-3, IDEAL, marks=pytest.mark.slow),
+        pytest.param(60e-3, 1e-5, marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
 def test_lumped_ends_give_the_mean_of_the_axial_wire(length: float, contact: float) -> None:
     """To the error of its cells: 2e-4 at 80, with the lumped wire right on the fin."""
     watts = length

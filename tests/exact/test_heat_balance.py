@@ -58,7 +58,7 @@ def balance(system, wave, duration, samples, step):
 
 
 @RULES
-@pytest.mark.parametrize("duration", [7.5, 16.0])
+@pytest.mark.parametrize("duration", [pytest.param(7.5, marks=pytest.mark.slow), 16.0])
 def test_energy_closes_over_a_heating_and_cooling_cycle(rule, duration):
     """Power up and down as a raised cosine; half of the cycle, and the cycle with its rest."""
     system = hanging_wire(mass=1.0, law=law_a(rule))

@@ -305,8 +305,21 @@ class TestSuperelasticLoop:
         assert not (abs(remains) < 1e-15 and work > 1e6)
 
 
-@pytest.mark.parametrize("changes", [{}, WAISTED], ids=["smooth", "waisted"])
-@pytest.mark.parametrize("exponents", EXPONENTS.values(), ids=EXPONENTS)
+QUICK = [("linear", "smooth"), ("round", "smooth"), ("roundest", "waisted")]
+"""One of each; the others with the slow tests."""
+
+
+@pytest.mark.parametrize(
+    ("exponents", "changes"),
+    [
+        pytest.param(
+            exponents, changes, id=f"{name}-{hardening}",
+            marks=[] if (name, hardening) in QUICK else [pytest.mark.slow],
+        )
+        for name, exponents in EXPONENTS.items()
+        for hardening, changes in (("smooth", {}), ("waisted", WAISTED))
+    ],
+)  # fmt: skip
 def test_closed_isothermal_cycles_dissipate(exponents, changes):
     """From austenite through any turning points and back, where strain grows with stress."""
     law, rng = law_of(exponents, **changes), np.random.default_rng(4)

@@ -128,7 +128,7 @@ def test_antagonists_act_as_one_spring(share: float) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-5 * max(map(abs, expected)))
 
 
-@pytest.mark.parametrize("torque", [0.01, 0.05])
+@pytest.mark.parametrize("torque", [0.01, pytest.param(0.05, marks=pytest.mark.slow)])
 def test_antagonists_under_a_torque(torque: float) -> None:
     """q = M/((k₁ + k₂) r²) while both are taut, and by the taut one alone after that."""
     preload, radius = 4.0, 0.004

@@ -216,7 +216,9 @@ STATES = ("temperature", "martensite_fraction", "force")
 FINGER = {"angle": "angle"} | {name: f"element.{name}" for name in STATES}
 
 
-@pytest.mark.parametrize(("offset", "reached"), [(3.5e-3, 75.9), (5.5e-3, 62.6)])
+@pytest.mark.parametrize(
+    ("offset", "reached"), [pytest.param(3.5e-3, 75.9, marks=pytest.mark.slow), (5.5e-3, 62.6)]
+)
 def test_the_finger_moves_alike(offset: float, reached: float) -> None:
     """In steps of 2 ms, through a wire that hangs slack as the finger falls back."""
     ours, found = run_both(finger(offset), TRAPEZOID, 8.2, 2e-3)

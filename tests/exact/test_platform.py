@@ -198,7 +198,9 @@ def energies(result: Result, above: float = 0.0) -> Any:
     return kinetic, elastic + MASS * GRAVITY * above * np.cos(alpha) * np.cos(beta)
 
 
-@pytest.mark.parametrize(("above", "rate"), [(0.0, 40.0), (0.03, 15.0)])
+@pytest.mark.parametrize(
+    ("above", "rate"), [pytest.param(0.0, 40.0, marks=pytest.mark.slow), (0.03, 15.0)]
+)
 def test_energy_of_the_isolated_platform_stays(above: float, rate: float) -> None:
     """To second order in the step; a wrong Coriolis term would show at these rates."""
     lost: list[float] = []

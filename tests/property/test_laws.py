@@ -18,7 +18,7 @@ from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.dual import value_and_slope
 
 LAWS = examples("law")
-SECOND = ("lagoudas-waisted", "mas-polycrystal-constant-31-internal-stress")
+SECOND = ("lagoudas-waisted", "mas-polycrystal-constant-15-internal-stress")
 """Second forms of the laws that take longest: with the slow tests."""
 EVERY = pytest.mark.parametrize(
     "law",

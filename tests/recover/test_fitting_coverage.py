@@ -60,7 +60,7 @@ def test_intervals_hold_the_truth_in_white_noise(place: int, count: int) -> None
     assert ALLOWED[0] <= held(Uncertainty.interval, place, count, 0.0) <= ALLOWED[1]
 
 
-@pytest.mark.parametrize("place", [0, 1])
+@pytest.mark.parametrize("place", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_noise_with_memory_needs_the_widened_intervals(place: int) -> None:
     short = held(Uncertainty.interval, place, 600, PHI)
     wide = held(Uncertainty.widened, place, 600, PHI)

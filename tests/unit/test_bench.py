@@ -221,7 +221,7 @@ class TestSeveralDrives:
         one = Bench(plant=machine, period=0.05, controllers=Controllers(protagonist=switch))
         assert [drive.name for drive in one.drives()] == ["reference", "antagonist"]
         runs = [simulate_bench(b, 2.0, runtime="floats") for b in (both, one)]
-        assert apart(*runs, coordinate) == 0.0
+        assert apart(runs[0], runs[1], coordinate) == 0.0
         assert max(runs[0][coordinate]) > 0.02
 
     def test_drives_outside_are_in_the_names_of_their_columns(self, machine: Machine) -> None:

@@ -88,7 +88,8 @@ def test_parts_of_a_cost_count_by_their_weights() -> None:
     rows = Seen(*(column[None] for column in seen))
     bare = Cost(Goal(overshoot=0.0, energy=0.0, activity=0.0), course)(rows)[0]
     for name in ("overshoot", "energy", "activity"):
-        goal = Goal(**{"overshoot": 0.0, "energy": 0.0, "activity": 0.0, name: 1.0})
+        parts: Any = {"overshoot": 0.0, "energy": 0.0, "activity": 0.0, name: 1.0}
+        goal = Goal(**parts)
         assert Cost(goal, course)(rows)[0] > bare + 0.01
     assert Cost(Goal(overshoot=0.0, energy=2.0, activity=0.0), course)(rows)[0] == pytest.approx(
         bare + 2.0

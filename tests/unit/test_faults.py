@@ -4,6 +4,7 @@ Source of truth: the same run without a fault, and the numbers of the plant.
 """
 
 import math
+from typing import Any
 
 import pytest
 from builders import plain_system, problem_a
@@ -136,7 +137,7 @@ def test_faults_add_up():
 
 def test_a_sag_is_felt_behind_a_contact():
     """In whatever order faults are named: the contact is closed again, the supply is not."""
-    faults = {"loose": fault("open-circuit", end=0.6), "sag": fault("supply-sag")}
+    faults: Any = {"loose": fault("open-circuit", end=0.6), "sag": fault("supply-sag")}
     found, other = run(**faults), run(**dict(reversed(faults.items())))
     assert found["current"] == other["current"]
     ratio = found["current"][13] * found["resistance"][13] / HEALTHY["current"][13]

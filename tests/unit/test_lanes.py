@@ -77,7 +77,8 @@ def test_c_and_floats_agree_with_parameters_by_lane() -> None:
 
 
 def test_parameters_by_lane_are_those_of_systems_of_their_own() -> None:
-    rows = lanes(**{PATH: WARMER}).advance(signals(30), DT)
+    warmer: Any = {PATH: WARMER}
+    rows = lanes(**warmer).advance(signals(30), DT)
     for lane in (0, 3):
         alone = Lanes(SYSTEM.with_values({PATH: WARMER[lane]}), 1)
         alone.reset()

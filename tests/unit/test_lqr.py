@@ -5,6 +5,7 @@ forms, and costs that any other gains raise.
 """
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from martensite.bench.parts import Controllers
 from martensite.control.design.linear import Readings, in_readings, linearised, mean_of
 from martensite.control.design.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
 from martensite.control.design.operating_point import (
+    Direction,
     OperatingPoint,
     operating_point,
     operating_point_at,
@@ -37,7 +39,7 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 
 
 @cache
-def point(direction: str) -> OperatingPoint:
+def point(direction: Direction) -> OperatingPoint:
     return operating_point_at(PLANT, LEVEL, "position", 0.0, 3.0, direction=direction)
 
 
@@ -81,7 +83,8 @@ def test_what_is_not_there_is_refused():
     with pytest.raises(InputError, match="needs `high`"):
         operating_point(PLANT, 1.0, direction="cooling")
     with pytest.raises(InputError, match="Direction is `up`"):
-        operating_point(PLANT, 1.0, direction="up")
+        wrong: Any = "up"
+        operating_point(PLANT, 1.0, direction=wrong)
     with pytest.raises(InputError, match="no drive `current`"):
         operating_point(PLANT, 1.0, drive="current")
     with pytest.raises(InputError, match="period above 0 s"):

@@ -323,7 +323,8 @@ def test_a_delay_of_its_sensor_does_not_throw_it() -> None:
 
 def pair() -> Machine:
     one = next(iter(SYSTEM.actuators().values()))
-    return Machine(mechanism=DeadWeight(mass=1.0), actuators=Group(a=one, b=one))
+    parts: Any = {"actuators": Group(a=one, b=one)}
+    return Machine(mechanism=DeadWeight(mass=1.0), **parts)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ and frequency at the limit of stability.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ def test_the_cycle_is_the_exact_one(c_compiler: str) -> None:
 def test_the_ultimate_gain_is_near_the_exact_one(gain: float, c_compiler: str) -> None:
     """The describing function is within a fifth for a lag with dead time."""
     found, late = cycle(gain), LATE + 0.75 * DT
-    w = brentq(lambda w: w * late + math.atan(w) - math.pi, 0.1, 0.999 * math.pi / late)
+    w: Any = brentq(lambda w: w * late + math.atan(w) - math.pi, 0.1, 0.999 * math.pi / late)
     exact = math.sqrt(1.0 + w**2) / gain
     assert found.gain == pytest.approx(exact, rel=0.2)
     assert found.period == pytest.approx(2.0 * math.pi / w, rel=0.2)

@@ -6,6 +6,7 @@ Sources of truth: closed forms, numbers worked out by hand, and statistics.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -136,7 +137,8 @@ def test_the_zero_of_a_position_sensor_drifts() -> None:
 def test_an_encoder_counts_four_edges_a_line() -> None:
     sensor = EncoderSensor(lines=500.0)
     assert sensor.resolution == pytest.approx(2.0 * math.pi / 2000.0)
-    assert EncoderSensor(motion="linear", pitch="20 um").resolution == pytest.approx(5e-6)
+    fine: Any = {"motion": "linear", "pitch": "20 um"}
+    assert EncoderSensor(**fine).resolution == pytest.approx(5e-6)
     turn = np.linspace(0.0, 2.0 * math.pi, 100_001)
     found = told(sensor, turn)
     assert len(np.unique(np.round(found / sensor.resolution))) == 2001
@@ -164,17 +166,20 @@ def test_radiation_is_mixed_by_the_fourth_power(kelvin: float) -> None:
 
 
 def test_a_thermometer_stops_at_the_ends_of_its_range() -> None:
-    sensor = InfraredSensor(noise=0.0, factor=1.0, lowest="0 degC", highest="100 degC", lag=1e-9)
+    ends: Any = {"lowest": "0 degC", "highest": "100 degC"}
+    sensor = InfraredSensor(noise=0.0, factor=1.0, lag=1e-9, **ends)
     found = told(sensor, [(250.0, 250.0), (300.0, 300.0), (400.0, 300.0)])
     np.testing.assert_allclose(found, [273.15, 300.0, 373.15], atol=1e-9)
     with pytest.raises(ParameterError, match="range of a thermometer must not be empty"):
-        InfraredSensor(lowest="90 degC", highest="80 degC")
+        InfraredSensor(**{**ends, "lowest": "110 degC"})
 
 
 def test_the_noise_of_a_thermometer_is_a_difference_of_temperatures() -> None:
-    assert InfraredSensor(noise="0.2 K").noise == pytest.approx(0.2, rel=1e-15)
+    kelvin: Any = "0.2 K"
+    assert InfraredSensor(noise=kelvin).noise == pytest.approx(0.2, rel=1e-15)
+    celsius: Any = "0.2 degC"
     with pytest.raises(UnitError, match="degC"):
-        InfraredSensor(noise="0.2 degC")
+        InfraredSensor(noise=celsius)
 
 
 def test_a_bead_stays_below_the_wire_and_follows_late() -> None:

@@ -55,7 +55,7 @@ class Mounted(Parametrised):
     """A sensor in its place."""
 
     sensor: AbstractSensor = part("the sensor", SENSORS)
-    of: tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
+    of: str | tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
     sample_time: Scalar = param("s", "time between its readings", low=0.0, default=0.0)
     delay: Scalar = param("s", "how late a reading arrives", low=0.0, default=0.0)
     jitter: Scalar = param("s", "standard deviation of the delay", low=0.0, default=0.0)
