@@ -7,8 +7,10 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
-# What JAX compiles runs once in a test: made quickly, not optimised. test-all compiles as users do.
+# What JAX and the C compiler make runs once in a test: made quickly, not optimised. test-all
+# compiles as users do.
 XLA_QUICK ?= --xla_backend_optimization_level=0
+C_QUICK ?= -O0
 # Many processes share the cores: each computes on one thread.
 export OPENBLAS_NUM_THREADS ?= 1
 
@@ -32,7 +34,7 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 	$(BIN)/martensite demo
 
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
-	XLA_FLAGS="$(XLA_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
+	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
 
 test-all: $(VENV)/.stamp-dev ## run every test
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal

@@ -204,9 +204,11 @@ def compiler() -> str | None:
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     """Compile C source to a shared library in the cache (by hash) and load it.
 
+    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
+
     Args:
         source: the C.
-        more: further flags of the compiler, which come last.
+        more: further flags of the compiler.
 
     Raises:
         MartensiteError: there is no compiler, or it failed.
@@ -217,7 +219,7 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
             "The C runtime needs a C compiler and none was found; install gcc or clang, "
             "or use the runtime `floats`."
         )
-    flags = (*FLAGS, *more)
+    flags = (*FLAGS, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
     key = hashlib.sha256(" ".join((cc, *flags, _machine(), source)).encode()).hexdigest()[:24]
     path = cache_folder() / "c" / f"{key}.so"
     if not path.exists():

@@ -1,0 +1,32 @@
+"""C as users compile it: tests compile quickly instead, without optimisation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from builders import SINE_A, problem_a
+
+from martensite.simulate.api import simulate
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.driven import grid_of
+from martensite.simulate.native import march_lanes
+
+LANES = 5
+"""A number that no other test has, so that the library is made here."""
+
+
+@pytest.mark.usefixtures("c_compiler")
+def test_optimised_lanes_agree_with_floats(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MARTENSITE_CFLAGS", raising=False)
+    system = problem_a()
+    compiled = compile_system(system)
+    grid = grid_of(system, SINE_A, 20.0, 101, 0.02)
+    outputs = range(len(compiled.outputs))
+    rows, _ = march_lanes(compiled, compiled.values(system), grid, LANES, outputs)
+    meant = simulate(system, SINE_A, 20.0, step=0.02, samples=101)
+    table = np.array([meant[name] for name in compiled.outputs]).T
+    span = np.maximum(np.ptp(table, axis=0), 1e-3 * np.abs(table).max(axis=0))
+    for lane in range(LANES):
+        apart = np.abs(rows[:, :, lane] - table).max(axis=0)
+        assert np.all(apart <= 1e-12 * np.maximum(span, 1e-300))
+    assert np.ptp(table[:, compiled.outputs.index("martensite_fraction")]) > 0.1
