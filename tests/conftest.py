@@ -32,12 +32,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     compiled: set[tuple[str, type, str]] = set()
     for item in items:
         given = getattr(getattr(item, "callspec", None), "params", {})
-        if item.name.startswith("test_runtimes_agree[") and item.name.endswith("-jax]"):
+        name, runtime = item.name.partition("[")[2], given.get("runtime")
+        if runtime == "jax" and {"kind", "thing", "name"} <= given.keys():
             case = given["kind"], type(given["thing"]), given["name"]
             if case in compiled:  # JAX compiles one variant of every class and kernel
                 item.add_marker(pytest.mark.slow)
             compiled.add(case)
-        name, runtime = item.name.partition("[")[2], given.get("runtime")
         long = runtime in UNCOMPILED and any(words in name for words in SLOW)
         varied = VARIED in name and PLAIN not in name
         if long or (runtime == "jax" and (varied or "-kalman-" in name)):
