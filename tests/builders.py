@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -33,7 +32,7 @@ from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.observers.base import OBSERVERS
-from martensite.parameters import REQUIRED, Declared, Parametrised, part, structure
+from martensite.parameters import REQUIRED, Declared, Keyed, Parametrised, part
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.runtimes.nested import Shape, flatten
@@ -190,32 +189,18 @@ def through(points: list[float], seconds: float = 1.0) -> FunctionWaveform:
 
 def stepper(law: Any) -> Callable[[Any, float, float, float], Any]:
     """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
-    bind, shape = _traced_kinetics(_Structure(structure(law), law))
+    bind, shape = _traced_kinetics(Keyed(law))
     function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
     return lambda memory, *point: shape.rebuild(function(*flatten(memory), *point))
 
 
-@dataclass(frozen=True)
-class _Structure:
-    """A law as a key: two of one structure have one program."""
-
-    key: Any
-    law: Any
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Structure) and self.key == other.key
-
-
 @cache
-def _traced_kinetics(keyed: _Structure) -> Any:
+def _traced_kinetics(keyed: Keyed[Any]) -> Any:
     program = Program()
-    law = keyed.law.rebuilt(
-        {leaf.path: program.parameter(leaf.path) for leaf in keyed.law.leaves()}
+    law = keyed.part.rebuilt(
+        {leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()}
     )
-    shape = Shape(keyed.law.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
+    shape = Shape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
 
     def kinetics(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, stress, temperature, dt = arguments

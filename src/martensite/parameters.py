@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, cast, dataclass_transform
+from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transform
 
 from martensite import units
 from martensite.errors import ParameterError, UnitError, suggestion
@@ -294,6 +294,9 @@ def _resolved(name: str, paths: Sequence[str]) -> str:
     raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
 
 
+Part = TypeVar("Part", bound=Parametrised)
+
+
 def structure(part: Parametrised) -> tuple[Any, ...]:
     """A hashable description of everything but the numbers."""
     options = tuple(
@@ -307,3 +310,24 @@ def structure(part: Parametrised) -> tuple[Any, ...]:
         part.layout(),
         tuple((name, structure(child)) for name, child in part.children()),
     )
+
+
+class Keyed(Generic[Part]):
+    """Something parametrised as a key: two of one structure, whatever their numbers, are equal."""
+
+    __slots__ = ("key", "part")
+
+    def __init__(self, part: Part) -> None:
+        self.key, self.part = structure(part), part
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Keyed) and self.key == cast("Keyed[Any]", other).key
+
+
+def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:
+    """The numbers at some paths, in their order."""
+    known = {leaf.path: leaf.value for leaf in part.leaves()}
+    return [known[path] for path in paths]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thin_wire import THIN_WIRE
 
 from martensite.bench.mounted import Mounted
 from martensite.bench.run import simulate_bench
@@ -25,23 +26,7 @@ from martensite.signals.sine import Sine
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
-PLANT = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.15 N/mm"
-preload = "1.2 N"
-
+PLANT = f"""{THIN_WIRE}
 [run]
 duration = "0.4 s"
 """

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
-from typer.testing import CliRunner, Result
+from command import Command
 
-from martensite.cli import app, waiting
+from martensite.cli import waiting
 from martensite.cli.describe import registries
 from martensite.io.netcdf import open_result
 from martensite.io.scenario import load, read
@@ -35,23 +35,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, list(arguments))
-
-
-def fine(*arguments: str) -> str:
-    """Standard output of a command that succeeds."""
-    done = call(*arguments)
-    assert (done.exit_code, done.stderr) == (0, ""), done.output
-    return done.stdout
-
-
-def refused(*arguments: str) -> str:
-    """The sentence with which a command is refused."""
-    done = call(*arguments)
-    assert (done.exit_code, done.stdout) == (2, ""), done.output
-    assert done.stderr.count("\n") == 1
-    return done.stderr
+command = Command()
+call, fine, refused = command, command.fine, command.refused
 
 
 # ---------------------------------------------------------------- run

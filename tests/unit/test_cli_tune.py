@@ -10,27 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thin_wire import THIN_WIRE
 from typer.testing import CliRunner
 
 from martensite.cli import app
 from martensite.io.scenario import load
 
-SCENARIO = """
-title = "thin wire"
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.15 N/mm"
-preload = "1.2 N"
-[drive]
+SCENARIO = f"""
+title = "thin wire"{THIN_WIRE}[drive]
 kind = "pwm-voltage"
 supply = "5 V"
 [sensor]

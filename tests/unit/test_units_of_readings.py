@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from thin_wire import THIN_WIRE
 from typer.testing import CliRunner
 
 from martensite import units
@@ -31,23 +32,7 @@ from martensite.signals.constant import Constant
 from martensite.system import Members
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-LOOP = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.15 N/mm"
-preload = "1.2 N"
-
+LOOP = f"""{THIN_WIRE}
 [driver]
 kind = "pwm-voltage"
 supply = "5 V"

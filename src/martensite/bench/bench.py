@@ -18,22 +18,14 @@ from __future__ import annotations
 
 from martensite.bench import names, period
 from martensite.bench.checks import check_bench
-from martensite.bench.parts import (
-    BenchState,
-    Controllers,
-    Controlling,
-    Faults,
-    Observers,
-    Sensors,
-    Watching,
-)
+from martensite.bench.parts import BenchState, Controllers, Faults, Observers, Sensors
 from martensite.bench.supervisor import SUPERVISORS, AbstractSupervisor
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.parameters import option, param, part
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.simulate.api import longest_step
+from martensite.simulate.api import steps_in
 from martensite.system import AbstractSystem, Actuator, advanced
 from martensite.system.base import Drive
 
@@ -58,7 +50,7 @@ class Bench(AbstractSystem, init=False):
     def check(self) -> None:
         """Raise `ParameterError` where names do not fit; fix what decides the program's size."""
         check_bench(self)
-        pieces = self.substeps or -int(-self.period // longest_step(self.plant))
+        pieces = self.substeps or steps_in(self.plant, self.period)
         kept = (mounted.kept(self.period) for mounted in self.sensors.members().values())
         self.__dict__["_layout"] = (pieces, *kept)
 
@@ -120,24 +112,14 @@ class Bench(AbstractSystem, init=False):
     def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
         """The plant at rest under no signal of a controller; readings are those of rest."""
         given = period.sorted_inputs(self, drives)
-        idle = {drive.name: given.free.get(drive.name, 0.0) for drive in self.plant.drives()}
+        idle = period.idle(self, given)
         plant = period.faulty(self, xp, 0.0)
         state = plant.init(xp, *idle.values())
         known = period.truth(self, xp, plant, state, idle)
         rows = zip(self.sensors.members().values(), given.numbers, self.layout()[1:], strict=True)
         sensors = tuple(one.rest(xp, known, noise, kept) for one, (noise, _), kept in rows)
         known = period.readings(self, sensors, known)
-        first = [one.rest(xp, known, idle) for one in self.observers.members().values()]
-        observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
-        known |= period.estimates(self, observers)
-        one_each = list(zip(self.controllers.members().values(), given.references, strict=True))
-        resting = tuple(Controlling(0.0, tuple(c.rest(xp, r, known))) for c, r in one_each)
-        begun = [
-            c.answer(xp, held.memory, r, known, 0.0)
-            for (c, r), held in zip(one_each, resting, strict=True)
-        ]
-        controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in begun)
-        held = () if self.supervisor is None else tuple(self.supervisor.rest(xp, known))
+        observers, controllers, held, _ = period.begun(self, xp, known, given)
         return BenchState(0.0, state, sensors, observers, controllers, held)
 
     def step(

@@ -34,16 +34,47 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
 
 def verdict(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
     """Signals by drive of the plant, as the supervisor lets them pass."""
-    taken = zip(bench.controllers.members(), state.controllers, strict=True)
-    wanted = given.free | {name: held.wanted for name, held in taken}
-    ordered = {drive.name: wanted[drive.name] for drive in bench.plant.drives()}
+    ordered, known = wanted(bench, state.controllers, given), Named()
+    if bench.supervisor is not None:
+        if not state.sensors:
+            known = truth(bench, xp, faulty(bench, xp, state.time), state.plant, ordered)
+        known = readings(bench, state.sensors, known) | estimates(bench, state.observers)
+    return judged(bench, xp, state.supervisor, ordered, known)
+
+
+def wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Named:
+    """Signals of controllers and those that no controller has, in the order of the drives."""
+    taken = zip(bench.controllers.members(), controllers, strict=True)
+    found = given.free | {name: held.wanted for name, held in taken}
+    return {drive.name: found[drive.name] for drive in bench.plant.drives()}
+
+
+def idle(bench: Bench, given: Inputs) -> Named:
+    """Signals before anything is controlled, in the order of the drives."""
+    return {drive.name: given.free.get(drive.name, 0.0) for drive in bench.plant.drives()}
+
+
+def judged(
+    bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Named, known: Named
+) -> Verdict:
+    """What the supervisor makes of signals; without one they pass."""
     if bench.supervisor is None:
-        return Verdict(ordered, 0.0, ())
-    known: Named = {}
-    if not state.sensors:
-        known = truth(bench, xp, faulty(bench, xp, state.time), state.plant, ordered)
-    known = readings(bench, state.sensors, known) | estimates(bench, state.observers)
-    return bench.supervisor.judge(xp, state.supervisor, ordered, known, bench.period)
+        return Verdict(signals, 0.0, ())
+    return bench.supervisor.judge(xp, memory, signals, known, bench.period)
+
+
+def begun(
+    bench: Bench, xp: Namespace, known: Named, given: Inputs
+) -> tuple[tuple[Watching, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
+    """Observers, controllers and supervisor in the first sample, and all that is read there."""
+    first = [one.rest(xp, known, idle(bench, given)) for one in bench.observers.members().values()]
+    observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
+    known = known | estimates(bench, observers)
+    rows = zip(bench.controllers.members().values(), given.references, strict=True)
+    found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
+    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
+    return observers, controllers, held, known
 
 
 def faulty(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:

@@ -19,6 +19,7 @@ from martensite.bench.bench import Bench
 from martensite.bench.names import AGE
 from martensite.bench.realtime_program import Loop, Native, Plain, reads, trace
 from martensite.errors import ParameterError, suggestion
+from martensite.parameters import values_at
 from martensite.runtimes.c99 import compiler
 
 
@@ -40,10 +41,9 @@ class RealtimeStep:
         self.free = tuple(n for n in self.drives if n not in bench.controllers.members())
         """Names of the signals that no controller has."""
         traced = trace(bench)
-        values = {leaf.path: leaf.value for leaf in bench.leaves()}
         in_c = compiler() is not None if native is None else native
         made = Native if in_c else Plain
-        self._engine: Any = made(traced, [values[path] for path in traced.paths])
+        self._engine: Any = made(traced, values_at(bench, traced.paths))
         self._waveforms = [one.reference for one in bench.controllers.members().values()]
         self._keys = [(name, name + AGE) for name in self.readings]
         self._shape, self._signals = traced.shape, -len(self.drives)

@@ -12,7 +12,7 @@ from martensite.bench.bench import Bench
 from martensite.bench.names import AGE, references
 from martensite.bench.parts import Controlling, Inputs, Named, Watching
 from martensite.observers.base import ESTIMATED
-from martensite.parameters import structure
+from martensite.parameters import Keyed
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
@@ -59,14 +59,7 @@ def reads(bench: Bench) -> tuple[str, ...]:
 
 def _begun(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
     """The first sample, as at the start of a bench."""
-    idle = {name: given.free.get(name, 0.0) for name in _drives(bench)}
-    first = [one.rest(xp, known, idle) for one in bench.observers.members().values()]
-    observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
-    known = known | period.estimates(bench, observers)
-    rows = zip(bench.controllers.members().values(), given.references, strict=True)
-    begun = [one.answer(xp, one.rest(xp, r, known), r, known, 0.0) for one, r in rows]
-    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in begun)
-    held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
+    observers, controllers, held, known = period.begun(bench, xp, known, given)
     return _judged(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
 
 
@@ -82,12 +75,8 @@ def _continued(bench: Bench, xp: Namespace, before: Loop, known: Named, given: I
 
 def _judged(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
     """With the signals that the supervisor lets pass."""
-    taken = zip(bench.controllers.members(), loop.controllers, strict=True)
-    wanted = given.free | {name: one.wanted for name, one in taken}
-    ordered = {name: wanted[name] for name in _drives(bench)}
-    if bench.supervisor is None:
-        return loop._replace(signals=tuple(ordered.values()))
-    said = bench.supervisor.judge(xp, loop.supervisor, ordered, known, bench.period)
+    ordered = period.wanted(bench, loop.controllers, given)
+    said = period.judged(bench, xp, loop.supervisor, ordered, known)
     signals = tuple(said.signals[name] for name in ordered)
     return loop._replace(supervisor=tuple(said.memory), alarm=said.alarm, signals=signals)
 
@@ -115,27 +104,15 @@ class Traced:
 
 def trace(bench: Bench) -> Traced:
     """Trace the loop of a bench, or return that of an earlier one of the same structure."""
-    return _traced(_Keyed(structure(bench), bench))
-
-
-@dataclass(frozen=True)
-class _Keyed:
-    key: tuple[Any, ...]
-    bench: Bench
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyed) and self.key == other.key
+    return _traced(Keyed(bench))
 
 
 @once(32)
-def _traced(keyed: _Keyed) -> Traced:
+def _traced(keyed: Keyed[Bench]) -> Traced:
     """Kernels of a first and of another sample as a program over flat states."""
     program = Program()
-    paths = tuple(leaf.path for leaf in keyed.bench.leaves())
-    bench = keyed.bench.rebuilt({path: program.parameter(path) for path in paths})
+    paths = tuple(leaf.path for leaf in keyed.part.leaves())
+    bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
     names, free = reads(bench), [n for n in _drives(bench) if n not in bench.controllers.members()]
     signals = [*names, *(name + AGE for name in names), *references(bench), *free]
     labels = [f"i{i}" for i in range(len(signals))]

@@ -22,7 +22,6 @@ It is no kernel: it runs outside of a bench (`simulate_bench(bench, T, outside=.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Self
 
@@ -38,7 +37,7 @@ from martensite.parameters import option, param, part, text
 from martensite.runtimes import floats
 from martensite.runtimes.nested import Shape, flatten
 from martensite.signals.base import DRIVE, AbstractWaveform
-from martensite.simulate.api import longest_step
+from martensite.simulate.api import steps_in
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.lanes_native import Numbers
 from martensite.system import AbstractSystem
@@ -234,7 +233,7 @@ class Mpc(AbstractController):
 
     def _steps(self, length: float) -> tuple[int, float]:
         """Steps of the model in a length of time [s], and how long each is [s]."""
-        turns = max(1, math.ceil(length / longest_step(self.model) - 1e-9))
+        turns = steps_in(self.model, length)
         return turns, length / turns
 
 

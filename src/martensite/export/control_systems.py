@@ -14,7 +14,6 @@ python-control comes with `pip install martensite[control]`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from typing import Any
@@ -29,7 +28,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear
 from martensite.identify.chains.linearise import linearise
 from martensite.runtimes import floats
-from martensite.simulate.api import longest_step
+from martensite.simulate.api import steps_in
 from martensite.simulate.patient import patient
 from martensite.system import AbstractSystem
 
@@ -181,7 +180,7 @@ class _PlantStep:
         self._shown = [list(system.outputs()).index(name) for name in self.outputs]
         self._functions, self._size = patient(system)
         self._idle = [0.0] * len(drives)
-        self._turns = 1 if own else max(1, math.ceil(interval / longest_step(system) - 1e-9))
+        self._turns = 1 if own else steps_in(system, interval)
 
     def _signals(self, u: Any) -> list[float]:
         signals = list(self._idle)

@@ -23,10 +23,15 @@ from numpy.typing import NDArray
 
 from martensite.bench.bench import Bench
 from martensite.bench.names import AGE, MEASURED, readings
+from martensite.control.search.perturbed import (
+    PLANT,
+    half_width,
+    plant_leaf,
+    require_allowed,
+)
 from martensite.errors import InputError, ParameterError, suggestion
 
 Numbers = NDArray[np.float64]
-PLANT = "plant."
 SHARES = (0.1, 0.4)
 """Shortest and longest level of steps, as shares of an episode, unless given."""
 TURNS = (1.0, 4.0)
@@ -139,14 +144,12 @@ def spreads_of(bench: Bench, task: Task) -> list[Spread]:
 
 
 def _spread(bench: Bench, name: str, spread: float) -> Spread:
-    path = bench.plant.resolve(name.removeprefix(PLANT))
-    leaf = next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+    leaf = plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread >= 0.0):
         raise ParameterError(f"The spread of `{name}` must be at least 0, but is {spread:g}.")
-    wide = spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
-    for extreme in (leaf.value - wide, leaf.value + wide):
-        leaf.declared.convert(leaf.owner, path, extreme)
-    return Spread(PLANT + path, float(leaf.value), wide)
+    wide = half_width(leaf, spread)
+    require_allowed(leaf, leaf.value - wide, leaf.value + wide)
+    return Spread(PLANT + leaf.path, float(leaf.value), wide)
 
 
 def scaled(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:

@@ -110,6 +110,11 @@ def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
     return min(longest_step(system), duration / (samples - 1))
 
 
+def steps_in(system: AbstractSystem, time: float) -> int:
+    """Steps into which a time [s] is cut so that none is longer than is sensible; 1 at least."""
+    return max(1, math.ceil(time / longest_step(system) - 1e-9))
+
+
 def longest_step(system: AbstractSystem) -> float:
     """A tenth of the least thermal time constant [s], or what the mechanism can bear."""
     constants: list[float] = []

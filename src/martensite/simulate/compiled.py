@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.laws.coupling import Report
-from martensite.parameters import structure
+from martensite.parameters import Keyed, values_at
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.once import once
@@ -36,8 +36,7 @@ class Compiled:
 
     def values(self, system: AbstractSystem) -> list[float]:
         """Parameter values of a system of this structure, in order."""
-        known = {leaf.path: leaf.value for leaf in system.leaves()}
-        return [known[path] for path in self.paths]
+        return values_at(system, self.paths)
 
 
 def compile_system(system: AbstractSystem, iterations: int = ITERATIONS) -> Compiled:
@@ -45,26 +44,14 @@ def compile_system(system: AbstractSystem, iterations: int = ITERATIONS) -> Comp
 
     `iterations` is the fixed count of the bracketed solve of every step.
     """
-    return _compile(_Keyed(structure(system), system), iterations)
-
-
-@dataclass(frozen=True)
-class _Keyed:
-    key: tuple[Any, ...]
-    system: AbstractSystem
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyed) and self.key == other.key
+    return _compile(Keyed(system), iterations)
 
 
 @once(64)
-def _compile(keyed: _Keyed, iterations: int) -> Compiled:
+def _compile(keyed: Keyed[AbstractSystem], iterations: int) -> Compiled:
     program = Program()
-    paths = tuple(leaf.path for leaf in keyed.system.leaves())
-    system = keyed.system.rebuilt({path: program.parameter(path) for path in paths})
+    paths = tuple(leaf.path for leaf in keyed.part.leaves())
+    system = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
     found: list[Shape] = []
 
     def init(xp: Any, *drives: Any) -> list[Any]:
@@ -80,7 +67,7 @@ def _compile(keyed: _Keyed, iterations: int) -> Compiled:
     program.add("observe", [*names, *signals], _observe_kernel(system, shape, size))
     profile = system.profile(shape.example)
     along = (f"{n}[{i}]" for n, c in zip(PROFILES, profile, strict=False) for i in range(len(c)))
-    outputs = (*keyed.system.outputs(), *along)
+    outputs = (*keyed.part.outputs(), *along)
     return Compiled(program, paths, size, len(signals), outputs)
 
 

@@ -20,7 +20,7 @@ from typing import Any
 
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import advance
-from martensite.parameters import structure
+from martensite.parameters import Keyed, values_at
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
@@ -44,8 +44,7 @@ class CompiledLaw:
 
     def values(self, law: AbstractLaw) -> list[float]:
         """Parameter values of a law of this structure, in order."""
-        known = {leaf.path: leaf.value for leaf in law.leaves()}
-        return [known[path] for path in self.paths]
+        return values_at(law, self.paths)
 
 
 def compile_law(
@@ -58,26 +57,14 @@ def compile_law(
         iterations: fixed count of the solve of every strain-driven step.
         tension_only: a strain-driven point goes slack instead of being compressed.
     """
-    return _compile(_Keyed(structure(law), law), iterations, tension_only)
-
-
-@dataclass(frozen=True)
-class _Keyed:
-    key: tuple[Any, ...]
-    law: AbstractLaw
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyed) and self.key == other.key
+    return _compile(Keyed(law), iterations, tension_only)
 
 
 @once(64)
-def _compile(keyed: _Keyed, iterations: int, tension_only: bool) -> CompiledLaw:
+def _compile(keyed: Keyed[AbstractLaw], iterations: int, tension_only: bool) -> CompiledLaw:
     program = Program()
-    paths = tuple(leaf.path for leaf in keyed.law.leaves())
-    law = keyed.law.rebuilt({path: program.parameter(path) for path in paths})
+    paths = tuple(leaf.path for leaf in keyed.part.leaves())
+    law = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
     found: list[Any] = []
 
     def init(xp: Any, martensite: Any, oriented: Any, stress: Any, temperature: Any) -> list[Any]:

@@ -19,7 +19,6 @@ and what is left over, the residual, is 0 if the chosen outputs say all that mat
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
@@ -34,7 +33,7 @@ from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 from martensite.signals.sampling.sampled import Numbers
-from martensite.simulate.api import longest_step
+from martensite.simulate.api import steps_in
 from martensite.system import AbstractSystem, advanced
 
 PUSH = 1e-3
@@ -88,7 +87,7 @@ def _slopes(
 ) -> list[list[Scalar]]:
     """Derivatives of the next state and of the outputs now, by state and signals."""
     shape = Shape(system.init(floats, *at[size:]))
-    turns = 1 if system.sample_time() else max(1, math.ceil(interval / longest_step(system) - 1e-9))
+    turns = 1 if system.sample_time() else steps_in(system, interval)
 
     def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
         state, drives = shape.rebuild(numbers[:size]), numbers[size:]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from martensite.bench.bench import Bench
 from martensite.errors import ParameterError, suggestion
+from martensite.parameters import Leaf
 
 PLANT = "plant."
 METHODS = ("sobol", "latin-hypercube")
@@ -91,14 +92,32 @@ def _drawn(
     bench: Bench, name: str, spread: float, z: NDArray[np.float64]
 ) -> tuple[str, NDArray[np.float64]]:
     """Path in the bench and numbers of one parameter."""
-    path = bench.plant.resolve(name.removeprefix(PLANT))
-    leaf = next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+    leaf = plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread > 0.0):
         raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
     if leaf.value == 0.0 and leaf.declared.unit != "K":
         raise ParameterError(f"`{name}` is 0, and a spread is a share of it.")
-    wide = spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
-    found = leaf.value + wide * z
-    for extreme in (float(found.min()), float(found.max())):
-        leaf.declared.convert(leaf.owner, path, extreme)
-    return PLANT + path, found
+    found = leaf.value + half_width(leaf, spread) * z
+    require_allowed(leaf, float(found.min()), float(found.max()))
+    return PLANT + leaf.path, found
+
+
+def plant_leaf(bench: Bench, name: str) -> Leaf:
+    """The number of the plant that a path, or a unique ending of one, names.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    path = bench.plant.resolve(name.removeprefix(PLANT))
+    return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+
+
+def half_width(leaf: Leaf, spread: float) -> float:
+    """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
+    return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
+
+
+def require_allowed(leaf: Leaf, *values: float) -> None:
+    """Raise `ParameterError` unless a number may have all these values."""
+    for value in values:
+        leaf.declared.convert(leaf.owner, leaf.path, value)
