@@ -1,0 +1,128 @@
+"""How long a way takes: from a tenth to nine tenths of it, there and back.
+
+The way is that from the first sample to the one furthest from it. Crossings lie between samples on
+a straight line; a crossing that does not happen is at an infinite time.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.errors import ParameterError
+from martensite.parameters import param
+from martensite.runtimes.namespace import Scalar
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
+
+Places: TypeAlias = NDArray[np.intp]
+Flags: TypeAlias = NDArray[np.bool_]
+
+
+@MEASURES.register("rise-time")
+class RiseTime(AbstractMeasure):
+    """Time from a tenth to nine tenths of the way out; of several outputs the longest."""
+
+    low: Scalar = param("1", "share of the way at which it begins", low=0.0, high=1.0, default=0.1)
+    high: Scalar = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless the way goes somewhere."""
+        if self.low >= self.high:
+            raise ParameterError(
+                f"Parameter `low` of `{self.registered_name}` must be below `high` "
+                f"({self.high:g}), but is {self.low:g}."
+            )
+
+    def unit(self, unit: str) -> str:
+        """Seconds."""
+        return "s"
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """t(high) − t(low)."""
+        begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
+        return _lasting(begin, end).max(axis=0)
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """Derivatives of both crossings; 0 where one never happens."""
+        begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
+        lasting = _lasting(begin, end)
+        longest = np.arange(len(seen))[:, None] == lasting.argmax(axis=0)
+        counted = longest & np.isfinite(lasting)
+        later = np.where(begin.time <= end.time, 1.0, -1.0)
+        return (end.slopes() - begin.slopes()) * np.where(counted, later, 0.0)[:, None, :]
+
+    def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
+        """The last crossing of a share of the way before the turn."""
+        way = Way(seen, share)
+        found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
+        last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
+        return Crossing(times, way, np.where(found.any(axis=1), last, -1))
+
+
+@MEASURES.register("fall-time")
+class FallTime(RiseTime):
+    """Time from nine tenths to a tenth of the way, back; infinite if it does not come back."""
+
+    def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
+        """The first crossing of a share of the way after the turn."""
+        way = Way(seen, share)
+        found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
+        return Crossing(times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
+
+
+class Crossing:
+    """When a share of the way is crossed, by column and run, in given intervals (−1: never)."""
+
+    def __init__(self, times: Numbers, way: Way, place: Places) -> None:
+        self.way, self.place, self.missing = way, np.maximum(place, 0), place < 0
+        begin, end = (_at(way.beyond, self.place + k) for k in (0, 1))
+        apart = np.where(self.missing, 1.0, begin - end)
+        length = np.diff(times)[self.place]
+        when = times[self.place] + begin / apart * length
+        self.time = np.where(self.missing, np.inf, when)
+        self.by_begin = -end / apart**2 * length
+        self.by_end = begin / apart**2 * length
+
+    def slopes(self) -> Numbers:
+        """Derivatives of the time by every sample; 0 where it never is."""
+        way, found = self.way, np.zeros(self.way.beyond.shape)
+        level = -(self.by_begin + self.by_end)
+        _add(found, self.place, self.by_begin)
+        _add(found, self.place + 1, self.by_end)
+        _add(found, np.zeros_like(way.turn), level * (1.0 - way.share))
+        _add(found, way.turn, level * way.share)
+        return found * np.where(self.missing, 0.0, way.sign)[:, None]
+
+
+class Way:
+    """The way of every column and run, and how far samples are beyond a share of it."""
+
+    def __init__(self, seen: Numbers, share: float) -> None:
+        gone = seen - seen[:, :1]
+        self.share = share
+        self.turn: Places = np.abs(gone).argmax(axis=1)
+        furthest = _at(gone, self.turn)
+        self.sign = np.where(furthest >= 0.0, 1.0, -1.0)
+        self.beyond = (gone - share * furthest[:, None]) * self.sign[:, None]
+        intervals: Places = np.arange(seen.shape[1] - 1)[None, :, None]
+        self.out: Flags = intervals < self.turn[:, None, :]
+        """Whether an interval is before the turn."""
+
+
+def _at(samples: Numbers, place: Places) -> Numbers:
+    """One sample of every column and run."""
+    return np.take_along_axis(samples, place[:, None], axis=1)[:, 0]
+
+
+def _add(samples: Numbers, place: Places, more: Numbers) -> None:
+    """Add to one sample of every column and run."""
+    np.put_along_axis(samples, place[:, None], (_at(samples, place) + more)[:, None], axis=1)
+
+
+def _lasting(begin: Crossing, end: Crossing) -> Numbers:
+    """Time between two crossings; infinite if one is missing."""
+    missing = begin.missing | end.missing
+    times = (np.where(missing, 0.0, one.time) for one in (begin, end))
+    return np.where(missing, np.inf, np.abs(np.subtract(*times)))

@@ -1,0 +1,55 @@
+"""What is seen at one moment: at a time, or at the end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from martensite.errors import ParameterError
+from martensite.parameters import param
+from martensite.runtimes.namespace import Scalar
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
+
+
+@MEASURES.register("at")
+class At(AbstractMeasure):
+    """Value at a time, between samples on a straight line; of several elements the largest."""
+
+    time: Scalar = param("s", "when; the end if not given", low=0.0, default=math.inf)
+
+    def unit(self, unit: str) -> str:
+        """That of the output."""
+        return unit
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """y(t)."""
+        return np.einsum("csr,csr->cr", self._shares(times, seen), seen).max(axis=0)
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """The shares of both neighbours, in the column that is largest."""
+        shares = self._shares(times, seen)
+        largest = np.einsum("csr,csr->cr", shares, seen).argmax(axis=0)
+        return shares * (np.arange(len(seen))[:, None] == largest)[:, None, :]
+
+    def _shares(self, times: Numbers, seen: Numbers) -> Numbers:
+        when = min(self.time, float(times[-1])) if math.isinf(self.time) else self.time
+        if when > times[-1] * (1.0 + 1e-12):
+            raise ParameterError(
+                f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at "
+                f"{times[-1]:.6g} s."
+            )
+        found = np.maximum(1.0 - np.abs(times - when) / _gaps(times, when), 0.0)
+        return np.broadcast_to(found[None, :, None], seen.shape)
+
+
+@MEASURES.register("final")
+class Final(At):
+    """Value at the end."""
+
+
+def _gaps(times: Numbers, when: float) -> float:
+    """Length of the interval in which a time is [s]."""
+    last = len(times) - 1
+    place = min(max(int(np.searchsorted(times, when, side="right")), 1), last)
+    return float(times[place] - times[place - 1])
