@@ -16,6 +16,8 @@ class Status(IntEnum):
     UNSOLVED = 2
     OUT_OF_RANGE = 3
     NOT_FINITE = 4
+    REFUSED = 5
+    LOST = 6
 
     @property
     def sentence(self) -> str:
@@ -45,5 +47,13 @@ _SENTENCES = {
     Status.NOT_FINITE: (
         "A number became infinite or undefined. "
         "Try a shorter step, and check the parameters for zero widths or masses."
+    ),
+    Status.REFUSED: (
+        "A parameter is out of its range, or contradicts another; nothing was run. "
+        "Try a narrower range, or look at this run alone."
+    ),
+    Status.LOST: (
+        "The process that ran this one died. "
+        "Try this run alone; it may need more memory than there is."
     ),
 }

@@ -39,16 +39,19 @@ class Compiled:
         return values_at(system, self.paths)
 
 
-def compile_system(system: AbstractSystem, iterations: int = ITERATIONS) -> Compiled:
+def compile_system(
+    system: AbstractSystem, iterations: int = ITERATIONS, thorough: int = 0
+) -> Compiled:
     """Trace a system, or return the program of an earlier one of the same structure.
 
-    `iterations` is the fixed count of the bracketed solve of every step.
+    `iterations` is the fixed count of the bracketed solve of every step; `thorough` that of a
+    second step, `again`, in the same program (0: there is none).
     """
-    return _compile(Keyed(system), iterations)
+    return _compile(Keyed(system), iterations, thorough)
 
 
 @once(64)
-def _compile(keyed: Keyed[AbstractSystem], iterations: int) -> Compiled:
+def _compile(keyed: Keyed[AbstractSystem], iterations: int, thorough: int) -> Compiled:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     system = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
@@ -64,6 +67,9 @@ def _compile(keyed: Keyed[AbstractSystem], iterations: int) -> Compiled:
     shape, size = found[0], len(flatten(found[0].example))
     names = [f"s{i}" for i in range(size)]
     program.add("step", [*names, *signals, "dt"], _step_kernel(system, shape, size, iterations))
+    if thorough:
+        again = _step_kernel(system, shape, size, thorough)
+        program.add("again", [*names, *signals, "dt"], again)
     program.add("observe", [*names, *signals], _observe_kernel(system, shape, size))
     profile = system.profile(shape.example)
     along = (f"{n}[{i}]" for n, c in zip(PROFILES, profile, strict=False) for i in range(len(c)))

@@ -16,6 +16,7 @@ from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.once import once
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
+from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import SOLVED, Track, classify, track
 
 _MARCH = """
@@ -29,20 +30,20 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
     const long n = {lanes};
     k_prepare(n, p, c);
     for (long l = 0; l < n; l++) {{
-        for (long d = 0; d < {drives}; d++) x[d * n + l] = first[d];
+        for (long d = 0; d < {drives}; d++) x[d * n + l] = first[{signal}];
         worst[l] = 0.0;
         worst[n + l] = 0.0;
     }}
     k_init(n, c, x, y);
     memcpy(x, y, sizeof(double) * {size} * n);
     for (long d = 0; d < {drives}; d++)
-        for (long l = 0; l < n; l++) x[({size} + d) * n + l] = first[d];
+        for (long l = 0; l < n; l++) x[({size} + d) * n + l] = first[{signal}];
     k_observe(n, c, x, rows);
     for (long i = 0; i < intervals; i++) {{
-        for (long k = 0; k < counts[i]; k++, drives += {drives}, lengths++) {{
+        for (long k = 0; k < counts[i]; k++, drives += {drives} * {own}, lengths += {own}) {{
             for (long l = 0; l < n; l++) {{
-                for (long d = 0; d < {drives}; d++) x[({size} + d) * n + l] = drives[d];
-                x[({size} + {drives}) * n + l] = *lengths;
+                for (long d = 0; d < {drives}; d++) x[({size} + d) * n + l] = drives[{signal}];
+                x[({size} + {drives}) * n + l] = lengths[{length}];
             }}
             k_step(n, c, x, y);
             long bad = 0;
@@ -53,6 +54,7 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
                     if (!(y[{size} * n + l] <= {solved}))
                         for (long k = 0; k < {results}; k++) y[k * n + l] = z[k * n + l];
             }}
+            {keep}
             memcpy(x, y, sizeof(double) * {size} * n);
             for (long l = 0; l < n; l++) {{
                 const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
@@ -61,12 +63,18 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
             }}
         }}
         for (long d = 0; d < {drives}; d++)
-            for (long l = 0; l < n; l++) x[({size} + d) * n + l] = sampled[i * {drives} + d];
+            for (long l = 0; l < n; l++) x[({size} + d) * n + l] = sampled[{signal}];
+        sampled += {drives} * {own};
         rows += {outputs} * n;
         k_observe(n, c, x, rows);
     }}
 }}
 """
+
+_KEEP = """for (long l = 0; l < n; l++) if (!(lengths[l] > 0.0)) {{
+                for (long k = 0; k < {size}; k++) y[k * n + l] = x[k * n + l];
+                y[{size} * n + l] = y[({size} + 1) * n + l] = 0.0;
+            }}"""
 
 _PATIENT = """
 void patient(const double *p, const double *x, double *y) {{
@@ -77,8 +85,11 @@ void patient(const double *p, const double *x, double *y) {{
 """
 
 
-def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
-    """C source of the kernels and the march for a fixed number of lanes."""
+def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bool = False) -> str:
+    """C source of the kernels and the march for a fixed number of lanes.
+
+    With signals and steps of their `own` lanes march through a `LaneGrid`.
+    """
     traced = compiled.program.functions
     observe = traced["observe"]
     observe = replace(observe, outputs=tuple(observe.outputs[i] for i in outputs))
@@ -91,13 +102,17 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int]) -> str:
         drives=compiled.drives,
         outputs=len(outputs),
         solved=SOLVED,
+        own=lanes if own else 1,
+        signal=f"d * {lanes} + l" if own else "d",
+        length="l" if own else "0",
+        keep=_KEEP.format(size=compiled.size) if own else "",
     )
     return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
 
 
 @once(64)
-def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...]) -> Any:
-    return load_library(march_source(compiled, lanes, outputs))
+def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...], own: bool) -> Any:
+    return load_library(march_source(compiled, lanes, outputs, own))
 
 
 @once(16)
@@ -109,15 +124,16 @@ def _patient(compiled: Compiled, lanes: int) -> Any:
 
 
 def march_lanes(
-    compiled: Compiled, values: Sequence[Any], grid: Grid, lanes: int, outputs: Sequence[int],
-    thorough: Compiled | None = None,
+    compiled: Compiled, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
+    outputs: Sequence[int], thorough: Compiled | None = None,
 ) -> tuple[Any, Any]:  # fmt: skip
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
+    A `LaneGrid` gives every lane signals and steps of its own.
     Steps that stay unsolved are made once more by a `thorough` program of the same system.
     Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
     """
-    library = _library(compiled, lanes, tuple(outputs))
+    library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid))
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((2, lanes))

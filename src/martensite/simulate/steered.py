@@ -1,0 +1,310 @@
+r"""Levels of waveforms as parameters of a system, so that runs and derivatives know them.
+
+A waveform is affine in its levels q: its signal is
+
+    u(t) = u_0(t) + Σ_k q_k φ_k(t)
+
+A steered system is driven by u_0 and all φ_k, which are fixed, and has the levels among its
+parameters. So levels differ from lane to lane of a batch, and derivatives with respect to them are
+exact like any others. Times of a waveform cannot be steered: they move its edges, on which steps
+end.
+
+    high          a level that the waveform declares
+    peak          the largest signal of the run: all of the waveform is scaled
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from martensite.errors import ParameterError, suggestion
+from martensite.laws.coupling import Report
+from martensite.mechanisms.base import AbstractMechanism, Column, Output
+from martensite.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.base import DRIVE, AbstractWaveform
+from martensite.simulate.driven import Waveforms, arranged
+from martensite.system import AbstractSystem, Actuator
+from martensite.system.base import Drive
+
+PEAK = "peak"
+LOOKED_AT = 2001
+"""Times at which the peak of a waveform is looked for, and whether it is affine, beside edges."""
+AFFINE = 1e-9
+"""Largest departure of a signal from what its levels say, as a share of the signal."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of the waveform of a drive."""
+
+    drive: str
+    name: str
+    """`peak`, or the path of a level that the waveform declares."""
+    value: float
+    """Where it is in the scenario, in the SI unit of the drive."""
+
+    @property
+    def path(self) -> str:
+        """Its path among the parameters of a steered system."""
+        return f"levels.{self.key}"
+
+    @property
+    def key(self) -> str:
+        """A name for it."""
+        return f"{self.drive}__{self.name.replace('.', '__')}"
+
+
+class Levels(Parametrised):
+    """Levels by name."""
+
+    def __init__(self, **levels: float) -> None:
+        self.__dict__.update(levels)
+
+    @property
+    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+        """One number per level."""
+        return {
+            name: Declared("parameter", "level of a waveform", REQUIRED, DRIVE)
+            for name in self.__dict__
+        }
+
+
+class Combined(AbstractWaveform):
+    """A sum of waveforms, each times a factor."""
+
+    terms: tuple[tuple[float, AbstractWaveform], ...] = part("factors and waveforms")
+
+    def value(self, time: float) -> float:
+        """Signal at `time` [s]."""
+        return math.fsum(factor * wave.value(time) for factor, wave in self.terms)
+
+    def edges(self, duration: float) -> list[float]:
+        """Those of all its terms."""
+        return sorted({edge for _, wave in self.terms for edge in wave.edges(duration)})
+
+
+class Steered(AbstractSystem, init=False):
+    """A system whose signals are put together from fixed ones and levels."""
+
+    system: AbstractSystem = part("what is driven")
+    levels: Levels = part("levels of its waveforms", default=Levels())
+    owners: tuple[str, ...] = part("the drive that each level belongs to", default=())
+
+    def layout(self) -> tuple[int, ...]:
+        """Which drive each level belongs to."""
+        names = [drive.name for drive in self.system.drives()]
+        return tuple(names.index(owner) for owner in self.owners)
+
+    @property
+    def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
+        """That of the system."""
+        return self.system.mechanism
+
+    def sample_time(self) -> float:
+        """As of the system [s]."""
+        return self.system.sample_time()
+
+    def actuators(self) -> dict[str, Actuator]:
+        """Those of the system."""
+        return self.system.actuators()
+
+    def label(self, port: str, name: str) -> str:
+        """As of the system."""
+        return self.system.label(port, name)
+
+    def drive_at(self, port: str) -> str:
+        """As of the system."""
+        return self.system.drive_at(port)
+
+    def judged(self) -> dict[str, float]:
+        """As of the system."""
+        return self.system.judged()
+
+    def described(self) -> str:
+        """As of the system."""
+        return self.system.described()
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of the system."""
+        return self.system.outputs()
+
+    def profile(self, state: Any) -> list[Column]:
+        """As of the system."""
+        return self.system.profile(state)
+
+    def drives(self) -> list[Drive]:
+        """Those of the system, for what does not move, then one for each level."""
+        own = self.system.drives()
+        names = list(self.levels.declarations)
+        return own + [
+            own[place]._replace(name=name) for name, place in zip(names, self.layout(), strict=True)
+        ]
+
+    def init(self, xp: Namespace, *drives: Scalar) -> Any:
+        """The system at rest under the signals put together."""
+        return self.system.init(xp, *self._signals(drives))
+
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar,
+        iterations: int = ITERATIONS,
+    ) -> tuple[Any, Report]:  # fmt: skip
+        """Advance by `dt` [s]."""
+        return self.system.step(xp, state, *self._signals(drives), dt=dt, iterations=iterations)
+
+    def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured."""
+        return self.system.observe(xp, state, *self._signals(drives))
+
+    def _signals(self, drives: Sequence[Scalar]) -> list[Scalar]:
+        """u = u_0 + Σ q φ of every drive of the system."""
+        places, numbers = self.layout(), list(self.levels.__dict__.values())
+        count = len(drives) - len(places)
+        found = list(drives[:count])
+        for place, level, shape in zip(places, numbers, drives[count:], strict=True):
+            found[place] = found[place] + level * shape
+        return found
+
+
+@dataclass(frozen=True)
+class Steering:
+    """The waveforms of a system, and which of their levels are parameters."""
+
+    system: AbstractSystem
+    waveforms: Waveforms
+    duration: float
+    """Of a run [s]."""
+    levels: tuple[Level, ...] = ()
+
+    @cached_property
+    def own(self) -> dict[str, AbstractWaveform]:
+        """The waveform of every drive."""
+        names = [drive.name for drive in self.system.drives()]
+        return dict(zip(names, arranged(self.system, self.waveforms), strict=True))
+
+    def with_levels(self, levels: Sequence[Level]) -> Steering:
+        """With these levels as parameters.
+
+        Raises:
+            ParameterError: a signal is not affine in its levels.
+        """
+        found = Steering(self.system, self.waveforms, self.duration, tuple(levels))
+        for drive in found.own:
+            found.require_affine(drive)
+        return found
+
+    def available(self) -> list[Level]:
+        """All levels that could be steered: declared ones, and the peak of each waveform."""
+        units = {drive.name: drive.unit for drive in self.system.drives()}
+        found: list[Level] = []
+        for name, wave in self.own.items():
+            found += [
+                Level(name, leaf.path, float(leaf.value))
+                for leaf in wave.leaves() if leaf.declared.unit == DRIVE
+            ]  # fmt: skip
+            peak = self._peak(wave)
+            if units[name] != "K" and peak > 0.0:
+                found.append(Level(name, PEAK, peak))
+        return found
+
+    def level(self, drive: str, name: str) -> Level:
+        """One of the levels that could be steered.
+
+        Raises:
+            ParameterError: there is none of that name.
+        """
+        known = {(level.drive, level.name): level for level in self.available()}
+        if (drive, name) not in known:
+            names = [level for owner, level in known if owner == drive]
+            raise ParameterError(
+                f"The waveform of `{drive}` has no level `{name}`. {suggestion(name, names)}"
+            )
+        return known[drive, name]
+
+    @cached_property
+    def whole(self) -> AbstractSystem:
+        """What is compiled: the system, or the steered one around it."""
+        if not self.levels:
+            return self.system
+        numbers = {level.key: level.value for level in self.levels}
+        owners = tuple(level.drive for level in self.levels)
+        return Steered(system=self.system, levels=Levels(**numbers), owners=owners)
+
+    def path(self, path: str) -> str:
+        """The path in `whole` of a parameter of the system."""
+        return f"system.{path}" if self.levels else path
+
+    def played(self) -> dict[str, AbstractWaveform]:
+        """The waveform of every drive of `whole`."""
+        if not self.levels:
+            return self.own
+        return {drive: self._rest(drive) for drive in self.own} | {
+            level.key: self._shape(level) for level in self.levels
+        }
+
+    def at(self, drive: str, values: Mapping[str, float]) -> AbstractWaveform:
+        """The waveform of a drive at other levels by name, unchecked."""
+        wave = self.own[drive]
+        if PEAK in values:
+            peak = self._peak(wave)
+            wave = Combined(terms=((values[PEAK] / peak, wave),))
+        declared = {name: value for name, value in values.items() if name != PEAK}
+        return wave.rebuilt(declared) if declared else wave
+
+    def require_affine(self, drive: str) -> None:
+        """Raise `ParameterError` unless the signal follows from its levels as this file says."""
+        mine = [level for level in self.levels if level.drive == drive]
+        if not mine:
+            return
+        if len(mine) > 1 and any(level.name == PEAK for level in mine):
+            raise ParameterError(
+                f"The peak of the waveform of `{drive}` and another level of it cannot both be "
+                "free: the peak scales them all."
+            )
+        moved = {level.name: level.value + (1.0 + k) * _reach(level)
+                 for k, level in enumerate(mine)}  # fmt: skip
+        there, rest = self.at(drive, moved), self._rest(drive)
+        shapes = [(moved[level.name], self._shape(level)) for level in mine]
+        for time in self._times(self.own[drive]):
+            signal = there.value(time)
+            said = rest.value(time) + math.fsum(q * shape.value(time) for q, shape in shapes)
+            if abs(signal - said) > AFFINE * (1.0 + abs(signal)):
+                raise ParameterError(
+                    f"The signal of `{drive}` is not affine in its "
+                    f"{', '.join(f'`{level.name}`' for level in mine)}, which cannot be free."
+                )
+
+    def _shape(self, level: Level) -> AbstractWaveform:
+        """φ: the change of the signal per change of a level."""
+        reach = _reach(level)
+        here, there = self.own[level.drive], self.at(level.drive, {level.name: level.value + reach})
+        if level.name == PEAK:
+            return Combined(terms=((1.0 / level.value, here),))
+        return Combined(terms=((1.0 / reach, there), (-1.0 / reach, here)))
+
+    def _rest(self, drive: str) -> AbstractWaveform:
+        """u_0: what does not move with the levels of a drive."""
+        mine = [level for level in self.levels if level.drive == drive]
+        if not mine:
+            return self.own[drive]
+        if mine[0].name == PEAK:
+            return Combined(terms=((0.0, self.own[drive]),))
+        shapes = tuple((-level.value, self._shape(level)) for level in mine)
+        return Combined(terms=((1.0, self.own[drive]), *shapes))
+
+    def _times(self, wave: AbstractWaveform) -> list[float]:
+        even = [self.duration * k / (LOOKED_AT - 1) for k in range(LOOKED_AT)]
+        return sorted({*even, *wave.edges(self.duration)})
+
+    def _peak(self, wave: AbstractWaveform) -> float:
+        return max(abs(wave.value(time)) for time in self._times(wave))
+
+
+def _reach(level: Level) -> float:
+    """How far a level is moved to see what it does."""
+    return abs(level.value) or 1.0

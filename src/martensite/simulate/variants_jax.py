@@ -1,0 +1,73 @@
+"""Variants on JAX: one batch per block, on whatever device JAX has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.simulate.arrays import Schedule, jitted_march, schedule
+from martensite.simulate.grid import Grid
+from martensite.simulate.lane_grid import LaneGrid
+from martensite.simulate.march import SOLVED
+
+if TYPE_CHECKING:
+    from martensite.simulate.compiled import Compiled
+    from martensite.simulate.variants import Course, Numbers, Values
+
+
+class JaxMarch:
+    """The march of a course on JAX; runs that stay unsolved march once more, with patience."""
+
+    def __init__(self, course: Course) -> None:
+        self.course = course
+
+    def __call__(self, values: Values, grid: Grid | LaneGrid, runs: int) -> tuple[list[Any], Any]:
+        """Columns (runs, samples) and reports (2, runs)."""
+        columns, reports = self._march(self.course.compiled, values, grid, runs)
+        solved = reports[0] <= SOLVED
+        if solved.all():
+            return columns, reports
+        patient, second = self._march(self.course.thorough, values, grid, runs)
+        pairs = zip(columns, patient, strict=True)
+        mixed = [np.where(solved[:, None], quick, slow) for quick, slow in pairs]
+        return mixed, np.where(solved, reports, second)
+
+    def _march(
+        self, compiled: Compiled, values: Values, grid: Grid | LaneGrid, runs: int
+    ) -> tuple[list[Numbers], Numbers]:
+        precision = self.course.precision
+        plan, padded = _schedule(grid, precision)
+        table = [
+            np.broadcast_to(np.asarray(v, precision), runs) if np.ndim(v) else
+            np.asarray(v, precision)
+            for v in self.course.table(values)
+        ]  # fmt: skip
+        found = jitted_march(compiled, self.course.places, padded)(table, plan)
+        columns = [_by_run(column, runs) for column in found.outputs]
+        reports = [np.broadcast_to(np.asarray(r), runs) for r in (found.residual, found.crossing)]
+        return columns, np.stack(reports).astype(np.float64)
+
+
+def _by_run(column: Any, runs: int) -> Numbers:
+    """A column (samples, runs) by run; one that is the same for all is repeated."""
+    found: Numbers = np.asarray(column, np.float64)
+    return np.broadcast_to(found if found.ndim == 2 else found[:, None], (len(found), runs)).T
+
+
+def _schedule(grid: Grid | LaneGrid, precision: str) -> tuple[Schedule, bool]:
+    """Arrays of a grid: signals and lengths by lane where lanes have their own."""
+    if isinstance(grid, Grid):
+        return schedule(grid, precision)
+    shape = len(grid.counts), int(grid.counts.max())
+    used = np.arange(shape[1]) < grid.counts[:, None]
+
+    def padded(values: Any) -> Any:
+        made = np.zeros((*shape, values.shape[-1]), precision)
+        made[used] = values
+        return made
+
+    drives = tuple(padded(grid.drives[:, d]) for d in range(grid.drives.shape[1]))
+    sampled = [grid.sampled[:, d].astype(precision) for d in range(grid.drives.shape[1])]
+    first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
+    return Schedule(first, rest, drives, padded(grid.lengths), np.ones((), precision)), True
