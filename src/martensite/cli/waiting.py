@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from martensite.identify.fitting.watch import Note, Tell
+    from martensite.sweep.running import Progress as Swept
 
 
 @contextmanager
@@ -85,3 +86,33 @@ def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
             bar.update(task, description=describe(note), completed=note.share, total=total)
 
         yield tell
+
+
+@contextmanager
+def sweep_bar(label: str) -> Iterator[Callable[[Swept], None] | None]:
+    """A bar for a sweep, with its rate and what failed."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import TimeRemainingColumn as Left
+
+    rate = TextColumn("{task.fields[rate]}")
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), rate)
+    with Progress(
+        *columns, TimeElapsedColumn(), Left(), console=Console(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task(label, total=None, rate="")
+
+        def tell(now: Swept) -> None:
+            bar.update(task, total=now.runs, completed=now.done, rate=_rate(now, bar.tasks[0]))
+
+        yield tell
+
+
+def _rate(now: Swept, task: Any) -> str:
+    """Runs per second, and how many failed."""
+    failed = sum(count for status, count in now.status.items() if status > 1)
+    speed = "" if not task.elapsed or not now.made else f"{now.made / task.elapsed:.0f}/s"
+    return f"{speed}, {failed} failed" if failed else speed

@@ -10,7 +10,7 @@ plain number, whatever the source takes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from martensite.parameters import Parametrised
@@ -52,6 +52,10 @@ class AbstractWaveform(AbstractDrive):
     def value(self, time: float) -> float:
         """Signal at `time` [s], in the unit of the source; right-continuous at jumps."""
         raise NotImplementedError
+
+    def signals(self, times: Sequence[float]) -> list[float]:
+        """Signals at many times."""
+        return [self.value(time) for time in times]
 
     def edges(self, duration: float) -> list[float]:
         """Times in (0, duration) at which the signal jumps or bends, ascending [s]."""

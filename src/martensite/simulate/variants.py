@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from martensite.errors import ParameterError, suggestion
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
+from martensite.simulate.clock import Edges, clocked, edges_of, played
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.grid import Grid
@@ -37,6 +38,8 @@ Values: TypeAlias = Mapping[str, Numbers]
 RUNTIMES = ("c", "jax", "floats")
 LANES = {"c": 64, "jax": 256, "floats": 16}
 """Runs that march together."""
+CLOCKS = 64
+"""Sets of edges whose steps are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +134,11 @@ class Course:
         empty = {name: np.full((runs, self.samples), np.nan) for name in self.outputs}
         return Ran(empty, np.full(runs, Status.REFUSED, np.int8))
 
+    @property
+    def times(self) -> list[float]:
+        """Sample times [s]."""
+        return self._common.times
+
     @cached_property
     def compiled(self) -> Compiled:
         """The traced system."""
@@ -189,16 +197,28 @@ class Course:
         for row in rows:
             key = tuple(float(v[row]) for t in signals.values() for v in t.values())
             if key not in known:
-                known[key] = self._grid_of(self._waveforms(signals, row))
+                known[key] = self._played(self._waveforms(signals, row))
             grids.append(known[key])
         return lane_grid(grids)
 
     @cached_property
     def _common(self) -> Grid:
-        return self._grid_of(self.waveforms)
+        return grid_of(self.system, self.waveforms, self.duration, self.samples, self.step)
 
-    def _grid_of(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
-        return grid_of(self.system, waveforms, self.duration, self.samples, self.step)
+    def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
+        """The grid of some waveforms; waveforms with the same edges share its steps."""
+        edges = edges_of(waveforms, self.duration)
+        if edges not in self._clocks:
+            if len(self._clocks) >= CLOCKS:
+                self._clocks.clear()
+            shape = self.duration, self.samples, self.step
+            self._clocks[edges] = clocked(self.system, edges, *shape)
+        drives = [waveforms.get(drive.name) for drive in self.system.drives()]
+        return played(self._clocks[edges], drives)
+
+    @cached_property
+    def _clocks(self) -> dict[Edges, Grid]:
+        return {}
 
     def _waveforms(self, signals: Mapping[str, Values], row: int) -> dict[str, AbstractWaveform]:
         """The waveforms of one run."""

@@ -1,0 +1,96 @@
+"""`sweep`: many variants of a scenario, into a store that survives interruptions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
+
+
+@app.command()
+def sweep(
+    scenario: ScenarioFile,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=NUMBERS",
+            help='What is varied: "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC", '
+            '"length=250 mm +- 2 %"; repeatable.',
+        ),
+    ] = None,
+    sample: Annotated[
+        str, typer.Option(help="grid, or a sample and its size: sobol:1024, latin-hypercube:1000 …")
+    ] = "grid",
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="MEASURE",
+            help='One number kept of every run: stroke, "max(stress)", energy, rise-time …; '
+            "repeatable [default: stroke, max(temperature), max(stress), energy].",
+        ),
+    ] = None,
+    trace: Annotated[
+        list[str] | None,
+        typer.Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable."),
+    ] = None,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
+    step: Annotated[
+        str | None, typer.Option(help="Longest step [default: what the tolerance asks for].")
+    ] = None,
+    runtime: Annotated[
+        str | None, typer.Option(help="c, jax or floats [default: c, if there is a compiler].")
+    ] = None,
+    precision: Annotated[str, typer.Option(help="float64, or float32 on JAX.")] = "float64",
+    backend: Annotated[
+        str, typer.Option(help="Who runs the chunks: processes, serial, dask.")
+    ] = "processes",
+    workers: Annotated[
+        int, typer.Option(min=0, help="How many processes; 0 for one per core.")
+    ] = 0,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
+    ] = None,
+    chunk_size: Annotated[int, typer.Option(min=1, help="Runs in a chunk.")] = 512,
+    chunk: Annotated[
+        str | None,
+        typer.Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays."),
+    ] = None,
+    modules: Imports = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing store.")] = False,
+    json: Json = False,
+) -> None:
+    """Run many variants of a scenario; the same command goes on where it was stopped."""
+    import_modules(modules)
+    from martensite.cli.sweep_run import Chosen, swept
+    from martensite.io.overrides import read_settings
+    from martensite.io.scenario import load
+    from martensite.io.sweeps.job import MEASURES, Wanted
+
+    wanted = Wanted(
+        over=tuple(over or ()), sample=sample, measures=tuple(output or MEASURES),
+        traces=tuple(_trace(words) for words in trace or ()), seed=seed, chunk=chunk_size,
+        step=None if step is None else quantity("step", step, "s"), runtime=runtime,
+        precision=precision,
+    )  # fmt: skip
+    chosen = Chosen(
+        out or Path(f"{scenario.stem}.zarr"), backend, workers, scheduler, chunk,
+        tuple(modules or ()), force,
+    )  # fmt: skip
+    swept(load(scenario, read_settings(settings or [])), wanted, chosen).show(json)
+
+
+def _trace(words: str) -> tuple[str, int]:
+    from martensite.errors import InputError
+
+    name, _, count = words.rpartition(":")
+    if not name or not count.isdigit() or int(count) < 2:
+        raise InputError(f"`{words}` is no trace; write an output and 2 samples or more, `T:101`.")
+    return name, int(count)

@@ -1,0 +1,116 @@
+"""What a sweep found, for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.status import Status
+
+if TYPE_CHECKING:
+    from martensite.io.sweeps.store import Store
+    from martensite.sweep.plan import Plan
+    from martensite.sweep.running import Progress
+
+NAMED = 5
+"""Failed runs that are named."""
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A sweep, as far as it is."""
+
+    plan: Plan
+    store: Store
+    progress: Progress
+    part: range
+    """Chunks that were asked for."""
+
+    def show(self, json: bool) -> None:
+        """Print a summary."""
+        from martensite.cli import show
+
+        if json:
+            show.as_json(self._report())
+            return
+        show.table(("measure", "lowest", "median", "highest"), self._rows(),
+                   right="lowest,median,highest")  # fmt: skip
+        for line in self._lines():
+            show.text(line)
+        for caution in self.plan.cautions():
+            show.text(f"Caution: {caution}", "yellow")
+        for remark in (*self._failures(), *self.progress.remarks):
+            show.text(f"Warning: {remark}", "yellow")
+        show.text(f"wrote {self.store.path}")
+
+    def _lines(self) -> Iterator[str]:
+        done = self.progress
+        yield (
+            f"{done.done:,} of {self.plan.size:,} runs, {done.made:,} of them now, in steps of at "
+            f"most {self.plan.course.step:.3g} s on `{self.plan.course.runtime}`"
+        )
+        if done.made and done.seconds:
+            yield f"{1e3 * done.seconds / done.made:.3g} ms of processor time per run"
+
+    def _statuses(self) -> Any:
+        """Status of every run that is there."""
+        import numpy as np
+
+        made = np.zeros(self.plan.size, bool)
+        for chunk in self.store.made():
+            rows = self.plan.rows(chunk)
+            made[rows.start : rows.stop] = True
+        return np.where(made, self.store.group["status"][:], -1)
+
+    def _failures(self) -> Iterator[str]:
+        """Sentences on runs that failed, or are coarse."""
+        import numpy as np
+
+        statuses = self._statuses()
+        for status in Status:
+            rows = np.flatnonzero(statuses == status)
+            if status is Status.OK or not len(rows):
+                continue
+            named = ", ".join(map(str, rows[:NAMED])) + (" …" if len(rows) > NAMED else "")
+            yield f"{len(rows):,} runs: {status.sentence} (run {named})"
+
+    def _rows(self) -> Iterator[tuple[str, ...]]:
+        from martensite.cli import show
+
+        for words, one in self.plan.measures.items():
+            unit = one.unit_in(self.plan.course.system)
+            yield words, *(show.quantity(v, unit) for v in self._spread(words))
+
+    def _spread(self, words: str) -> tuple[float, ...]:
+        """Lowest, median and highest of what there is."""
+        import numpy as np
+
+        found = self.store.group[words][:]
+        found = found[np.isfinite(found)]
+        if not len(found):
+            return (float("nan"),) * 3
+        return tuple(float(f(found)) for f in (np.min, np.median, np.max))
+
+    def _report(self) -> dict[str, Any]:
+        """For JSON; numbers in SI."""
+        import numpy as np
+
+        statuses = self._statuses()
+        names = ("lowest", "median", "highest")
+        return {
+            "store": str(self.store.path),
+            "runs": self.plan.size,
+            "done": self.progress.done,
+            "made": self.progress.made,
+            "chunks": [len(self.store.made()), self.plan.chunks],
+            "step": self.plan.course.step,
+            "runtime": self.plan.course.runtime,
+            "status": {s.name.lower(): int(np.sum(statuses == s)) for s in Status},
+            "measures": {
+                words: dict(zip(names, self._spread(words), strict=True))
+                for words in self.plan.measures
+            },
+            "cautions": self.plan.cautions(),
+            "remarks": self.progress.remarks,
+        }

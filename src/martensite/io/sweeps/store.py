@@ -1,0 +1,159 @@
+"""The store of a sweep: a Zarr group (format 3) that xarray opens, with everything inside.
+
+    run                       one entry per run
+    PATH of a varied number   its value in SI, (run,)
+    words of a measure        its number in SI, (run,); NaN where the run failed
+    OUTPUT                    a trace, (run, time of OUTPUT)
+    status                    how the run ended (`martensite.status`), (run,)
+    made                      whether a chunk is there, (chunk,)
+
+All arrays are cut at the same runs: a chunk of the sweep is a region of its own, which exactly one
+writer writes. It counts as made when all of it is written. What was asked for, the scenario
+included, is in the attributes; with it a sweep that was stopped goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.errors import DataError
+from martensite.status import Status
+from martensite.sweep.plan import Piece, Plan
+
+RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
+TIME = "time of {}"
+SPEC = "martensite_sweep"
+NUMBER = "f8"
+FULL = 28
+"""Number of the error `no space left on device` (ENOSPC)."""
+
+
+def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
+    """Make a store, or open the one that is there if it holds the same sweep.
+
+    The group appears whole or not at all, so that several processes may do this at a time.
+
+    Raises:
+        DataError: something else is there, or the folder cannot be written.
+    """
+    if not path.exists():
+        part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
+        try:
+            _make(part, plan, spec)
+            part.rename(path)
+        except OSError as error:
+            if not path.exists():  # nobody else was faster
+                raise DataError(f"`{path}` could not be made: {error.strerror or error}.") from None
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    store = Store(path)
+    apart = differing(store.spec, spec)
+    if apart:
+        raise DataError(
+            f"`{path}` holds another sweep: {', '.join(f'`{name}`' for name in apart)} differ. "
+            "Choose another --out, or replace it by --force."
+        )
+    return store
+
+
+def differing(there: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
+    """What of two specifications is not the same."""
+    known = json.loads(json.dumps(dict(wanted)))
+    return [name for name in (*known, *there) if known.get(name) != there.get(name)]
+
+
+def _make(path: Path, plan: Plan, spec: Mapping[str, Any]) -> None:
+    """An empty group for a plan."""
+    zarr: Any = import_module("zarr")
+    group = zarr.create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    for name, (kind, dims, sizes, attributes) in _layout(plan).items():
+        shape, chunks = zip(*sizes, strict=True)
+        group.create_array(
+            name, shape=shape, chunks=chunks, dtype=kind, dimension_names=dims,
+            fill_value=np.nan if kind == NUMBER else 0, attributes=attributes,
+        )  # fmt: skip
+    for trace in plan.traces:
+        group[TIME.format(trace.output)][:] = plan.trace_times(trace)
+
+
+def _layout(plan: Plan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
+    """Every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
+    runs, system = (plan.size, plan.chunk), plan.course.system
+    found: dict[str, Any] = {}
+    for axis in plan.axes:
+        told = {"units": axis.target.unit, "long_name": axis.target.doc, "role": "varied"}
+        found[axis.target.name] = NUMBER, (RUN,), [runs], told
+    for words, one in plan.measures.items():
+        told = {"units": one.unit_in(system), "long_name": words, "role": "measure"}
+        found[words] = NUMBER, (RUN,), [runs], told
+    for trace in plan.traces:
+        along, count = TIME.format(trace.output), len(plan.trace_times(trace))
+        found[along] = NUMBER, (along,), [(count, count)], {"units": "s", "role": "time"}
+        output = system.outputs()[trace.output]
+        told = {"units": output.unit, "long_name": output.long_name, "role": "trace"}
+        found[trace.output] = NUMBER, (RUN, along), [runs, (count, count)], told
+    meanings = " ".join(one.name.lower() for one in Status)
+    flags = {"flag_values": [int(one) for one in Status], "flag_meanings": meanings}
+    found[STATUS] = "i1", (RUN,), [runs], {"role": "status", **flags}
+    found[MADE] = "u1", (CHUNK,), [(plan.chunks, 1)], {"role": "made"}
+    return found
+
+
+@dataclass(frozen=True)
+class Store:
+    """A sweep on disk."""
+
+    path: Path
+
+    @cached_property
+    def group(self) -> Any:
+        """The Zarr group.
+
+        Raises:
+            DataError: there is none.
+        """
+        zarr: Any = import_module("zarr")
+        try:
+            found = zarr.open_group(str(self.path), mode="r+")
+            json.loads(found.attrs[SPEC])
+        except (OSError, KeyError, ValueError) as error:
+            raise DataError(f"`{self.path}` holds no sweep: {error}.") from None
+        return found
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """What was asked for."""
+        return json.loads(self.group.attrs[SPEC])
+
+    def made(self) -> set[int]:
+        """Numbers of the chunks that are there."""
+        return set(np.flatnonzero(self.group[MADE][:]).tolist())
+
+    def write(self, chunk: int, rows: range, piece: Piece, names: list[str]) -> None:
+        """Put a chunk into its region.
+
+        Raises:
+            DataError: it could not be written; the sentence says what to do.
+        """
+        region = slice(rows.start, rows.stop)
+        columns = dict(zip(names, piece.values.T, strict=True)) | piece.scalars | piece.traces
+        try:
+            for name, values in (columns | {STATUS: piece.status}).items():
+                self.group[name][region] = values
+            self.group[MADE][chunk] = 1
+        except OSError as error:
+            why = "the disk is full" if error.errno == FULL else error.strerror or str(error)
+            raise DataError(
+                f"Chunk {chunk} of `{self.path}` could not be written: {why}. What was written "
+                "before is kept; mend this and give the same command again: it goes on from there."
+            ) from None

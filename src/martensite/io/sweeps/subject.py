@@ -1,0 +1,157 @@
+"""What of a scenario can be varied, and what all of its variants have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from martensite.errors import InputError
+from martensite.io.assemble import waveform_path
+from martensite.io.scales import Scales
+from martensite.runtimes.c99 import compiler
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.api import longest_step, simulate
+from martensite.simulate.driven import by_name
+from martensite.simulate.variants import Course
+from martensite.sweep.axes import Target
+
+if TYPE_CHECKING:
+    from martensite.bench.bench import Bench
+    from martensite.io.scenario import Scenario
+    from martensite.sweep.plan import Plan
+
+TRIED = 3
+"""Variants whose step is looked for beside that of the scenario itself."""
+
+
+def course_of(
+    scenario: Scenario, step: float | None = None, runtime: str | None = None,
+    precision: str = "float64",
+) -> Course:  # fmt: skip
+    """What all variants of a scenario have in common.
+
+    Args:
+        scenario: the nominal one.
+        step: longest step [s]; by default that of the scenario, or a sensible one until
+            `settled` has chosen it.
+        runtime: c, jax or floats; by default c if there is a compiler.
+        precision: float64, or float32 on JAX.
+
+    Raises:
+        InputError: a controller of the scenario runs outside of the kernel.
+    """
+    if scenario.outside:
+        raise InputError(
+            f"The controller of `{next(iter(scenario.outside))}` is no kernel and cannot be swept; "
+            "take one that is, such as `pid`."
+        )
+    system, samples = scenario.whole, scenario.samples
+    interval = system.sample_time()
+    if interval:
+        samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
+    chosen = runtime or ("c" if compiler() is not None else "floats")
+    found = interval or step or scenario.step or longest_step(system)
+    return Course(
+        system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision
+    )
+
+
+def settled(scenario: Scenario, plan: Plan) -> float:
+    """The step at which the scenario, and some variants of it, reach its tolerance [s].
+
+    A step that the scenario gives, or that its discrete time gives, is taken as it is. Variants
+    that fail are left to the sweep, which says so.
+    """
+    course = plan.course
+    if scenario.step or course.system.sample_time():
+        return course.step
+    last = plan.size - 1
+    places = {round(last * k / max(TRIED - 1, 1)) for k in range(TRIED)}
+    tried = [({}, {}), *(_numbers(plan, row) for row in sorted(places))]
+    return min(_step(scenario, course, *one) for one in tried)
+
+
+def _numbers(plan: Plan, row: int) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
+    """Numbers of one run: of the system, and of waveforms by drive."""
+    system: dict[str, float] = {}
+    signals: dict[str, dict[str, float]] = {}
+    for one, value in zip(plan.axes, plan.values(range(row, row + 1))[0], strict=True):
+        drive = one.target.drive
+        table = system if drive is None else signals.setdefault(drive, {})
+        table[one.target.path] = float(value)
+    return system, signals
+
+
+def _step(
+    scenario: Scenario, course: Course, values: Mapping[str, float],
+    signals: Mapping[str, Mapping[str, float]],
+) -> float:  # fmt: skip
+    """The step of one run that reaches the tolerance; infinite where it fails."""
+    from martensite.errors import MartensiteError
+
+    try:
+        system = course.system.with_values(values) if values else course.system
+        played = {n: w.with_values(signals.get(n, {})) for n, w in course.waveforms.items()}
+        return simulate(
+            system, played, course.duration, tolerance=scenario.tolerance,
+            samples=course.samples, runtime="c" if course.runtime == "c" else "floats",
+        ).step  # fmt: skip
+    except MartensiteError:
+        if not values and not signals:
+            raise
+        return math.inf
+
+
+def waveforms_of(scenario: Scenario) -> dict[str, AbstractWaveform]:
+    """All that drives a scenario, by name; references and noise of a bench among it."""
+    played = dict(by_name(scenario.system, scenario.waveform))
+    if scenario.bench is None:
+        return played
+    from martensite.bench.run import noise_waveforms, reference_waveforms
+
+    played |= reference_waveforms(scenario.bench)
+    return played | noise_waveforms(scenario.bench, scenario.duration, scenario.seed)
+
+
+def targets_of(scenario: Scenario) -> dict[str, Target]:
+    """Every number of a scenario that can be varied, by its path in the scenario."""
+    references = _references(scenario.bench) if scenario.bench else {}
+    found = [*_of_system(scenario, references), *_of_waveforms(scenario)]
+    return {target.name: target for target in found}
+
+
+def _of_system(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
+    """Numbers of the system or bench; those of a reference belong to its waveform."""
+    for leaf in scenario.whole.leaves():
+        name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
+        if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
+            continue
+        begin = next((b for b in references if leaf.path.startswith(b)), None)
+        drive = None if begin is None else references[begin]
+        path = leaf.path.removeprefix(begin or "")
+        yield Target(name, path, unit, float(leaf.value), leaf.declared.doc, drive)
+
+
+def _references(bench: Bench) -> dict[str, str]:
+    """Beginning of a path in a bench -> the name under which its waveform is played."""
+    from martensite.bench.names import references
+
+    members = bench.controllers.members()
+    return {
+        f"controllers.{member}.reference.": name
+        for member, name in zip(members, references(bench), strict=True)
+    }
+
+
+def _of_waveforms(scenario: Scenario) -> Iterator[Target]:
+    """Numbers of the waveforms of a scenario."""
+    signals = {drive.name: drive.unit for drive in scenario.system.drives()}
+    played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
+    for name, waveform in played.items():
+        begin = waveform_path(scenario.system, name, scenario.places.drive)
+        for leaf in waveform.leaves():
+            if math.isfinite(leaf.value):
+                unit = Scales(signals[name]).unit(leaf.declared)
+                words = leaf.declared.doc
+                yield Target(begin + leaf.path, leaf.path, unit, float(leaf.value), words, name)

@@ -1,0 +1,17 @@
+"""One chunk after another, in this process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from martensite.sweep.backends.base import BACKENDS, AbstractBackend, Job, Report
+
+
+@BACKENDS.register("serial")
+class Serial(AbstractBackend):
+    """This process alone."""
+
+    def run(self, job: Job, chunks: Iterable[int]) -> Iterator[Report]:
+        """One chunk after another."""
+        for chunk in chunks:
+            yield job(chunk)

@@ -1,0 +1,1 @@
+"""How the space of a sweep is filled: on a grid, or by samples; one file each."""
