@@ -30,6 +30,8 @@ class Dialect:
     repeat: Callable[[RepeatText], list[str]]
     differentiable: bool = False
     """Whether derivatives may be taken of what is written."""
+    shares_inverses: bool = False
+    """Whether divisions by the same number are products with its inverse, made once."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ class RepeatText:
     body: Sequence[str]
     outputs: Sequence[str]
     kinds: Sequence[str]
+    used: Sequence[bool]
+    """Which results are used afterwards."""
 
     def results(self) -> list[str]:
         """Names of the results."""
@@ -88,6 +92,7 @@ class Printer:
         """Assignments of the named ones among the used nodes; puts all into `text`."""
         depth: dict[int, int] = {}
         lines: list[str] = []
+        inverses = self._inverses(uses)
         for index in sorted(uses):
             if index in self.graph.loops:
                 text[index] = f"e{index}"
@@ -95,10 +100,18 @@ class Printer:
                 continue
             if index in self.graph.repeats:
                 text[index] = f"e{index}"
-                lines += self._repeat(index, text)
+                lines += self._repeat(index, text, uses)
                 continue
             expression = self._expression(index, text)
             arguments = self._children(index)
+            if index in inverses:
+                divisor = arguments[1]
+                name = f"i{divisor}"
+                if index == inverses[index]:
+                    one = self.dialect.constant(1.0)
+                    inverse = self.dialect.templates["div"].format(one, text[divisor])
+                    lines.append(self.dialect.assign(name, inverse, NUMBER))
+                expression = self.dialect.templates["mul"].format(text[arguments[0]], name)
             depth[index] = 1 + max((depth.get(a, 0) for a in arguments), default=0)
             atomic = not arguments
             if atomic or (uses[index] == 1 and depth[index] < DEEPEST):
@@ -108,6 +121,15 @@ class Printer:
             lines.append(self.dialect.assign(name, expression, self.kind(index)))
             text[index], depth[index] = name, 0
         return lines
+
+    def _inverses(self, uses: Mapping[int, int]) -> dict[int, int]:
+        """Divisions that share an inverse -> the first of them."""
+        by: dict[int, list[int]] = {}
+        for index in sorted(uses) if self.dialect.shares_inverses else ():
+            if self.graph.operations[index] == "div" and index not in self.shared:
+                by.setdefault(self.graph.arguments[index][1], []).append(index)
+        groups = [group for group in by.values() if len(group) > 1]
+        return {index: group[0] for group in groups for index in group}
 
     def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
         """A loop over rows, its body printed with names of its own."""
@@ -126,10 +148,11 @@ class Printer:
         )
         return self.dialect.loop(named)
 
-    def _repeat(self, index: int, text: Mapping[int, str]) -> list[str]:
+    def _repeat(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
         """A loop over a state, its body printed with names of its own."""
         loop, inner = self.graph.repeats[index], dict(text)
         body = self._lines(self._uses(loop.outputs, loop.bit), inner, "t")
+        taken = {self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)}
         named = RepeatText(
             name=text[index],
             count=loop.turns,
@@ -138,6 +161,7 @@ class Printer:
             body=body,
             outputs=[inner[i] for i in loop.outputs],
             kinds=[self.kind(i) for i in loop.state],
+            used=[place in taken for place in range(len(loop.state))],
         )
         return self.dialect.repeat(named)
 

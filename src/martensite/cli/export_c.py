@@ -1,0 +1,147 @@
+"""`export c`: a scenario as C99 for microcontrollers, with an example that plays its drive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from martensite.cli.export import export
+from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
+    from martensite.io.scenario import Scenario
+
+PARTS = ("whole", "plant", "loop")
+STEPS = 400
+"""That the example plays at least."""
+
+
+@export.command("c")
+def c(
+    scenario: ScenarioFile,
+    settings: Settings = None,
+    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Where to write.")] = Path(),
+    name: Annotated[
+        str | None, typer.Option(help="Name of the files and in them [default: SCENARIO].")
+    ] = None,
+    part: Annotated[
+        str,
+        typer.Option(
+            help="whole; plant: without the loops around it; loop: observers, controllers and "
+            "supervisor without the plant, for a controller board."
+        ),
+    ] = "whole",
+    precision: Annotated[
+        str, typer.Option(help="float64 (double), or float32 (float).")
+    ] = "float64",
+    retry: Annotated[
+        bool,
+        typer.Option(help="Make a step that stays unsolved once more, as a run does; more code."),
+    ] = True,
+    modules: Imports = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    json: Json = False,
+) -> None:
+    """Write a scenario as C99: header, source, and an example that plays its drive.
+
+    No allocation, no library but libm; in double the results are those of `run`, bit for bit.
+    Operations are counted at worst: what is not chosen in a step is not computed.
+    """
+    import_modules(modules)
+    from martensite.errors import ParameterError, suggestion
+    from martensite.export.c_names import checked_identifier, identifier
+    from martensite.io.overrides import read_settings
+    from martensite.io.scenario import load
+
+    if part not in PARTS:
+        raise ParameterError(f"There is no part `{part}`. {suggestion(part, PARTS)}")
+    name = checked_identifier(name or identifier(scenario.stem))
+    files = _free(out, name, force)
+    loaded = load(scenario, read_settings(settings or []))
+    core, example = _made(loaded, name, part, precision, retry)
+    core.write(out)
+    _write(files[-1], example)
+    _answer(core, part, files, json)
+
+
+def _free(folder: Path, name: str, force: bool) -> list[Path]:
+    """The files that will be written; `DataError` if one is there already."""
+    from martensite.cli.outputs import Outputs
+
+    files = [folder / f"{name}{end}" for end in (".h", ".c", "_example.c")]
+    for path in files:
+        Outputs(path, None).check(force, data=(".h", ".c"))
+    return files
+
+
+def _write(path: Path, text: str) -> None:
+    from martensite.files import replacing
+
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _made(loaded: Scenario, name: str, part: str, precision: str, retry: bool) -> tuple[CCore, str]:
+    """The core of a part of a scenario, and the text of its example."""
+    from martensite.errors import ParameterError
+    from martensite.export.c_core import c_core
+    from martensite.export.c_example import example_text
+    from martensite.export.c_loop import c_loop
+    from martensite.export.c_played import played_by_loop, played_by_system
+
+    if loaded.outside and part != "plant":
+        kind = next(iter(loaded.outside.values())).registered_name
+        raise ParameterError(
+            f"The controller `{kind}` is no kernel and cannot be written as C; "
+            "the plant alone can: `--part plant`."
+        )
+    if part != "loop":
+        system = loaded.system if part == "plant" else loaded.whole
+        core = c_core(system, name=name, precision=precision, retry=retry)
+        played = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
+        return core, example_text(core, *played)
+    if loaded.bench is None:
+        raise ParameterError("This scenario has no loop: there is no controller in it.")
+    core = c_loop(loaded.bench, name=name, precision=precision)
+    played = played_by_loop(loaded.bench, loaded.waveform, loaded.run(), STEPS)
+    return core, example_text(core, *played)
+
+
+def _answer(core: CCore, part: str, files: list[Path], json: bool) -> None:
+    from martensite.cli import show
+
+    counts = {
+        "parameters": len(core.parameters), "constants": core.constants, "states": core.states,
+        "inputs": len(core.inputs), "outputs": len(core.outputs),
+    }  # fmt: skip
+    if json:
+        report: dict[str, Any] = {
+            "name": core.name, "part": part, "described": core.described,
+            "precision": core.precision, "model_bytes": core.size, **counts,
+            "sample_time": core.sample_time, "operations": core.operations,
+            "files": [str(path) for path in files],
+        }  # fmt: skip
+        show.as_json(report)
+        return
+    numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
+    show.text(f"{core.described}, {core.precision}")
+    show.text(f"model: {core.size:,} bytes ({numbers})")
+    _show_operations(core)
+    show.text(f"wrote {', '.join(map(str, files))}")
+
+
+def _show_operations(core: CCore) -> None:
+    """How many operations every call takes at most."""
+    from martensite.cli import show
+    from martensite.export.c_operations import ORDER
+
+    kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
+    rows = [
+        [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
+        for call, found in core.operations.items()
+    ]
+    columns = ["operations at most", "sum", *kinds]
+    show.table(columns, rows, right=",".join(columns[1:]))

@@ -1,0 +1,192 @@
+"""`c_core`: a system or a bench as C99, for microcontrollers and for FMUs.
+
+The C is printed from the kernels that every simulation runs: there is no second physics. A
+model is one struct of numbers; what acts on it allocates nothing and needs no library but libm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from martensite.bench.names import JITTER, NOISE
+from martensite.export.c_kernels import Precision, precision_of, used_parameters
+from martensite.export.c_names import (
+    Variable,
+    checked_identifier,
+    identifier,
+    parameters,
+    variables,
+)
+from martensite.export.c_operations import operations
+from martensite.export.c_source import source_text
+from martensite.export.c_text import Layout, header_text, sized
+from martensite.files import replacing
+from martensite.runtimes.bracket import ITERATIONS
+from martensite.runtimes.program import Program
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.patient import THOROUGH
+from martensite.system import PROFILES, AbstractSystem
+
+Rows = list[tuple[str, str, str]]
+"""Name, unit and words."""
+
+
+@dataclass(frozen=True)
+class CCore:
+    """A model in C: its text, and what is in it."""
+
+    name: str
+    """Of the files, and before all names in them."""
+    described: str
+    precision: str
+    """float64 or float32."""
+    header: str
+    source: str
+    parameters: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    states: int
+    constants: int
+    """Numbers that follow from the parameters."""
+    sample_time: float
+    """The length of every step [s] of a system in discrete time; else 0."""
+    operations: dict[str, dict[str, int]]
+    """The most that `prepare`, `start`, `step`, its `retry` and `observe` take, by kind."""
+
+    @property
+    def size(self) -> int:
+        """Size of the model [bytes]."""
+        counts = (len(self.parameters), self.constants, self.states)
+        return precision_of(self.precision).size * (sum(map(sized, counts)) + 2)
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts by the name of their file."""
+        return {f"{self.name}.h": self.header, f"{self.name}.c": self.source}
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write header and source into a folder, whatever is there; their paths.
+
+        Raises:
+            DataError: there is no such folder, or it cannot be written to.
+        """
+        found: list[Path] = []
+        for name, text in self.files.items():
+            found.append(Path(folder) / name)
+            with replacing(found[-1]) as part:
+                part.write_text(text, encoding="utf-8", newline="\n")
+        return found
+
+
+def c_core(
+    system: AbstractSystem, *, name: str | None = None, precision: str = "float64",
+    retry: bool = True,
+) -> CCore:  # fmt: skip
+    """A system or a bench as C.
+
+    Args:
+        system: a `System`, a `Machine`, or a `Bench` with its loops.
+        name: of the core, an identifier of C; by default made of the kinds of its parts.
+        precision: float64 (`double`), or float32 (`float`) for processors without doubles.
+        retry: whether a step that stays unsolved is made once more with more iterations, as
+            simulations do; without, less code, and NAME_UNSOLVED is returned sooner.
+
+    Raises:
+        ParameterError: the name is no identifier, or there is no such precision.
+    """
+    compiled = compile_system(system, ITERATIONS, THOROUGH if retry else 0)
+    return core_of(
+        system, compiled.program, compiled.size, _drives(system), _seen(system, compiled.outputs),
+        name=name, precision=precision_of(precision), reports=True,
+    )  # fmt: skip
+
+
+def core_of(
+    whole: AbstractSystem, program: Program, states: int, inputs: Rows, outputs: Rows, *,
+    name: str | None, precision: Precision, reports: bool, pruned: bool = False,
+) -> CCore:  # fmt: skip
+    """The core of a program with functions `init`, `step`, perhaps `again`, and `observe`.
+
+    `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
+    change nothing are left out.
+    """
+    timed, leaves = _sample_path(whole), list(whole.leaves())
+    places = {leaf.path: i for i, leaf in enumerate(leaves)}
+    used = used_parameters(program) | ({places[timed]} if timed else set[int]())
+    kept = sorted(used) if pruned else list(places.values())
+    given = parameters((leaves[i] for i in kept), (i in used for i in kept))
+    sample = f"m->p[{kept.index(places[timed])}]" if timed else None
+    layout = Layout(
+        name=checked_identifier(name or identifier(whole.described())),
+        described=whole.described(),
+        precision=precision,
+        program=program,
+        kept=kept,
+        parameters=given,
+        inputs=variables("u", inputs, 0.0),
+        outputs=variables("y", outputs, math.nan),
+        states=states,
+        reports=reports,
+        sample=sample,
+    )
+    return CCore(
+        name=layout.name,
+        described=layout.described,
+        precision=precision.name,
+        header=header_text(layout),
+        source=source_text(layout),
+        parameters=layout.parameters,
+        inputs=layout.inputs,
+        outputs=layout.outputs,
+        states=states,
+        constants=layout.constants,
+        sample_time=whole.sample_time() if sample else 0.0,
+        operations=_operations(program),
+    )
+
+
+def _sample_path(whole: AbstractSystem) -> str | None:
+    """Path of the number that is the sample time of a system in discrete time."""
+    twin = whole.rebuilt({leaf.path: leaf.path for leaf in whole.leaves()})
+    found: Any = twin.sample_time()
+    return found if isinstance(found, str) else None
+
+
+def _operations(program: Program) -> dict[str, dict[str, int]]:
+    """Counts of all functions; `retry` comes on top of a step."""
+    graph, known = program.graph, program.hoisted
+    found = {"prepare": operations(graph, known)}
+    called = {"init": "start", "step": "step", "again": "retry", "observe": "observe"}
+    for name, label in called.items():
+        if name in program.functions:
+            found[label] = operations(graph, program.functions[name].outputs, known)
+    return found
+
+
+# ---------------------------------------------------------------- names, units, words
+
+
+def _drives(system: AbstractSystem) -> Rows:
+    known = system.outputs()
+    return [
+        (one.name, one.unit, known[one.name].long_name if one.name in known else _word(one.name))
+        for one in system.drives()
+    ]
+
+
+def _word(drive: str) -> str:
+    """What a drive is that is no output."""
+    if drive.startswith((NOISE, JITTER)):
+        return "standard normal number, or 0"
+    return f"signal of {drive}"
+
+
+def _seen(system: AbstractSystem, names: Sequence[str]) -> Rows:
+    """Outputs of a system, then what differs along its element."""
+    known = system.outputs()
+    described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]
+    return [(name, o.unit, o.long_name) for name, o in zip(names, described, strict=True)]

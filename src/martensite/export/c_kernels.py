@@ -1,0 +1,188 @@
+"""Traced kernels as C for one run at a time: plain functions over arrays, in double or float.
+
+The text is printed from the same graph as the Python. In double every operation is that of plain
+floats, in the same order, with the functions of libm where floats use them; so the results are
+equal bit for bit where Python and C share a libm and the compiler fuses nothing.
+
+In float the limits of `exp` and `log` follow the type, and constants that it cannot hold become
+the nearest that it can.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from martensite.errors import ParameterError, suggestion
+from martensite.runtimes.c99 import scalar_dialect
+from martensite.runtimes.graph import Expr
+from martensite.runtimes.printer import Dialect, Printer
+from martensite.runtimes.program import Function, Program
+
+TINY, HUGE = 1.1754943508222875e-38, 3.4028234663852886e38
+"""Least and largest normal float."""
+
+_EVERY = {"both": "({} && {})", "either": "({} || {})"}
+_DOUBLE = {
+    **_EVERY,
+    "nearest": "(rint({}) + 0.0)",
+    "quarter_sine": "sin(1.5707963267948966 * {})",
+}
+_FLOAT = {
+    **_EVERY,
+    "abs": "fabsf({})",
+    "sqrt": "({0} > 0.0f ? sqrtf({0}) : 0.0f)",
+    "exp": "expf({0} < 88.0f ? {0} : 88.0f)",
+    "log": "logf({0} > 1.17549435e-38f ? {0} : 1.17549435e-38f)",
+    "sin": "sinf({})",
+    "cos": "cosf({})",
+    "tanh": "tanhf({})",
+    "nearest": "(rintf({}) + 0.0f)",
+    "quarter_sine": "sinf(1.57079633f * {})",
+    "eps": "1.1920929e-07f",
+}
+
+
+@dataclass(frozen=True)
+class Precision:
+    """A type of numbers in C."""
+
+    name: str
+    number: str
+    suffix: str
+    """Of literals and of functions of libm."""
+    largest: str
+    size: int
+    """[bytes]"""
+    near: float
+    """How far a sample time may be off, as a share of it."""
+
+    def literal(self, value: float | bool) -> str:
+        """A constant."""
+        if isinstance(value, bool):
+            return str(int(value))
+        value = self.rounded(value)
+        if math.isinf(value):
+            return f"{'-' if value < 0.0 else ''}HUGE_VAL{self.suffix.upper()}"
+        text = repr(value) if self.number == "double" else f"{value:.9g}"
+        return f"{text if set(text) & set('.e') else f'{text}.0'}{self.suffix}"
+
+    def rounded(self, value: float) -> float:
+        """The nearest finite number of the type; nothing becomes 0 that is not."""
+        if self.number == "double" or value == 0.0 or not math.isfinite(value):
+            return value
+        size = min(max(abs(value), TINY), HUGE)
+        return math.copysign(struct.unpack("f", struct.pack("f", size))[0], value)
+
+    def dialect(self, prefix: str) -> Dialect:
+        """C in this type, with functions of its own named after a prefix."""
+        templates = _DOUBLE if self.number == "double" else _FLOAT
+        own = {"erfcx": f"{prefix}erfcx({{}})"}
+        return scalar_dialect(self.number, {**templates, **own}, self.literal)
+
+
+PRECISIONS = {
+    one.name: one
+    for one in (
+        Precision("float64", "double", "", "DBL_MAX", 8, 1e-6),
+        Precision("float32", "float", "f", "FLT_MAX", 4, 1e-5),
+    )
+}
+
+
+def precision_of(name: str) -> Precision:
+    """A precision by name.
+
+    Raises:
+        ParameterError: there is none of that name.
+    """
+    if name not in PRECISIONS:
+        raise ParameterError(
+            f"There is no precision `{name}`. {suggestion(name, list(PRECISIONS))}"
+        )
+    return PRECISIONS[name]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A traced function, and where C finds its inputs: `x[0]`, `u[1]`, `dt`."""
+
+    function: Function
+    inputs: tuple[str, ...]
+
+    @staticmethod
+    def of(function: Function, states: int, drives: int) -> Kernel:
+        """A function of states, drives and, if it has one input more, the length of a step."""
+        places = [*(f"x[{i}]" for i in range(states)), *(f"u[{i}]" for i in range(drives))]
+        places += ["dt"] * (len(function.inputs) - len(places))
+        return Kernel(function, tuple(places[: len(function.inputs)]))
+
+
+def used_parameters(program: Program) -> set[int]:
+    """Places of the parameters that anything follows from."""
+    graph, stack = program.graph, [node.index for node in program.hoisted]
+    numbers = {graph.input(f"p{i}", 0).index: i for i in range(len(program.parameters))}
+    seen: set[int] = set()
+    while stack:
+        index = stack.pop()
+        if index not in seen:
+            seen.add(index)
+            stack += graph.children(index)
+    return {numbers[index] for index in seen if index in numbers}
+
+
+def kernels_text(
+    program: Program, kept: Sequence[int], kernels: Sequence[Kernel], prefix: str,
+    precision: Precision,
+) -> str:  # fmt: skip
+    """C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` of each.
+
+    `kept` are the places in the program of the parameters that p holds.
+    """
+    printer = Printer(program.graph, precision.dialect(prefix))
+    taken = [program.graph.input(f"p{i}", 0) for i in kept]
+    printer.share(taken, lambda place: f"p[{place}]")
+    parts = [_function(printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted, precision)]
+    flags = [printer.is_flag(node.index) for node in program.hoisted]
+    zero = precision.literal(0.0)
+    printer.share(program.hoisted, lambda i: f"(c[{i}] != {zero})" if flags[i] else f"c[{i}]")
+    for kernel in kernels:
+        for name, place in zip(kernel.function.inputs, kernel.inputs, strict=True):
+            printer.share([program.graph.input(name, 0)], lambda _, place=place: place)
+        name, outputs = f"{prefix}kernel_{kernel.function.name}", kernel.function.outputs
+        parts.append(_function(printer, name, ("c", "x", "u", "dt"), "y", outputs, precision))
+    text = "\n".join(parts)
+    return (_erfcx(precision, prefix) + text) if "erfcx(" in text else text
+
+
+def _function(
+    printer: Printer, name: str, taken: Sequence[str], made: str, outputs: Sequence[Expr],
+    precision: Precision,
+) -> str:  # fmt: skip
+    number, (lines, values) = precision.number, printer.block(outputs)
+    one, zero = precision.literal(1.0), precision.literal(0.0)
+    for i, (node, value) in enumerate(zip(outputs, values, strict=True)):
+        flag = printer.is_flag(node.index)
+        lines.append(f"{made}[{i}] = {f'({value}) ? {one} : {zero}' if flag else value};")
+    body = "".join(f"    {line}\n" for line in lines)
+    given = ", ".join(
+        f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken
+    )
+    unused = [a for a in taken if (a if a == "dt" else f"{a}[") not in body]
+    unused += [] if outputs else [made]
+    idle = "".join(f"    (void){a};\n" for a in unused)
+    return f"static void {name}({given}, {number} *restrict {made}) {{\n{idle}{body}}}\n"
+
+
+def _erfcx(precision: Precision, prefix: str) -> str:
+    """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
+    number, s, at = precision.number, precision.suffix, precision.literal
+    return (
+        f"static {number} {prefix}erfcx({number} x) {{\n"
+        f"    {number} tail = x;\n    int k;\n"
+        f"    if (x < {at(5.0)}) return exp{s}(x * x) * erfc{s}(x);\n"
+        f"    for (k = 24; k > 0; k--) tail = x + {at(0.5)} * ({number})k / tail;\n"
+        f"    return {at(1.0)} / ({at(math.sqrt(math.pi))} * tail);\n}}\n\n"
+    )

@@ -1,0 +1,109 @@
+"""Names and numbers of what a C core takes and gives: metadata, and identifiers made of them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from martensite import units
+from martensite.errors import ParameterError
+from martensite.parameters import Leaf
+
+KEYWORDS = frozenset((
+    "alignas", "alignof", "asm", "auto", "bool", "break", "case", "catch", "char", "class",
+    "const", "continue", "default", "delete", "do", "double", "else", "enum", "explicit",
+    "export", "extern", "false", "float", "for", "friend", "goto", "if", "inline", "int",
+    "long", "mutable", "namespace", "new", "operator", "private", "protected", "public",
+    "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
+    "template", "this", "throw", "true", "try", "typedef", "typename", "union", "unsigned",
+    "using", "virtual", "void", "volatile", "while",
+))  # fmt: skip
+"""Of C and C++."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A parameter, an input or an output of a C core."""
+
+    index: int
+    """In the array of its kind."""
+    name: str
+    """As in Python: the path of a parameter, the name of a drive or of an output."""
+    identifier: str
+    """That of its index in C, without the name of the core: `p_element_diameter`."""
+    unit: str
+    """In SI."""
+    words: str
+    default: float
+    """A parameter: its value in the scenario. An input: 0. An output: NaN, for it has none."""
+    low: float = -math.inf
+    high: float = math.inf
+    """Ends of what is allowed; both belong to it."""
+    endless: bool = False
+    """Whether it may be infinite: a limit that is none."""
+    used: bool = True
+    """Whether anything follows from it: numbers that only decide the size of a program do not."""
+
+
+def identifier(text: str) -> str:
+    """A name that C and C++ take: of letters, digits and single underscores, never a keyword."""
+    plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
+    if not plain or plain[0].isdigit() or plain in KEYWORDS:
+        plain = f"m_{plain}".rstrip("_")
+    return plain
+
+
+def checked_identifier(name: str) -> str:
+    """The name itself, or `ParameterError` if C does not take it."""
+    if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in KEYWORDS:
+        raise ParameterError(
+            f"The name of a C core must be an identifier of C, but is `{name}`; "
+            f"`{identifier(name)}` is one."
+        )
+    return name
+
+
+def identifiers(letter: str, names: Iterable[str]) -> list[str]:
+    """Different identifiers of some names, after a letter: `p_element_length`."""
+    found: dict[str, None] = {}
+    for name in names:
+        plain = wanted = f"{letter}_{re.sub(r'[^0-9A-Za-z]+', '_', name).strip('_')}"
+        count = 1
+        while wanted in found:
+            count += 1
+            wanted = f"{plain}_{count}"
+        found[wanted] = None
+    return list(found)
+
+
+def parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[Variable, ...]:
+    """The numbers of a system, with what is allowed for them."""
+    every = list(leaves)
+    names = identifiers("p", (leaf.path for leaf in every))
+    rows = zip(every, names, used, strict=True)
+    return tuple(_parameter(i, *row) for i, row in enumerate(rows))
+
+
+def _parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variable:
+    declared, default = leaf.declared, leaf.declared.default
+    low = math.nextafter(declared.low, math.inf) if declared.open_low else declared.low
+    unit = "of the reading" if declared.unit in units.OF_READINGS else declared.unit
+    endless = isinstance(default, float) and math.isinf(default)
+    return Variable(
+        index, leaf.path, name, unit, declared.doc, float(leaf.value), low, declared.high, endless,
+        used,
+    )  # fmt: skip
+
+
+def variables(
+    letter: str, rows: Iterable[tuple[str, str, str]], default: float
+) -> tuple[Variable, ...]:
+    """Inputs or outputs by name, unit and words."""
+    every = list(rows)
+    names = identifiers(letter, (name for name, _, _ in every))
+    return tuple(
+        Variable(i, name, label, unit, words, default)
+        for i, ((name, unit, words), label) in enumerate(zip(every, names, strict=True))
+    )

@@ -1,0 +1,63 @@
+"""What the example of a C core plays: the drive of a run, or the readings of a loop in one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from martensite.bench.bench import Bench
+from martensite.bench.names import MEASURED, references
+from martensite.bench.realtime_program import reads
+from martensite.bench.run import reference_waveforms
+from martensite.export.c_example import Step
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.api import first_step
+from martensite.simulate.driven import Waveforms, by_name, grid_of
+from martensite.simulate.result import Result
+from martensite.system import AbstractSystem
+
+Played = tuple[tuple[float, ...], list[Step]]
+"""Inputs at the start, and the steps."""
+MOST = 5
+"""Times as many steps as wanted, at most."""
+
+
+def played_by_system(
+    system: AbstractSystem, waveform: Waveforms | Mapping[str, Any], duration: float, steps: int
+) -> Played:
+    """The drive of a run of a system, or of a bench without noise, in so many steps or more.
+
+    None is longer than what a run begins with, and those of a system in discrete time are its
+    samples. A run of more than `MOST` times as many is not played to its end.
+    """
+    waveforms: Mapping[str, AbstractWaveform]
+    if isinstance(system, Bench):
+        waveforms = {**by_name(system.plant, waveform), **reference_waveforms(system)}
+    else:
+        waveforms = by_name(system, waveform)
+    step = system.sample_time() or min(first_step(system, duration, 2), duration / steps)
+    grid = grid_of(system, waveforms, min(duration, MOST * steps * step), 2, step)
+    return grid.sampled[0], list(zip(grid.lengths, grid.drives, strict=True))
+
+
+def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int) -> Played:
+    """Readings, ages, references and free signals of a run on the bench, sample by sample.
+
+    At most `MOST` times so many samples.
+    """
+    sensors, taken = bench.sensors.members(), bench.controllers.members()
+    measured = [(MEASURED if sensors else "") + name for name in reads(bench)]
+    ages = [sensors[name].delay if name in sensors else 0.0 for name in reads(bench)]
+    given = by_name(bench.plant, waveform)
+    free = [given.get(d.name) for d in bench.plant.drives() if d.name not in taken]
+    count = min(len(result.times), MOST * steps + 1)
+    rows = [
+        (
+            *(result[name][k] for name in measured),
+            *ages,
+            *(result[name][k] for name in references(bench)),
+            *(one.value(result.times[k]) if one else 0.0 for one in free),
+        )
+        for k in range(count)
+    ]
+    return rows[0], [(bench.period, row) for row in rows[1:]]

@@ -1,0 +1,189 @@
+"""Source of a C core: kernels, tables of parameters, and the calls that a caller sees.
+
+A step that stays unsolved is made once more by the kernel `again`, where there is one, as plain
+floats do (`martensite.simulate.patient`). A step whose state is not finite is not taken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from string import Template
+
+from martensite.export.c_kernels import Kernel, kernels_text
+from martensite.export.c_names import Variable
+from martensite.export.c_text import Layout, sized
+from martensite.simulate.march import COARSE, SOLVED
+
+
+def source_text(core: Layout) -> str:
+    """NAME.c."""
+    traced, count = core.program.functions, len(core.inputs)
+    kernels = [Kernel.of(traced["init"], 0, count)]
+    kernels += [
+        Kernel.of(traced[name], core.states, count)
+        for name in ("step", "again", "observe")
+        if name in traced
+    ]
+    prefix = f"{core.name}_"
+    begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
+    return _filled(core, begin + _FINITE + _tables(core) + _PREPARE + _START + _step(core) + _SEEN)
+
+
+def _filled(core: Layout, text: str) -> str:
+    precision = core.precision
+    return Template(text).substitute(
+        NAME=core.name,
+        REAL=precision.number,
+        F=precision.suffix,
+        LARGEST=precision.largest,
+        ZERO=precision.literal(0.0),
+        SOLVED=precision.literal(SOLVED),
+        COARSE=precision.literal(COARSE),
+        NEAR=precision.literal(precision.near),
+        SAMPLE=core.sample or "",
+        N_CONSTANTS=sized(core.constants),
+        N_STATES=sized(core.states),
+        N_RESULTS=sized(core.states + (2 if core.reports else 0)),
+        N_OUTPUTS=sized(len(core.outputs)),
+    )
+
+
+def _tables(core: Layout) -> str:
+    """Least, greatest and given values of the parameters."""
+    low = [_bound(core, v, v.low) for v in core.parameters]
+    high = [_bound(core, v, v.high) for v in core.parameters]
+    values = [core.precision.literal(v.default) for v in core.parameters]
+    return _table("low", low) + _table("high", high) + _table("value", values)
+
+
+def _table(name: str, numbers: Sequence[str]) -> str:
+    rows = ",\n".join(f"    {text}" for text in numbers or ["0"])
+    return f"static const $REAL ${{NAME}}_{name}[{sized(len(numbers))}] = {{\n{rows}\n}};\n\n"
+
+
+def _bound(core: Layout, variable: Variable, value: float) -> str:
+    """An end of what is allowed; infinite only if the parameter may be."""
+    if math.isinf(value) and not variable.endless:
+        return f"{'-' if value < 0.0 else ''}{core.precision.largest}"
+    return core.precision.literal(value)
+
+
+def _step(core: Layout) -> str:
+    return "".join([
+        _STEP_BEGIN,
+        _SAMPLE if core.sample else "",
+        "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
+        _AGAIN if "again" in core.program.functions else "",
+        _CHECKED if core.reports else _FINITE_STATE,
+        _TAKEN,
+        _REPORTED if core.reports else "    return ${NAME}_OK;\n",
+        "}\n\n",
+    ])  # fmt: skip
+
+
+_BEGIN = """\
+#include "${NAME}.h"
+
+#include <float.h>
+#include <math.h>
+
+"""
+
+_FINITE = """\
+static int ${NAME}_finite(const $REAL *v, int count) {
+    int i;
+    for (i = 0; i < count; i++)
+        if (!(fabs$F(v[i]) <= $LARGEST)) return 0;
+    return 1;
+}
+
+"""
+
+_PREPARE = """\
+int ${NAME}_prepare(${NAME}_model *m) {
+    $REAL c[$N_CONSTANTS];
+    int i;
+    for (i = 0; i < ${NAME}_PARAMETERS; i++)
+        if (!(m->p[i] >= ${NAME}_low[i] && m->p[i] <= ${NAME}_high[i])) return ${NAME}_BAD_INPUT;
+    ${NAME}_kernel_prepare(m->p, c);
+    for (i = 0; i < ${NAME}_CONSTANTS; i++)
+        if (c[i] != c[i]) return ${NAME}_NOT_FINITE;
+    for (i = 0; i < ${NAME}_CONSTANTS; i++) m->c[i] = c[i];
+    return ${NAME}_OK;
+}
+
+void ${NAME}_defaults(${NAME}_model *m) {
+    int i;
+    for (i = 0; i < ${NAME}_PARAMETERS; i++) m->p[i] = ${NAME}_value[i];
+    for (i = 0; i < ${NAME}_CONSTANTS; i++) m->c[i] = $ZERO;
+    for (i = 0; i < ${NAME}_STATES; i++) m->x[i] = $ZERO;
+    m->residual = $ZERO;
+    m->crossing = $ZERO;
+    (void)${NAME}_prepare(m);
+}
+
+"""
+
+_START = """\
+int ${NAME}_start(${NAME}_model *m, const ${NAME}_real *u) {
+    $REAL y[$N_STATES];
+    int i;
+    if (!${NAME}_finite(u, ${NAME}_INPUTS)) return ${NAME}_BAD_INPUT;
+    ${NAME}_kernel_init(m->c, m->x, u, $ZERO, y);
+    if (!${NAME}_finite(y, ${NAME}_STATES)) return ${NAME}_NOT_FINITE;
+    for (i = 0; i < ${NAME}_STATES; i++) m->x[i] = y[i];
+    m->residual = $ZERO;
+    m->crossing = $ZERO;
+    return ${NAME}_OK;
+}
+
+"""
+
+_STEP_BEGIN = """\
+int ${NAME}_step(${NAME}_model *m, const ${NAME}_real *u, ${NAME}_real dt) {
+    $REAL y[$N_RESULTS];
+    int i;
+    if (!${NAME}_finite(u, ${NAME}_INPUTS)) return ${NAME}_BAD_INPUT;
+    if (!(dt >= $ZERO && dt <= $LARGEST)) return ${NAME}_BAD_INPUT;
+    if (dt == $ZERO) return ${NAME}_OK;
+"""
+
+_SAMPLE = """\
+    if (!(fabs$F(dt - $SAMPLE) <= $NEAR * $SAMPLE)) return ${NAME}_BAD_INPUT;
+"""
+
+_AGAIN = """\
+    if (!(y[${NAME}_STATES] <= $SOLVED)) ${NAME}_kernel_again(m->c, m->x, u, dt, y);
+"""
+
+_CHECKED = """\
+    if (!${NAME}_finite(y, ${NAME}_STATES + 2)) return ${NAME}_NOT_FINITE;
+    m->residual = y[${NAME}_STATES];
+    m->crossing = y[${NAME}_STATES + 1];
+    if (m->residual > $SOLVED) return ${NAME}_UNSOLVED;
+"""
+
+_FINITE_STATE = """\
+    if (!${NAME}_finite(y, ${NAME}_STATES)) return ${NAME}_NOT_FINITE;
+"""
+
+_TAKEN = """\
+    for (i = 0; i < ${NAME}_STATES; i++) m->x[i] = y[i];
+"""
+
+_REPORTED = """\
+    return m->crossing > $COARSE ? ${NAME}_LONG_STEP : ${NAME}_OK;
+"""
+
+_SEEN = """\
+int ${NAME}_observe(const ${NAME}_model *m, const ${NAME}_real *u, ${NAME}_real *y) {
+    $REAL seen[$N_OUTPUTS];
+    int i;
+    if (!${NAME}_finite(u, ${NAME}_INPUTS)) return ${NAME}_BAD_INPUT;
+    ${NAME}_kernel_observe(m->c, m->x, u, $ZERO, seen);
+    if (!${NAME}_finite(seen, ${NAME}_OUTPUTS)) return ${NAME}_NOT_FINITE;
+    for (i = 0; i < ${NAME}_OUTPUTS; i++) y[i] = seen[i];
+    return ${NAME}_OK;
+}
+"""

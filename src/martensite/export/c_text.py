@@ -1,0 +1,172 @@
+"""Layout of a C core and its header: the numbers of a model in one struct, and who acts on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from martensite.export.c_kernels import Precision
+from martensite.export.c_names import Variable
+from martensite.runtimes.program import Program
+from martensite.status import Status
+
+
+@dataclass(frozen=True)
+class Layout:
+    """All that the text of a core is made of."""
+
+    name: str
+    described: str
+    """What it is, in words."""
+    precision: Precision
+    program: Program
+    """With functions `init`, `step`, `observe`, and `again` if steps are retried."""
+    kept: Sequence[int]
+    """Places in the program of the parameters."""
+    parameters: tuple[Variable, ...]
+    inputs: tuple[Variable, ...]
+    outputs: tuple[Variable, ...]
+    states: int
+    reports: bool
+    """Whether steps end with residual and crossing."""
+    sample: str | None
+    """Sample time of a system in discrete time, in C; None if a step may have any length."""
+
+    @property
+    def constants(self) -> int:
+        """Numbers that follow from the parameters."""
+        return len(self.program.hoisted)
+
+
+def sized(count: int) -> int:
+    """Length of an array: C has none of length 0."""
+    return max(1, count)
+
+
+def header_text(core: Layout) -> str:
+    """NAME.h."""
+    name, guard = core.name, f"{core.name.upper()}_H"
+    return (
+        f"{_about(core)}#ifndef {guard}\n#define {guard}\n\n"
+        '#ifdef __cplusplus\nextern "C" {\n#endif\n\n'
+        f"typedef {core.precision.number} {name}_real;\n\n"
+        f"{_counts(core)}"
+        f"{_indices('Parameters: places in p', name, core.parameters)}"
+        f"{_indices('Inputs: places in u', name, core.inputs)}"
+        f"{_indices('Outputs: places in y', name, core.outputs)}"
+        f"{_declarations(core)}"
+        "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+    )
+
+
+def _about(core: Layout) -> str:
+    kind = f"`{core.precision.number}`"
+    pace = "" if core.sample is None else _PACE
+    return (
+        _comment(
+            f"{core.name}: {core.described}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}"
+        )
+        + "\n"
+    )
+
+
+_ABOUT = """\
+Written by martensite (`martensite export c`) from the kernels that its simulations run. C99, in
+{kind}; no allocation, no variables outside of the model, no library but libm, no recursion.
+All quantities in SI: K, Pa, m, s.
+
+    {name}_model m;
+    {name}_defaults(&m);       parameters of the scenario
+    {name}_start(&m, u);       at rest under the inputs u
+    {name}_step(&m, u, dt);    go on by dt [s] under constant inputs
+    {name}_observe(&m, u, y);  outputs in this state
+
+For results equal to those of martensite bit for bit compile without -ffast-math and with
+-ffp-contract=off (the default of gcc with -std=c99)."""
+_PACE = """
+
+It is a system in discrete time: a step goes on by one sample, and dt must be the sample time."""
+
+
+def _comment(text: str) -> str:
+    """A comment of several lines."""
+    lines = [f" * {line}".rstrip() for line in _safe(text).split("\n")]
+    return "\n".join(["/*", *lines, " */"]) + "\n"
+
+
+def _safe(text: str) -> str:
+    """Text that ends no comment."""
+    return text.replace("*/", "* /").replace("/*", "/ *")
+
+
+def _counts(core: Layout) -> str:
+    counts = {
+        "PARAMETERS": len(core.parameters),
+        "CONSTANTS": core.constants,
+        "STATES": core.states,
+        "INPUTS": len(core.inputs),
+        "OUTPUTS": len(core.outputs),
+    }
+    rows = ",\n".join(f"    {core.name}_{key} = {count}" for key, count in counts.items())
+    return f"enum {{\n{rows}\n}};\n\n"
+
+
+def _indices(title: str, name: str, variables: Sequence[Variable]) -> str:
+    """An enum of places in an array."""
+    if not variables:
+        return ""
+    last = len(variables) - 1
+    rows = [
+        f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} "
+        f"/* [{_safe(v.unit)}] {_safe(v.words)}{'' if v.used else ' (changes nothing)'} */"
+        for v in variables
+    ]
+    return f"/* {title}, with their units. */\nenum {{\n" + "\n".join(rows) + "\n};\n\n"
+
+
+_STATUS = {
+    Status.OK: "done",
+    Status.LONG_STEP: "done, but coarse: the step crossed much of a transformation",
+    Status.UNSOLVED: "not solved to its tolerance: the state is as it was; make a shorter step",
+    Status.OUT_OF_RANGE: "kept for the numbers of martensite.Status; not given",
+    Status.NOT_FINITE: "a number became infinite or none: the state is as it was",
+}
+
+
+def _declarations(core: Layout) -> str:
+    name = core.name
+    status = "".join(
+        f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items()
+    )
+    bad = "/* an argument is not finite, out of its range, or no sample time */"
+    return (
+        f"/* How a call ended. */\nenum {name}_status {{\n{status}"
+        f"    {name}_BAD_INPUT = {len(_STATUS)} {bad}\n}};\n\n"
+        "/* All that a model knows: only numbers, so copy it to save and to restore it. */\n"
+        f"typedef struct {{\n"
+        f"    {name}_real p[{sized(len(core.parameters))}]; /* parameters */\n"
+        f"    {name}_real c[{sized(core.constants)}]; /* what follows from them */\n"
+        f"    {name}_real x[{sized(core.states)}]; /* state */\n"
+        f"    {name}_real residual, crossing; /* of the last step: mismatch that is left, share "
+        f"of a strip crossed */\n}} {name}_model;\n\n" + _PROTOTYPES.replace("NAME", name)
+    )
+
+
+_PROTOTYPES = """\
+/* Parameters of the scenario, prepared; the model must be started before it steps. */
+void NAME_defaults(NAME_model *m);
+
+/* After p has changed. BAD_INPUT if one is not finite or out of its range, NOT_FINITE if they
+   contradict each other; only p is changed then. */
+int NAME_prepare(NAME_model *m);
+
+/* At rest under the inputs u[INPUTS]. */
+int NAME_start(NAME_model *m, const NAME_real *u);
+
+/* Go on by dt >= 0 under constant inputs u[INPUTS]; 0 keeps the state. */
+int NAME_step(NAME_model *m, const NAME_real *u, NAME_real dt);
+
+/* Outputs y[OUTPUTS] under the inputs u[INPUTS]; y is written only if all are finite. */
+int NAME_observe(const NAME_model *m, const NAME_real *u, NAME_real *y);
+
+"""

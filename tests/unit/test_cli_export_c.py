@@ -1,0 +1,172 @@
+"""`martensite export c`: the files it writes, what it says, and what it refuses.
+
+Source of truth: the options as documented, and `c_core` itself.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from c_cores import STRICT
+from typer.testing import CliRunner, Result
+
+from martensite.cli import app
+from martensite.export.c_core import c_core
+from martensite.export.c_loop import c_loop
+from martensite.io.scenario import load
+from martensite.runtimes.c99 import compiler
+
+HELD = """
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = { kind = "liang-rogers", modulus = "mixture" }
+diameter = "0.15 mm"
+length = "250 mm"
+
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "120 W/m^2/K" }
+
+[mechanism]
+kind = "bias-spring"
+stiffness = "0.15 N/mm"
+preload = "1.2 N"
+
+[driver]
+kind = "mosfet"
+supply = "5 V"
+frequency = "1 kHz"
+
+[sensor]
+kind = "position"
+delay = "20 ms"
+
+[controller]
+kind = "pid"
+measured = "position"
+period = "20 ms"
+Kp = 150.0
+Ki = 1.5
+reference = { kind = "step", high = "3 mm", at = "0.1 s" }
+
+[run]
+duration = "1 s"
+"""
+DRIVEN = (
+    HELD.partition("[driver]")[0]
+    + """
+[drive]
+kind = "current"
+waveform = { kind = "step", high = "0.4 A", at = "0.5 s", until = "2.1 s" }
+
+[run]
+duration = "5 s"
+"""
+)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("held.toml").write_text(HELD, encoding="utf-8")
+    Path("driven.toml").write_text(DRIVEN, encoding="utf-8")
+    gains = "Kp = 150.0\nKi = 1.5\n"
+    predictive = HELD.replace('"pid"', '"mpc"').replace(gains, 'horizon = "1 s"\nerror = "1 mm"\n')
+    Path("predictive.toml").write_text(predictive, encoding="utf-8")
+    return tmp_path
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["export", "c", *arguments])
+
+
+def read(name: str) -> str:
+    return Path(name).read_text(encoding="utf-8")
+
+
+def test_a_bench_is_written() -> None:
+    done = call("held.toml")
+    assert (done.exit_code, done.stderr) == (0, ""), done.output
+    core = c_core(load("held.toml").whole, name="held")
+    assert (read("held.h"), read("held.c")) == (core.header, core.source)
+    assert "wrote held.h, held.c, held_example.c" in done.stdout
+    assert f"model: {core.size:,} bytes" in done.stdout
+    assert "operations at most" in done.stdout
+    retry = next(line.split() for line in done.stdout.splitlines() if "retry" in line)
+    assert int(retry[1]) == sum(core.operations["retry"].values())
+
+
+def test_the_example_runs(c_compiler: str) -> None:
+    assert call("driven.toml", "--precision", "float32").exit_code == 0
+    command = [compiler() or "", *STRICT, "driven.c", "driven_example.c", "-o", "example", "-lm"]
+    subprocess.run(command, check=True)
+    done = subprocess.run(["./example"], capture_output=True, text=True, check=True)
+    title, *rows = (line.split(",") for line in done.stdout.splitlines())
+    column = {name: [float(row[i]) for row in rows] for i, name in enumerate(title)}
+    assert 400 < len(rows) < 500
+    assert column["time"][-1] == pytest.approx(5.0, rel=1e-5)
+    meant = load("driven.toml").run()
+    assert max(column["position"]) == pytest.approx(max(meant["position"]), rel=0.01)
+    assert max(column["temperature"]) == pytest.approx(max(meant["temperature"]), rel=0.01)
+
+
+def test_options() -> None:
+    Path("made").mkdir()
+    done = call(
+        "held.toml", "--out", "made", "--name", "core", "--part", "plant", "--no-retry",
+        "--set", 'element.diameter="0.2 mm"', "--json",
+    )  # fmt: skip
+    report = json.loads(done.stdout)
+    system = load("held.toml", {"element.diameter": "0.2 mm"}).system
+    core = c_core(system, name="core", retry=False)
+    assert read("made/core.c") == core.source
+    assert report["files"] == ["made/core.h", "made/core.c", "made/core_example.c"]
+    assert (report["name"], report["part"], report["model_bytes"]) == ("core", "plant", core.size)
+    assert report["operations"] == core.operations
+    assert "retry" not in report["operations"]
+
+
+def test_the_loop_without_its_plant() -> None:
+    done = call("held.toml", "--part", "loop", "--precision", "float32", "--json")
+    bench = load("held.toml").bench
+    assert bench is not None
+    core = c_loop(bench, name="held", precision="float32")
+    assert read("held.c") == core.source
+    assert json.loads(done.stdout)["sample_time"] == 0.02
+    assert "held_u_position_age" in read("held.h")
+    assert "    {1, 0.0199999996f, {" in read("held_example.c")
+
+
+def test_a_file_is_not_replaced_unless_wanted() -> None:
+    Path("driven.h").write_text("mine", encoding="utf-8")
+    done = call("driven.toml")
+    assert done.exit_code == 2
+    assert "use --force to replace it" in done.stderr
+    assert read("driven.h") == "mine"
+    assert not Path("driven.c").exists()
+    assert call("driven.toml", "--force").exit_code == 0
+    assert read("driven.h") != "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("driven.toml", "--part", "loop"), "has no loop"),
+        (("driven.toml", "--part", "plants"), "Did you mean `plant`"),
+        (("driven.toml", "--precision", "float16"), "Did you mean `float"),
+        (("driven.toml", "--name", "a-b"), "`a_b` is one"),
+        (("driven.toml", "--out", "none"), "There is no folder `none`"),
+        (("drivn.toml",), "Did you mean `driven.toml`"),
+        (("predictive.toml",), "`mpc` is no kernel"),
+    ],
+)
+def test_bad_input_is_one_sentence(arguments: tuple[str, ...], words: str) -> None:
+    done = call(*arguments)
+    assert done.exit_code == 2
+    assert (done.stdout, done.stderr.count("\n")) == ("", 1)
+    assert words in done.stderr
+    assert list(Path().glob("*.c")) == []
