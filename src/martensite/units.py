@@ -163,6 +163,31 @@ def of_reading(unit: str, reading: str) -> str:
     return reading if unit == LEVEL else unit
 
 
+_BASES = {
+    "kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "mole": "mol",
+    "candela": "cd", "radian": "rad",
+}  # fmt: skip
+
+
+@cache
+def dimensions(unit: str) -> dict[str, float]:
+    """Exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
+
+    Raises:
+        UnitError: the unit is not known, or is no coherent unit of SI, such as `mm`.
+    """
+    import pint
+
+    try:
+        ureg = _pint_registry()
+        one = ureg.Quantity(1.0, ureg.parse_units("" if unit == "1" else unit)).to_base_units()
+    except (pint.PintError, ValueError, TypeError, AssertionError):
+        raise UnitError(f"`{unit}` is not a known unit.") from None
+    if abs(one.magnitude - 1.0) > 1e-12:
+        raise UnitError(f"`{unit}` is no coherent unit of SI.")
+    return {_BASES[name]: float(power) for name, power in one.unit_items()}
+
+
 @cache
 def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     import pint

@@ -1,0 +1,124 @@
+"""`to_fmu`: a scenario or a system as an FMU for co-simulation, FMI 2.0 or 3.0.
+
+The FMU holds the model in C with its sources, libraries for the machines that there are
+compilers for, the description of everything that can be set, and the scenario that it was made
+of. The same scenario gives the same archive: times in it are fixed, and its GUID (instantiation
+token) is a hash of description and sources.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.errors import InputError, suggestion
+from martensite.export.c_names import checked_identifier, identifier
+from martensite.export.fmu.binaries import TARGETS, build, checked_targets
+from martensite.export.fmu.description import build_description, description
+from martensite.export.fmu.plan import Plan, Scenario, plan_of
+from martensite.export.fmu.variables import Variable, variables
+from martensite.export.fmu.wrapper import sources
+from martensite.files import replacing
+from martensite.system import AbstractSystem
+
+VERSIONS = ("2.0", "3.0")
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_GROUPS = ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32))
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU that was written, and what is in it."""
+
+    path: Path
+    fmi: str
+    name: str
+    """The model identifier."""
+    token: str
+    """The GUID, or instantiation token."""
+    step: float
+    """The inner step [s]; the period of a system in discrete time."""
+    discrete: bool
+    variables: tuple[Variable, ...]
+    platforms: tuple[str, ...]
+    """Machines for which it has a library; elsewhere its sources must be compiled."""
+
+    def named(self, causality: str) -> list[Variable]:
+        """Variables that are an input, output, parameter or local."""
+        return [one for one in self.variables if one.causality == causality]
+
+
+def to_fmu(
+    model: Scenario | AbstractSystem, path: str | Path, *, fmi: str = "2.0",
+    step: float | None = None, name: str | None = None, platforms: Sequence[str] | None = None,
+) -> Fmu:  # fmt: skip
+    """Write a scenario, or a system, as an FMU; whatever is at the path is replaced.
+
+    Args:
+        model: a scenario; or a `System`, `Machine` or `Bench`.
+        path: of the FMU.
+        fmi: the version of FMI, 2.0 or 3.0.
+        step: the longest step of the model within a step of the co-simulation [s]; by default
+            that with which a run of the scenario reaches its tolerance, and for a system a tenth
+            of its least thermal time constant. A system in discrete time has its period.
+        name: the model identifier, an identifier of C; by default made of the name of the file.
+        platforms: for which to compile, such as `x86_64-linux`; by default all that the compiler
+            of this machine and cross compilers of gcc are for; none for sources alone.
+
+    Raises:
+        InputError: an argument is out of range, or there is no such version or compiler.
+        SolveError: the run that chooses the step failed.
+        MartensiteError: the compiler failed.
+    """
+    path = Path(path)
+    if fmi not in VERSIONS:
+        raise InputError(f"No version of FMI named `{fmi}`. {suggestion(fmi, VERSIONS)}")
+    targets = checked_targets(platforms)
+    called = checked_identifier(identifier(path.stem) if name is None else name)
+    plan = plan_of(model, called, step)
+    shown = variables(plan)
+    token = _token([description(fmi, plan, shown, ""), *sources(plan, fmi, "").values()])
+    texts = sources(plan, fmi, token)
+    content: dict[str, str | bytes] = {"modelDescription.xml": description(fmi, plan, shown, token)}
+    for target in targets:
+        content[_library(fmi, target, called)] = build(texts, target)
+    content |= {f"sources/{file}": text for file, text in texts.items()}
+    content |= _beside(fmi, plan)
+    with replacing(path) as part:
+        _zip(content, part)
+    discrete = plan.period > 0.0
+    return Fmu(path, fmi, called, token, plan.step, discrete, shown, tuple(targets))
+
+
+def _library(fmi: str, target: str, name: str) -> str:
+    """Where the library for a target is in the archive."""
+    known = TARGETS[target]
+    return f"binaries/{known.folder if fmi == '2.0' else target}/{name}{known.ending}"
+
+
+def _beside(fmi: str, plan: Plan) -> dict[str, str]:
+    """How to build it, and what it was made of."""
+    found: dict[str, str] = {}
+    if fmi == "3.0":
+        found["sources/buildDescription.xml"] = build_description(plan.identifier, ["all.c"])
+    if plan.scenario is not None:
+        found["resources/scenario.toml"] = plan.scenario.text
+    return found
+
+
+def _token(texts: Sequence[str]) -> str:
+    """A hash in the form of a GUID."""
+    digest = hashlib.sha256("\0".join(texts).encode()).hexdigest()
+    return "{" + "-".join(digest[a:b] for a, b in _GROUPS) + "}"
+
+
+def _zip(files: Mapping[str, str | bytes], path: Path) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.external_attr = 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)

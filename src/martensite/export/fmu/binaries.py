@@ -1,0 +1,128 @@
+"""Shared libraries of an FMU: for this machine, and for others where a compiler for them is here.
+
+For another machine that is mingw-w64 (`x86_64-w64-mingw32-gcc`), `aarch64-linux-gnu-gcc`, or for
+any of them zig, on the path or as the package ziglang. Zig is used only for platforms that are
+named: for some of them it takes minutes when it is used first.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from martensite.errors import InputError, MartensiteError, suggestion
+from martensite.runtimes.c99 import compiler
+
+FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off",
+         "-fno-math-errno")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Target:
+    """A kind of machine for which a library can be made."""
+
+    folder: str
+    """What FMI 2.0 calls it; FMI 3.0 has the name of the target."""
+    ending: str
+    zig: str
+    """What zig calls it."""
+    cross: str | None = None
+    """A compiler for it on other machines."""
+    flags: tuple[str, ...] = ("-fPIC",)
+
+
+TARGETS = {
+    "x86_64-linux": Target("linux64", ".so", "x86_64-linux-gnu.2.17", "x86_64-linux-gnu-gcc"),
+    "aarch64-linux": Target(
+        "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", "aarch64-linux-gnu-gcc"
+    ),
+    "x86_64-windows": Target(
+        "win64", ".dll", "x86_64-windows-gnu", "x86_64-w64-mingw32-gcc", ("-static-libgcc",)
+    ),
+    "x86_64-darwin": Target("darwin64", ".dylib", "x86_64-macos"),
+    "aarch64-darwin": Target("aarch64-darwin", ".dylib", "aarch64-macos"),
+}
+"""By the names of FMI 3.0."""
+
+
+def here() -> str:
+    """The target that this machine is."""
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    return f"{machine}-{platform.system().lower()}"
+
+
+def command(target: str) -> list[str] | None:
+    """The compiler that makes a library for a target, or None."""
+    found = _gcc(target)
+    if found is not None:
+        return [found]
+    if shutil.which("zig"):
+        zig = ["zig"]
+    elif find_spec("ziglang"):
+        zig = [sys.executable, "-m", "ziglang"]
+    else:
+        return None
+    return [*zig, "cc", "-target", TARGETS[target].zig]
+
+
+def _gcc(target: str) -> str | None:
+    """The compiler of this machine, or one of gcc for another."""
+    if target == here():
+        return compiler()
+    cross = TARGETS[target].cross
+    return shutil.which(cross) if cross else None
+
+
+def checked_targets(names: Sequence[str] | None) -> list[str]:
+    """Targets by name; by default all for which there is the compiler of this machine, or gcc.
+
+    Raises:
+        InputError: there is no such target, or no compiler for it.
+    """
+    if names is None:
+        return [name for name in TARGETS if _gcc(name)]
+    found = [name for name in TARGETS if command(name)]
+    for name in names:
+        if name not in TARGETS:
+            raise InputError(f"No platform named `{name}`. {suggestion(name, TARGETS)}")
+        if name not in found:
+            raise InputError(
+                f"There is no compiler for `{name}` on this machine. {suggestion(name, found)}"
+            )
+    return list(dict.fromkeys(names))
+
+
+def build(sources: Mapping[str, str], target: str) -> bytes:
+    """The library that a compiler makes of all.c, with the other sources beside it.
+
+    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
+
+    Raises:
+        MartensiteError: the compiler failed.
+    """
+    known, cc = TARGETS[target], command(target)
+    if cc is None:
+        raise MartensiteError(f"There is no compiler for `{target}` on this machine.")
+    more = os.environ.get("MARTENSITE_CFLAGS", "").split()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
+        made = f"model{known.ending}"
+        done = subprocess.run(
+            [*cc, *FLAGS, *known.flags, *more, "all.c", "-o", made, "-lm"],
+            cwd=folder, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode != 0:
+            raise MartensiteError(
+                f"The C compiler `{' '.join(cc)}` failed: {done.stderr.strip()[:500]}"
+            )
+        return (Path(folder) / made).read_bytes()

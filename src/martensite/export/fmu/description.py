@@ -1,0 +1,140 @@
+"""modelDescription.xml of FMI 2.0 and 3.0, and buildDescription.xml of 3.0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from importlib.metadata import version
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from martensite.export.fmu.plan import Plan
+from martensite.export.fmu.units import add_units
+from martensite.export.fmu.variables import TIME, Variable
+
+CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
+
+
+def description(fmi: str, plan: Plan, variables: Sequence[Variable], token: str) -> str:
+    """modelDescription.xml of an FMI version, 2.0 or 3.0."""
+    made = _second(plan, variables, token) if fmi == "2.0" else _third(plan, variables, token)
+    return as_text(made)
+
+
+def build_description(identifier: str, sources: Sequence[str]) -> str:
+    """buildDescription.xml of FMI 3.0."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    made = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    files = SubElement(made, "SourceFileSet", language="C99")
+    for name in sources:
+        SubElement(files, "SourceFile", name=name)
+    SubElement(made, "Library", name="m")
+    return as_text(root)
+
+
+def as_text(root: Element) -> str:
+    """XML of an element and all below it."""
+    indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
+
+
+def _second(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
+    root.attrib |= {"description": plan.system.described(), "generationTool": _tool()}
+    slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
+    slave.attrib |= {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "false" if plan.period else "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    SubElement(SubElement(slave, "SourceFiles"), "File", name="all.c")
+    _begin(root, plan, variables)
+    rows = SubElement(root, "ModelVariables")
+    for one in variables:
+        scalar = SubElement(rows, "ScalarVariable", _called(one))
+        SubElement(scalar, "Real", _typed(one))
+    parts = SubElement(root, "ModelStructure")
+    for name in ("Outputs", "InitialUnknowns"):
+        unknowns = SubElement(parts, name)
+        for index, one in enumerate(variables, 1):
+            if one.causality == "output":
+                SubElement(unknowns, "Unknown", index=str(index))
+    return root
+
+
+def _third(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+    root = Element("fmiModelDescription", fmiVersion="3.0", modelName=plan.title)
+    root.attrib |= {
+        "instantiationToken": token,
+        "description": plan.system.described(),
+        "generationTool": _tool(),
+    }
+    simulated = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
+    simulated.attrib |= {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
+    _begin(root, plan, variables)
+    rows = SubElement(root, "ModelVariables")
+    time = {"name": _time_name(variables), "valueReference": str(TIME)}
+    SubElement(rows, "Float64", time, causality="independent", variability="continuous", unit="s")
+    for one in variables:
+        SubElement(rows, "Float64", _called(one) | _typed(one))
+    parts = SubElement(root, "ModelStructure")
+    for name in ("Output", "InitialUnknown"):
+        for one in variables:
+            if one.causality == "output":
+                SubElement(parts, name, valueReference=str(one.reference))
+    return root
+
+
+def _begin(root: Element, plan: Plan, variables: Sequence[Variable]) -> None:
+    """What both versions have between what the FMU can do and its variables."""
+    used = {one.unit: None for one in variables if one.unit is not None}
+    add_units(root, list({**used, "s": None}))
+    logged = SubElement(root, "LogCategories")
+    for name in CATEGORIES:
+        SubElement(logged, "Category", name=name)
+    SubElement(root, "DefaultExperiment", _experiment(plan))
+
+
+def _experiment(plan: Plan) -> dict[str, str]:
+    found, scenario = {"startTime": "0.0"}, plan.scenario
+    interval = plan.period
+    if scenario is not None:
+        found["stopTime"] = repr(scenario.duration)
+        interval = interval or scenario.duration / (scenario.samples - 1)
+    return found | ({"stepSize": repr(interval)} if interval else {})
+
+
+def _called(one: Variable) -> dict[str, str]:
+    initial = {"output": "calculated", "parameter": "exact", "local": "exact"}.get(one.causality)
+    return {
+        "name": one.name,
+        "valueReference": str(one.reference),
+        "description": one.words,
+        "causality": one.causality,
+        "variability": one.variability,
+        **({} if initial is None else {"initial": initial}),
+    }
+
+
+def _typed(one: Variable) -> dict[str, str]:
+    found: dict[str, str] = {}
+    if one.unit is not None:
+        found["unit"] = one.unit
+    if one.display is not None:
+        found["displayUnit"] = one.display
+    for name, value in (("min", one.low), ("max", one.high), ("start", one.start)):
+        if value is not None and math.isfinite(value):
+            found[name] = repr(float(value))
+    return found
+
+
+def _time_name(variables: Sequence[Variable]) -> str:
+    return "simulation_time" if any(one.name == "time" for one in variables) else "time"
+
+
+def _tool() -> str:
+    return f"martensite {version('martensite')}"

@@ -1,0 +1,192 @@
+"""What an FMU is made of: a model in C, its step, and what its numbers are called."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from martensite.bench.bench import Bench
+from martensite.bench.run import reference_waveforms
+from martensite.errors import ParameterError
+from martensite.export.c_core import CCore, c_core
+from martensite.parameters import Leaf, structure
+from martensite.runtimes.c99 import compiler
+from martensite.simulate.api import longest_step
+from martensite.system import AbstractSystem
+
+FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
+
+
+class Scenario(Protocol):
+    """What is taken of a scenario (`martensite.load`)."""
+
+    @property
+    def whole(self) -> Any:
+        """What runs: the bench, or the system alone."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+        ...
+
+    @property
+    def text(self) -> str:
+        """Its document."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        ...
+
+    @property
+    def samples(self) -> int:
+        """Number of samples, both ends included."""
+        ...
+
+    @property
+    def step(self) -> float | None:
+        """Longest step [s], or None if the tolerance chooses it."""
+        ...
+
+    @property
+    def places(self) -> Any:
+        """Where the document holds each number."""
+        ...
+
+    def run(self, *, runtime: str | None = None) -> Any:
+        """Simulate."""
+        ...
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of the system."""
+
+    leaf: Leaf
+    name: str
+    """By which it is reached: that of `--set` for a scenario, else its path."""
+    unit: str
+    kind: str
+    """FREE to be set, CONSTANT, or HIDDEN: not used, or a limit that is infinite."""
+    place: int
+    """Among the parameters of the core, if it is one of them."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A model in C, and all that the archive says of it."""
+
+    identifier: str
+    title: str
+    system: AbstractSystem
+    core: CCore
+    step: float
+    """The inner step, or the period of a system in discrete time [s]."""
+    numbers: tuple[Number, ...]
+    """All numbers of the system, in its order."""
+    first: tuple[float, ...]
+    """Inputs that nobody sets."""
+    scenario: Scenario | None
+
+    @property
+    def period(self) -> float:
+        """That of a system in discrete time [s]; else 0."""
+        return self.system.sample_time()
+
+
+def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> Plan:
+    """The plan of a scenario or a system.
+
+    Raises:
+        ParameterError: the step is out of range, or is not to be chosen.
+    """
+    scenario = None if isinstance(model, AbstractSystem) else model
+    system = _settled(model if isinstance(model, AbstractSystem) else model.whole)
+    chosen = _step(system, scenario, step)
+    core = c_core(system, name=f"{identifier}_core")
+    return Plan(
+        identifier=identifier,
+        title=identifier if scenario is None else scenario.title,
+        system=system,
+        core=core,
+        step=chosen,
+        numbers=_numbers(core, system, scenario),
+        first=_first_inputs(core, system),
+        scenario=scenario,
+    )
+
+
+def _settled(system: AbstractSystem) -> AbstractSystem:
+    """A bench with as many steps in a period as it has now, whatever its numbers become."""
+    if isinstance(system, Bench) and not system.substeps:
+        return system.with_parts(substeps=system.turns)
+    return system
+
+
+def _step(system: AbstractSystem, scenario: Scenario | None, step: float | None) -> float:
+    period = system.sample_time()
+    if step is not None and period:
+        raise ParameterError(
+            f"This model goes on in samples of {period:g} s; it has no step to choose."
+        )
+    if step is not None and not 0.0 < step < math.inf:
+        raise ParameterError(f"Argument `step` must be above 0, but is {step}.")
+    if period or step is not None:
+        return float(step or period)
+    if scenario is None:
+        return longest_step(system)
+    if scenario.step is not None:
+        return scenario.step
+    found = scenario.run(runtime="c" if compiler() else None).step
+    return float(f"{found:.9g}")  # without the rounding of a sum of steps
+
+
+def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
+    """References as they begin, temperatures those of the surroundings, all others 0."""
+    known: dict[str, float] = {}
+    if isinstance(system, Bench):
+        known = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}
+    for port, one in system.actuators().items():
+        if one.source.sets_temperature:
+            known.setdefault(system.drive_at(port), one.environment.temperature)
+    return tuple(known.get(one.name, 0.0) for one in core.inputs)
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def _numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> tuple[Number, ...]:
+    places = {one.name: one.index for one in core.parameters}
+    sampled = bool(system.sample_time())
+    found: list[Number] = []
+    for leaf in system.leaves():
+        kind = FREE
+        if leaf.path not in places or not math.isfinite(leaf.value):
+            kind = HIDDEN
+        elif sampled and _decides(system, leaf):
+            kind = CONSTANT
+        name = leaf.path if scenario is None else scenario.places.path(leaf.path)
+        unit = leaf.declared.unit if scenario is None else scenario.places.unit(leaf)
+        found.append(Number(leaf, name, unit, kind, places.get(leaf.path, 0)))
+    return tuple(found)
+
+
+def _decides(system: AbstractSystem, leaf: Leaf) -> bool:
+    """Whether another value of a number makes another program, or another period.
+
+    So it is with the period of a bench and the delays of its sensors. Found by trying.
+    """
+    usual = structure(system), system.sample_time()
+    value, (low, high) = float(leaf.value), leaf.declared.bounds
+    for one in {0.25 * value, 0.75 * value, 1.5 * value, 4.0 * value, low, high}:
+        if math.isfinite(one) and one != value:
+            try:
+                other = system.with_values({leaf.path: one})
+            except ParameterError:
+                continue
+            if (structure(other), other.sample_time()) != usual:
+                return True
+    return False

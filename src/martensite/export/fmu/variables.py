@@ -1,0 +1,85 @@
+"""What an FMU shows: inputs, outputs and parameters, with value references that stay.
+
+A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs
+from 100000, parameters from 200000, time 300000 and the inner step 300001. The place of a
+parameter is that among all numbers of the system, also of those that are not shown.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from martensite.export.fmu.plan import CONSTANT, HIDDEN, Number, Plan
+from martensite.export.fmu.units import display_of, unit_of
+
+KIND = 100_000
+TIME, INNER = 3 * KIND, 3 * KIND + 1
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a model description."""
+
+    name: str
+    reference: int
+    causality: str
+    """Input, output, parameter, or local for a constant."""
+    variability: str
+    words: str
+    declared: str
+    """The unit as declared."""
+    start: float | None = None
+    """None for what is calculated."""
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def unit(self) -> str | None:
+        """The SI unit; None where it has none."""
+        return unit_of(self.declared)
+
+    @property
+    def display(self) -> str | None:
+        """The unit a person would rather read, if that is another one."""
+        return display_of(self.declared)
+
+
+def variables(plan: Plan) -> tuple[Variable, ...]:
+    """Inputs, outputs, parameters and the inner step."""
+    pace = "discrete" if plan.period else "continuous"
+    found = [
+        Variable(one.name, one.index, "input", pace, one.words, one.unit, start)
+        for one, start in zip(plan.core.inputs, plan.first, strict=True)
+    ]
+    taken = {one.name for one in found}
+    for one in plan.core.outputs:
+        name = _free_name(one.name, "echo", taken)
+        found.append(Variable(name, KIND + one.index, "output", pace, one.words, one.unit))
+    for place, number in enumerate(plan.numbers):
+        if number.kind != HIDDEN:
+            name = _free_name(number.name, "parameter", taken)
+            found.append(_parameter(name, 2 * KIND + place, number))
+    if not plan.period:
+        name = _free_name("inner_step", "parameter", taken)
+        words = "longest step of the model within a step of the co-simulation (above 0)"
+        found.append(Variable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
+    return tuple(found)
+
+
+def _parameter(name: str, reference: int, number: Number) -> Variable:
+    declared, value = number.leaf.declared, float(number.leaf.value)
+    if number.kind == CONSTANT:
+        words = f"{declared.doc}; constant, for it decides what the program is"
+        return Variable(name, reference, "local", "constant", words, number.unit, value)
+    low, high = declared.bounds
+    words = f"{declared.doc} (above {low:g})" if declared.open_low else declared.doc
+    return Variable(name, reference, "parameter", "fixed", words, number.unit, value, low, high)
+
+
+def _free_name(name: str, suffix: str, taken: set[str]) -> str:
+    """A name that is not taken, from now on taken: `drive_echo` for an output like an input."""
+    while name in taken:
+        name = f"{name}_{suffix}"
+    taken.add(name)
+    return name
