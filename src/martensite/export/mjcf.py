@@ -49,6 +49,15 @@ def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
     Raises:
         InputError: nothing writes this mechanism, or MuJoCo cannot do something it does.
     """
+    return model_of(system, timestep=timestep).text()
+
+
+def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
+    """The sections of the document that `to_mjcf` writes.
+
+    Raises:
+        InputError: as `to_mjcf`.
+    """
     if not 0.0 < timestep < 1.0:
         raise ParameterError(
             f"Argument `timestep` must be above 0 s and below 1 s, but is {timestep:.6g}."
@@ -59,11 +68,12 @@ def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
         known = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
         raise InputError(
             f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: "
-            f"{known}. Any model of your own can be driven by `MujocoBridge`."
+            f"{known}. Any model of your own can be driven by `MujocoBridge`; `martensite export "
+            "mujoco --snippet` writes what it needs."
         )
     model = new_model(str(mechanism.registered_name), timestep)
     write(model, mechanism, timestep)
-    return model.text()
+    return model
 
 
 def bridge_of(
