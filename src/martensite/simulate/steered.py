@@ -49,19 +49,9 @@ class Level:
     value: float
     """Where it is in the scenario, in the SI unit of the drive."""
 
-    @property
-    def path(self) -> str:
-        """Its path among the parameters of a steered system."""
-        return f"levels.{self.key}"
-
-    @property
-    def key(self) -> str:
-        """A name for it."""
-        return f"{self.drive}__{self.name.replace('.', '__')}"
-
 
 class Levels(Parametrised):
-    """Levels by name."""
+    """Levels q0, q1, … in the unit of what they drive."""
 
     def __init__(self, **levels: float) -> None:
         self.__dict__.update(levels)
@@ -231,7 +221,7 @@ class Steering:
         """What is compiled: the system, or the steered one around it."""
         if not self.levels:
             return self.system
-        numbers = {level.key: level.value for level in self.levels}
+        numbers = {f"q{k}": level.value for k, level in enumerate(self.levels)}
         owners = tuple(level.drive for level in self.levels)
         return Steered(system=self.system, levels=Levels(**numbers), owners=owners)
 
@@ -239,12 +229,16 @@ class Steering:
         """The path in `whole` of a parameter of the system."""
         return f"system.{path}" if self.levels else path
 
+    def level_path(self, level: Level) -> str:
+        """The path in `whole` of a level."""
+        return f"levels.q{self.levels.index(level)}"
+
     def played(self) -> dict[str, AbstractWaveform]:
         """The waveform of every drive of `whole`."""
         if not self.levels:
             return self.own
         return {drive: self._rest(drive) for drive in self.own} | {
-            level.key: self._shape(level) for level in self.levels
+            f"q{k}": self._shape(level) for k, level in enumerate(self.levels)
         }
 
     def at(self, drive: str, values: Mapping[str, float]) -> AbstractWaveform:
@@ -266,7 +260,7 @@ class Steering:
                 f"The peak of the waveform of `{drive}` and another level of it cannot both be "
                 "free: the peak scales them all."
             )
-        moved = {level.name: level.value + (1.0 + k) * _reach(level)
+        moved = {level.name: level.value + 0.4 * (1.0 + k) * _reach(level)
                  for k, level in enumerate(mine)}  # fmt: skip
         there, rest = self.at(drive, moved), self._rest(drive)
         shapes = [(moved[level.name], self._shape(level)) for level in mine]

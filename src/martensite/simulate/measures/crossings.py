@@ -1,7 +1,8 @@
 """How long a way takes: from a tenth to nine tenths of it, there and back.
 
 The way is that from the first sample to the one furthest from it. Crossings lie between samples on
-a straight line; a crossing that does not happen is at an infinite time.
+a straight line; a crossing that does not happen is at an infinite time, and so is every one of a
+way that is nothing but rounding.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
+LEAST = 1e-12, 1e-9
+"""Least way, in SI and as a share of the largest sample."""
 
 
 @MEASURES.register("rise-time")
@@ -76,7 +79,7 @@ class Crossing:
     """When a share of the way is crossed, by column and run, in given intervals (−1: never)."""
 
     def __init__(self, times: Numbers, way: Way, place: Places) -> None:
-        self.way, self.place, self.missing = way, np.maximum(place, 0), place < 0
+        self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
         begin, end = (_at(way.beyond, self.place + k) for k in (0, 1))
         apart = np.where(self.missing, 1.0, begin - end)
         length = np.diff(times)[self.place]
@@ -104,9 +107,12 @@ class Way:
         self.share = share
         self.turn: Places = np.abs(gone).argmax(axis=1)
         furthest = _at(gone, self.turn)
+        least: Numbers = LEAST[0] + LEAST[1] * np.abs(seen).max(axis=1)
+        self.none: Flags = np.abs(furthest) <= least
+        """Whether it leads nowhere."""
         self.sign = np.where(furthest >= 0.0, 1.0, -1.0)
         self.beyond = (gone - share * furthest[:, None]) * self.sign[:, None]
-        intervals: Places = np.arange(seen.shape[1] - 1)[None, :, None]
+        intervals = np.arange(seen.shape[1] - 1, dtype=np.intp)[None, :, None]
         self.out: Flags = intervals < self.turn[:, None, :]
         """Whether an interval is before the turn."""
 

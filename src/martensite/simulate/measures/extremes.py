@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
 
@@ -52,7 +51,7 @@ class Stroke(Largest):
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """1 at the largest and −1 at the smallest sample of the column that goes furthest."""
         found = np.zeros(seen.shape)
-        runs: NDArray[np.intp] = np.arange(seen.shape[2])
+        runs = np.arange(seen.shape[2], dtype=np.intp)
         widest = np.ptp(seen, axis=1).argmax(axis=0)
         column = seen[widest, :, runs]
         found[widest, column.argmax(axis=1), runs] += 1.0

@@ -1,0 +1,101 @@
+"""A design as a scenario: what its numbers are called there, and the document with them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from martensite.errors import InputError
+
+if TYPE_CHECKING:
+    from martensite.io.scenario import Scenario
+    from martensite.sizing.design.designed import Designed
+    from martensite.sizing.design.free import Choice
+
+
+def written(scenario: Scenario) -> dict[str, str]:
+    """Path in the system of every number that may be free -> its path in the scenario."""
+    from martensite.io.assemble import waveform_path
+    from martensite.simulate.steered import PEAK, Steering
+    from martensite.sizing.design.free import level_path
+
+    system, places = scenario.system, scenario.places
+    found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
+    steering = Steering(system, scenario.waveform, scenario.duration)
+    for level in steering.available():
+        before = waveform_path(system, level.drive, places.drive)
+        if level.name == PEAK:
+            before = before.removesuffix("waveform.")
+        found[level_path(level.drive, level.name)] = before + level.name
+    return found
+
+
+def require_written(scenario: Scenario, free: Sequence[str]) -> None:
+    """Raise `InputError` if a peak is free whose waveform the scenario does not hold itself."""
+    from martensite.simulate.steered import PEAK
+
+    for text in free:
+        name = text.partition("=")[0].strip()
+        before, _, last = name.rpartition(".")
+        if last == PEAK and isinstance(_waveform(scenario, f"{before}.").get("file"), str):
+            raise InputError(
+                f"`{name}` is the peak of a waveform in a file of its own, so no scenario can be "
+                "written with another; leave out --save."
+            )
+
+
+def saved(found: Designed, scenario: Scenario) -> str:
+    """The scenario with the numbers found, as TOML."""
+    from martensite.io.overrides import as_toml, changed
+
+    numbers: dict[str, Any] = {}
+    for one, value in zip(found.question.free, found.numbers, strict=True):
+        for choice in one.choices:
+            numbers |= _settings(choice, value, scenario, whole=one.whole)
+    document = changed(tomllib.loads(scenario.text), numbers)
+    sense = "most" if found.question.most else "least"
+    goal = f"# designed for the {sense} {found.question.goal.words}"
+    limits = [f"# subject to {one.words}" for one in found.question.subject]
+    missed = [f"# NOT KEPT: {words}" for words in found.missed]
+    return "\n".join([goal, *limits, *missed, "", as_toml(document)])
+
+
+def _settings(choice: Choice, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
+    """What a number is in the scenario: by path, as text with a unit."""
+    from martensite.io.exact_text import exact_text
+    from martensite.simulate.steered import PEAK
+
+    if choice.level is not None and choice.level.name == PEAK:
+        return _scaled(choice, value / choice.value, scenario)
+    if choice.unit == "1":
+        return {choice.written: int(value) if whole else value}
+    return {choice.written: exact_text(value, choice.unit)}
+
+
+def _scaled(choice: Choice, factor: float, scenario: Scenario) -> dict[str, Any]:
+    """All levels of a waveform, scaled."""
+    from martensite import units
+    from martensite.io.exact_text import exact_text
+    from martensite.simulate.driven import by_name
+
+    before = choice.written.removesuffix("peak")
+    held = _waveform(scenario, before).get("values")
+    if isinstance(held, list):
+        values = [units.parse(v, choice.unit) if isinstance(v, str) else float(v) for v in held]
+        return {f"{before}waveform.values": [exact_text(factor * v, choice.unit) for v in values]}
+    level = choice.level
+    drive = "" if level is None else level.drive
+    wave = by_name(scenario.system, scenario.waveform)[drive]
+    return {
+        f"{before}waveform.{leaf.path}": exact_text(factor * leaf.value, choice.unit)
+        for leaf in wave.leaves() if leaf.declared.unit == "drive"
+    }  # fmt: skip
+
+
+def _waveform(scenario: Scenario, before: str) -> dict[str, Any]:
+    """The table of a waveform in the scenario; empty if there is none."""
+    node: Any = tomllib.loads(scenario.text)
+    for key in f"{before}waveform".split("."):
+        node = node.get(key, {}) if isinstance(node, dict) else {}
+    return node if isinstance(node, dict) else {}

@@ -1,0 +1,1 @@
+"""Designs of least cost under constraints, found by derivatives through the march."""
