@@ -32,6 +32,7 @@ from martensite.mechanisms.shared.motion import Course, Motion
 from martensite.runtimes import floats
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.c99_lanes import lanes_source
 from martensite.runtimes.jax_setup import jax_namespace
 from martensite.runtimes.nested import flatten
 from martensite.runtimes.program import Program
@@ -453,16 +454,22 @@ void run(const double *p, const double *x, double *y) {{
 """
 
 
-def on_c(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+def on_c(
+    thing: Any, kernel: Kernel, inputs: np.ndarray, write: Callable[..., str] = c_source
+) -> np.ndarray:
     program = traced(thing, kernel)
     lanes = inputs.shape[1]
     entry = _ENTRY.format(constants=max(1, len(program.hoisted)), lanes=lanes)
-    library = load_library(c_source(program, program.functions.values()) + entry)
+    library = load_library(write(program, program.functions.values()) + entry)
     parameters = np.array([[v] * lanes for v in values(thing)] or [[0.0] * lanes])
     outputs = np.empty((len(program.functions["kernel"].outputs), lanes))
     arrays = (parameters, np.ascontiguousarray(inputs), outputs)
     library.run(*(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
     return outputs
+
+
+def on_lanes(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
+    return on_c(thing, kernel, inputs, lanes_source)
 
 
 RUNTIMES = {"traced floats": on_floats, "numpy": on_numpy, "jax": on_jax, "c": on_c}

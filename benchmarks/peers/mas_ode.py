@@ -8,6 +8,7 @@ are restarted at each. Exponents are limited: stages of a step visit absurd temp
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable
 from itertools import pairwise
 from math import exp
@@ -101,6 +102,20 @@ def by_radau(f: Rhs, y: Any, times: Any, rtol: float) -> Any:
     return solve_ivp(f, span, y, "Radau", t_eval=times, rtol=rtol, atol=atol).y.T
 
 
+def by_cvode(f: Rhs, y: Any, times: Any, rtol: float) -> Any:
+    """States at `times` by SUNDIALS CVODE (BDF)."""
+    import numpy
+    from sksundae.cvode import CVODE
+
+    def fill(t: float, y: Any, yp: Any) -> None:
+        yp[:] = f(t, y)
+
+    atol = numpy.array([rtol * s for s in SCALE])
+    solver = CVODE(fill, rtol=rtol, atol=atol, method="BDF", max_num_steps=1_000_000)
+    found = solver.solve(numpy.asarray(times), numpy.asarray(y)).y
+    return found if len(times) > 2 else found[[0, -1]]  # two times ask CVODE for its own steps
+
+
 def trajectory(solve: Any, p: Wire, form: str, rtol: float) -> Callable[[], Any]:
     """Run of x₊, x₋, T on the output grid, (3, outputs); not numbers where the solver gave up."""
     import numpy
@@ -134,3 +149,5 @@ def outcome(p: Wire, states: Any) -> Any:
 
 
 SOLVERS = {"LSODA": by_odeint, "Radau": by_radau}
+if importlib.util.find_spec("sksundae"):
+    SOLVERS["CVODE"] = by_cvode

@@ -12,6 +12,7 @@ from kernels import (
     cases,
     disagreement,
     on_kernel_itself,
+    on_lanes,
     traced,
 )
 
@@ -22,11 +23,11 @@ from martensite.runtimes.dual import value_and_slope
 TOLERANCE = 1e-12
 
 
-@pytest.fixture(params=list(RUNTIMES))
+@pytest.fixture(params=[*RUNTIMES, "c lanes"])
 def runtime(request):
-    if request.param == "c":
+    if request.param.startswith("c"):
         request.getfixturevalue("c_compiler")
-    return RUNTIMES[request.param]
+    return {**RUNTIMES, "c lanes": on_lanes}[request.param]
 
 
 REPEATED = (

@@ -10,10 +10,13 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,63 +37,81 @@ from martensite.runtimes.printer import (
 from martensite.runtimes.program import Function, Program
 
 FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
-         "-fno-tree-pre", "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
+         "-ffp-contract=off", "-fno-tree-pre", "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
+WIDE = ("-mprefer-vector-width=512",)
+"""For processors with AVX-512: compilers prefer half the width, which costs a batch a third."""
 
 
 def _constant(value: float | bool) -> str:
-    if isinstance(value, bool):
-        return str(int(value))
+    return str(int(value)) if isinstance(value, bool) else c_number(value)
+
+
+def c_number(value: float) -> str:
+    """A number in C."""
     return repr(value).replace("inf", "HUGE_VAL")
 
 
 _TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
 """`slopes` is a vector type that the source declares where it has any."""
+_WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def _assign(name: str, expression: str, kind: str) -> str:
-    return f"const {_TYPES[kind]} {name} = {expression};"
+def _assign(name: str, expression: str, kind: str, types: Mapping[str, str] = _TYPES) -> str:
+    return f"const {types[kind]} {name} = {expression};"
 
 
-def _loop(loop: LoopText) -> list[str]:
+def _loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
     """A loop over arrays on the stack."""
     rows = len(loop.columns[0])
+    kinds = [_declared(kind, types) for kind in loop.row_kinds]
     columns = [f"{loop.name}_{name}" for name in loop.row]
-    kinds = [_declared(kind) for kind in loop.row_kinds]
     tables = zip(kinds, columns, loop.columns, strict=True)
-    inputs = zip(kinds, loop.row, columns, strict=True)
+    named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs))))
+    inputs = list(zip(kinds, loop.row, columns, strict=True))
     results = list(zip(loop.results(), loop.outputs, strict=True))
-    made = zip(map(_declared, loop.output_kinds), loop.results(), strict=True)
+    stored = [_declared(kind, types) for kind in loop.output_kinds]
+    made = zip(stored, loop.results(), strict=True)
+    row = f"r_{loop.name}"
     return [
         *(f"{kind} {name}[{rows}];" for kind, name in made),
         *(f"const {kind} {name}[{rows}] = {{{', '.join(cells)}}};" for kind, name, cells in tables),
-        f"for (int r = 0; r < {rows}; r++) {{",
-        *(f"    const {kind} {name} = {column}[r];" for kind, name, column in inputs),
+        *(f"(void){column};" for _, name, column in inputs if name not in named),
+        f"for (int {row} = 0; {row} < {rows}; {row}++) {{",
+        *(
+            f"    const {kind} {name} = {column}[{row}];"
+            for kind, name, column in inputs
+            if name in named
+        ),
         *(f"    {line}" for line in loop.body),
-        *(f"    {name}[r] = {value};" for name, value in results),
+        *(f"    {name}[{row}] = {value};" for name, value in results),
         "}",
     ]
 
 
-def _declared(kind: str) -> str:
+def _declared(kind: str, types: Mapping[str, str]) -> str:
     """Type of what a loop holds: it stores flags as numbers."""
-    return _TYPES[NUMBER if kind == FLAG else kind]
+    return types[NUMBER if kind == FLAG else kind]
 
 
-def _repeat(loop: RepeatText) -> list[str]:
+def _repeat(loop: RepeatText, types: Mapping[str, str] = _TYPES) -> list[str]:
     """A loop over variables of its own block."""
-    kinds = [_declared(kind) for kind in loop.kinds]
+    name = loop.name
+    kinds = [_declared(kind, types) for kind in loop.kinds]
     state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
-    results = loop.results()
+    rows = zip(loop.used, kinds, loop.results(), loop.state, strict=True)
+    results = [row[1:] for row in rows if row[0]]
+    named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs)))) | {r[-1] for r in results}
     return [
-        *(f"{kind} {name};" for kind, name in zip(kinds, results, strict=True)),
+        *(f"{kind} {result};" for kind, result, _ in results),
         "{",
         *(f"    {kind} {name} = {begin};" for kind, name, begin, _ in state),
-        f"    for (int k = 0; k < {loop.count}; k++) {{",
+        *(f"    (void){name};" for name in loop.state if name not in named),
+        f"    for (int k_{name} = 0; k_{name} < {loop.count}; k_{name}++) {{",
         *(f"        {line}" for line in loop.body),
         *(f"        const {kind} n_{name} = {value};" for kind, name, _, value in state),
         *(f"        {name} = n_{name};" for _, name, _, _ in state),
         "    }",
-        *(f"    {result} = {name};" for result, name in zip(results, loop.state, strict=True)),
+        *(f"    {result} = {name};" for _, result, name in results),
         "}",
     ]
 
@@ -125,6 +146,30 @@ C_DIALECT = Dialect(
     loop=_loop,
     repeat=_repeat,
 )
+
+
+def scalar_dialect(
+    number: str, templates: Mapping[str, str], constant: Callable[[float | bool], str],
+    flag: str = _TYPES[FLAG],
+) -> Dialect:  # fmt: skip
+    """C of one run at a time, which may leave out what is not chosen.
+
+    Args:
+        number: the type of numbers, such as `double` or `float`.
+        templates: operations that look otherwise than in a batch.
+        constant: how a number is written.
+        flag: the type of what is true or false.
+    """
+    types = {**_TYPES, NUMBER: number, FLAG: flag}
+    return replace(
+        C_DIALECT,
+        templates={**C_DIALECT.templates, **templates},
+        wants_names=C_DIALECT.wants_names - {"where"},
+        assign=partial(_assign, types=types),
+        constant=constant,
+        loop=partial(_loop, types=types),
+        repeat=partial(_repeat, types=types),
+    )
 
 
 def c_source(program: Program, functions: Iterable[Function]) -> str:
@@ -173,8 +218,17 @@ double log(double);
 double sin(double);
 #pragma omp declare simd notinbranch
 double cos(double);
+#if __GLIBC_PREREQ(2, 35)
+#pragma omp declare simd notinbranch
+double tanh(double);
+#endif
 #endif
 """
+
+
+def vector_math() -> str:
+    """Declarations after which a loop over lanes calls functions of vectors, where there are."""
+    return _VECTOR_MATH
 
 
 def prelude() -> str:
@@ -219,7 +273,8 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
             "The C runtime needs a C compiler and none was found; install gcc or clang, "
             "or use the runtime `floats`."
         )
-    flags = (*FLAGS, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
+    wide = WIDE if "avx512f" in _machine() else ()
+    flags = (*FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
     key = hashlib.sha256(" ".join((cc, *flags, _machine(), source)).encode()).hexdigest()[:24]
     path = cache_folder() / "c" / f"{key}.so"
     if not path.exists():

@@ -12,13 +12,13 @@ from martensite.errors import InputError, ParameterError, SolveError, UnknownNam
 from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, grid_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track
 from martensite.status import Status
 from martensite.system import AbstractSystem
 
-CHUNK = 256
 PRECISIONS = ("float64", "float32")
 
 
@@ -59,9 +59,10 @@ def simulate_batch(
     step: float,
     samples: int = 1001,
     outputs: Sequence[str] = ("position",),
-    chunk: int = CHUNK,
+    chunk: int | None = None,
     iterations: int = ITERATIONS,
     precision: str = "float64",
+    devices: int | None = 1,
 ) -> Batch:
     """Run variants of a system that differ in the parameters named in `over`.
 
@@ -73,9 +74,11 @@ def simulate_batch(
         step: longest step [s]; choose it by a run of `simulate` with a tolerance.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
-        chunk: variants marched together; 256 keeps the state in a processor's cache.
+        chunk: variants marched together; by default 256 on a processor, which keeps the state in
+            its cache, and many more on a GPU.
         iterations: of the solve in every step; more where variants come back unsolved.
         precision: float64, or float32 for sweeps (never for finite differences).
+        devices: how many devices of JAX share the chunks; all of them if None.
 
     Raises:
         InputError: unknown parameter or output, value out of range, unequal lengths.
@@ -88,16 +91,19 @@ def simulate_batch(
     plan, padded = _plan(system, waveform, duration, samples, step, precision)
     run = jitted_march(compiled, _indices(compiled, outputs), padded)
     values = dict(zip(compiled.paths, compiled.values(system), strict=True))
-    pieces = [
-        run(_values(values, varied, slice(first, first + chunk), chunk, precision), plan)
-        for first in range(0, count, chunk)
-    ]
+    taken = devices_of(devices)
+    size = chunk or chunk_for(taken)
+    chunks = (
+        _values(values, varied, slice(first, first + size), size, precision)
+        for first in range(0, count, size)
+    )
+    pieces = list(march_chunks(run, chunks, plan, taken))
     columns = {
-        name: np.concatenate([np.asarray(p.outputs[i]).T for p in pieces])[:count]
+        name: np.concatenate([p.outputs[i].T for p in pieces])[:count]
         for i, name in enumerate(outputs)
     }
-    residual = np.concatenate([np.asarray(p.residual) for p in pieces])[:count]
-    crossing = np.concatenate([np.asarray(p.crossing) for p in pieces])[:count]
+    residual = np.concatenate([p.residual for p in pieces])[:count]
+    crossing = np.concatenate([p.crossing for p in pieces])[:count]
     reports = zip(residual.tolist(), crossing.tolist(), strict=True)
     status = [classify(r, c) for r, c in reports]
     return Batch(np.linspace(0.0, duration, samples), columns, _checked(status, columns))

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.c99_lanes import BLOCK, lanes_source
 from martensite.runtimes.once import once
+from martensite.runtimes.program import Function
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
@@ -107,7 +109,13 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bo
         length="l" if own else "0",
         keep=_KEEP.format(size=compiled.size) if own else "",
     )
-    return c_source(compiled.program, [traced["init"], traced["step"], observe]) + loop
+    return _kernels(compiled, [traced["init"], traced["step"], observe], lanes) + loop
+
+
+def _kernels(compiled: Compiled, functions: Sequence[Function], lanes: int) -> str:
+    """C of traced functions: over vectors where the lanes fill them."""
+    write = c_source if lanes % BLOCK else lanes_source
+    return write(compiled.program, functions)
 
 
 @once(64)
@@ -120,7 +128,7 @@ def _patient(compiled: Compiled, lanes: int) -> Any:
     """A library that makes single steps."""
     constants = max(1, len(compiled.program.hoisted))
     end = _PATIENT.format(constants=constants, lanes=lanes)
-    return load_library(c_source(compiled.program, [compiled.program.functions["step"]]) + end)
+    return load_library(_kernels(compiled, [compiled.program.functions["step"]], lanes) + end)
 
 
 def march_lanes(

@@ -1,0 +1,148 @@
+"""Many runs of one system for the section `throughput`: lanes of C, JAX, or one by one.
+
+What: the coupled wire of problem A (60 s in steps of 20 ms) and the finger of
+`examples/finger.toml` with each of its laws (25 s in steps of 20 ms), around their nominal
+parameters. Of every run its stroke is kept, and of the first few all samples, so that memory does
+not grow with the number of runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks import ours
+from benchmarks.inputs import Drive, sine
+from benchmarks.problem_a import Wire, parameter_sets
+from benchmarks.process import ROOT
+from martensite.io.scenario import load
+from martensite.runtimes.c99_lanes import BLOCK
+from martensite.simulate.arrays import jitted_march, schedule
+from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.devices import chunk_for, devices_of, march_chunks
+from martensite.simulate.driven import grid_of
+from martensite.simulate.grid import Grid
+from martensite.simulate.native import march_lanes
+from martensite.simulate.patient import THOROUGH
+
+LANES = 64
+STEP = 0.02  # [s]
+KEPT = 4
+LAWS = ("mas-hybrid", "mas", "mas-polycrystal")
+VARIED = {
+    "element.diameter": 0.02, "element.length": 0.005, "environment.cooling.h": 0.1,
+    "mechanism.stiffness": 0.1,
+}  # fmt: skip
+
+
+class Case(NamedTuple):
+    """A system and as many parameter sets as the largest batch has."""
+
+    name: str
+    compiled: Compiled
+    values: Sequence[Any]
+    grid: Grid
+    output: str
+    thorough: Compiled | None = None
+
+    @property
+    def place(self) -> int:
+        """Column of the output that is kept."""
+        return self.compiled.outputs.index(self.output)
+
+    @property
+    def steps(self) -> int:
+        """Of a run."""
+        return len(self.grid.lengths)
+
+    def chunks(self, count: int, size: int, precision: str = "float64") -> Iterator[list[Any]]:
+        """Values of `size` runs at a time; the last chunk ends with its last run, repeated."""
+        for first in range(0, count, size):
+            places = np.minimum(np.arange(first, first + size), count - 1)
+            yield [np.asarray(v[places] if np.ndim(v) else v, precision) for v in self.values]
+
+
+def wire(count: int, drive: Drive | None = None) -> tuple[Case, Wire]:
+    """The coupled wire, and its parameter sets."""
+    sets = parameter_sets(count)
+    compiled, values = ours.varied(sets)
+    grid = ours.grid(drive or sine(), STEP)
+    return Case("coupled wire", compiled, values, grid, "position"), sets
+
+
+def finger(law: str, count: int, duration: float | None = None, patient: bool = True) -> Case:
+    """The finger with a law; parameters uniform within their shares of the nominal ones.
+
+    When `patient`, steps that stay unsolved are made once more, as in a sweep.
+    """
+    scenario = load(ROOT / "examples/finger.toml", {"element.law": law})
+    system, rng = scenario.system, np.random.default_rng(0)
+    compiled = compile_system(system)
+    thorough = compile_system(system, THOROUGH) if patient else None
+    values: list[Any] = list(compiled.values(system))
+    for path, share in VARIED.items():
+        place = compiled.paths.index(path)
+        values[place] = values[place] * (1.0 + share * (2.0 * rng.random(count) - 1.0))
+    grid = grid_of(system, scenario.waveform, duration or scenario.duration, 101, STEP)
+    return Case(f"finger, {law}", compiled, values, grid, "stress", thorough)
+
+
+class Kept(NamedTuple):
+    """What is left of many runs."""
+
+    first: Any
+    """All samples of the first few, (runs, samples)."""
+    strokes: Any
+    """Range of every run, (runs,)."""
+
+
+def kept(blocks: Iterator[Any], count: int) -> Kept:
+    """Of blocks of rows (samples, runs)."""
+    first, strokes = None, []
+    for rows in blocks:
+        first = np.array(rows[:, :KEPT].T) if first is None else first
+        strokes.append(np.ptp(rows, axis=0))
+    return Kept(first, np.concatenate(strokes)[:count])
+
+
+def in_lanes(case: Case, count: int, threads: int = 1, lanes: int = LANES) -> Callable[[], Kept]:
+    """In C, blocks of lanes in one thread or dealt out to several."""
+    lanes = min(lanes, -(-count // BLOCK) * BLOCK)
+
+    def block(values: list[Any]) -> Any:
+        return march_lanes(case.compiled, values, case.grid, lanes, [case.place], case.thorough)[0][
+            :, 0
+        ]
+
+    def run() -> Kept:
+        if threads == 1:
+            return kept(map(block, case.chunks(count, lanes)), count)
+        with ThreadPoolExecutor(threads) as pool:
+            return kept(pool.map(block, case.chunks(count, lanes)), count)
+
+    return run
+
+
+def one_by_one(case: Case, count: int) -> Callable[[], Kept]:
+    """In C, without lanes."""
+    return in_lanes(case, count, lanes=1)
+
+
+def on_jax(
+    case: Case, count: int, precision: str = "float64", devices: int = 1
+) -> Callable[[], Kept]:
+    """On JAX, by chunks as large as suit the device, or as there are runs."""
+    plan, padded = schedule(case.grid, precision)
+    march = jitted_march(case.compiled, (case.place,), padded)
+    taken = devices_of(devices)
+    size = min(chunk_for(taken), count)
+
+    def run() -> Kept:
+        chunks = case.chunks(count, size, precision)
+        found = march_chunks(march, chunks, plan, taken)
+        return kept((rows.outputs[0] for rows in found), count)
+
+    return run
