@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 # A subpackage becomes an attribute on its first import and never again: bring that about here
 # and free the name, so that `martensite.simulate` is the function whatever is imported later.
-import_module("martensite.simulate")
-globals().pop("simulate", None)
+for _name in ("simulate", "sweep"):
+    import_module(f"martensite.{_name}")
+    globals().pop(_name, None)
 
 if TYPE_CHECKING:
     from martensite.bench.bench import Bench as Bench
@@ -140,16 +141,22 @@ if TYPE_CHECKING:
     from martensite.errors import InputError as InputError
     from martensite.errors import MartensiteError as MartensiteError
     from martensite.errors import SolveError as SolveError
+    from martensite.export.c_core import CCore as CCore
+    from martensite.export.c_core import c_core as c_core
+    from martensite.export.c_loop import c_loop as c_loop
     from martensite.export.control_systems import plant_state_space as plant_state_space
     from martensite.export.control_systems import to_control as to_control
     from martensite.export.control_systems import to_nonlinear_system as to_nonlinear_system
     from martensite.export.control_systems import to_state_space as to_state_space
+    from martensite.export.fmu.archive import Fmu as Fmu
+    from martensite.export.fmu.archive import to_fmu as to_fmu
     from martensite.export.gymnasium import SmaEnv as SmaEnv
     from martensite.export.gymnasium_vector import SmaVectorEnv as SmaVectorEnv
     from martensite.export.learning_task import Task as _LearningTask
     from martensite.export.mjcf import bridge_of as bridge_of
     from martensite.export.mjcf import tendon_signals as tendon_signals
     from martensite.export.mjcf import to_mjcf as to_mjcf
+    from martensite.export.mjcf_snippet import to_mjcf_snippet as to_mjcf_snippet
     from martensite.export.mujoco_bridge import MujocoBridge as MujocoBridge
     from martensite.export.mujoco_bridge import TendonActuator as TendonActuator
     from martensite.export.mujoco_render import render_mujoco as render_mujoco
@@ -213,6 +220,8 @@ if TYPE_CHECKING:
     from martensite.io.scenario import load as load
     from martensite.io.staircase import plateaus as plateaus
     from martensite.io.staircase import unwrap_counter as unwrap_counter
+    from martensite.io.sweeps.api import sweep as sweep
+    from martensite.io.sweeps.dataset import open_sweep as open_sweep
     from martensite.io.tables import read_table as read_table
     from martensite.laws.brinson import Brinson as Brinson
     from martensite.laws.elahinia import Elahinia as Elahinia
@@ -314,12 +323,20 @@ if TYPE_CHECKING:
     from martensite.simulate.closed_loop import simulate_loop as simulate_loop
     from martensite.simulate.controlled import simulate_controlled as simulate_controlled
     from martensite.simulate.lanes import Lanes as Lanes
+    from martensite.simulate.measures.base import measure as measure
     from martensite.simulate.point import Leg as Leg
     from martensite.simulate.point import PointResult as PointResult
     from martensite.simulate.point import material_point as material_point
     from martensite.simulate.result import Result as Result
     from martensite.sizing.candidates import size_wire as size_wire
+    from martensite.sizing.design.designed import Designed as Designed
+    from martensite.sizing.design.optimise import optimise_design as optimise_design
+    from martensite.sizing.design.scan import scan as _scan_designs
+    from martensite.sizing.design.search import Search as _DesignSearch
     from martensite.sizing.request import WireRequest as WireRequest
+    from martensite.sweep.indices import sensitivity as _sensitivity_indices
+    from martensite.sweep.pareto import ParetoFront as ParetoFront
+    from martensite.sweep.pareto import pareto_front as pareto_front
     from martensite.system.actuator import Actuator as Actuator
     from martensite.system.actuator import Group as Group
     from martensite.system.machine import Machine as Machine
@@ -360,6 +377,9 @@ if TYPE_CHECKING:
     model_uncertainty = _model_uncertainty
     search_structures = _search_structures
     validate_model = _validate_model
+    DesignSearch = _DesignSearch
+    scan_designs = _scan_designs
+    sensitivity_indices = _sensitivity_indices
 
 _HOME = {
     "Actuator": "system.actuator",
@@ -379,6 +399,7 @@ _HOME = {
     "BlockChain": "identify.chains.chain:Chain",
     "Brinson": "laws.brinson",
     "Bundle": "elements.bundle",
+    "CCore": "export.c_core",
     "CantileverBeam": "mechanisms.shared.beam_modes",
     "Carrier": "signals.carrier",
     "Cascade": "controllers.cascade",
@@ -400,6 +421,8 @@ _HOME = {
     "CurrentSource": "electrical.current",
     "CycleEnergies": "control.analysis.energy",
     "DeadWeight": "mechanisms.dead_weight",
+    "DesignSearch": "sizing.design.search:Search",
+    "Designed": "sizing.design.designed",
     "Direct": "controllers.direct",
     "Draught": "bench.faults.draught",
     "Drift": "bench.faults.drift",
@@ -419,6 +442,7 @@ _HOME = {
     "Finger": "mechanisms.finger",
     "FirstOrder": "control.rules.formulas",
     "Fit": "identify.fitting.fit",
+    "Fmu": "export.fmu.archive",
     "ForceSensor": "sensors.force",
     "FrequencyResponse": "control.analysis.frequency",
     "FurstSeeleckeResistance": "electrical.furst_seelecke",
@@ -476,6 +500,7 @@ _HOME = {
     "OverStress": "bench.supervisors.checks.above",
     "Overheat": "bench.supervisors.checks.above",
     "ParallelPlatform": "mechanisms.parallel_platform",
+    "ParetoFront": "sweep.pareto",
     "PerLengthResistance": "electrical.per_length",
     "Pid": "controllers.pid",
     "PidGains": "controllers.pid",
@@ -554,6 +579,8 @@ _HOME = {
     "beam_modes": "mechanisms.shared.beam_modes",
     "best_rules": "control.rules.rule_starts",
     "bridge_of": "export.mjcf",
+    "c_core": "export.c_core",
+    "c_loop": "export.c_loop",
     "checks_for": "bench.supervisors.from_sensors",
     "compare": "io.compare",
     "compare_averaging": "control.averaging",
@@ -586,6 +613,7 @@ _HOME = {
     "material_names": "materials.base",
     "material_point": "simulate.point",
     "mean_readings": "control.design.linear:mean_of",
+    "measure": "simulate.measures.base",
     "modal_numbers": "mechanisms.beam_motor",
     "model_uncertainty": "identify.chains.uncertainty:uncertainty",
     "motor_constants": "identify.motor",
@@ -593,7 +621,10 @@ _HOME = {
     "natural_frequency": "identify.spectrum",
     "open_bench": "bench.run:opened",
     "open_result": "io.netcdf",
+    "open_sweep": "io.sweeps.dataset",
+    "optimise_design": "sizing.design.optimise",
     "over_plants": "control.search.over_plants",
+    "pareto_front": "sweep.pareto",
     "parse_chain": "identify.chains.written",
     "per_sample": "controllers.pid",
     "pid_values": "control.rules.rule_starts",
@@ -637,8 +668,10 @@ _HOME = {
     "resampled": "signals.sampling.resampling",
     "save": "io.netcdf",
     "save_figure": "plot.overview",
+    "scan_designs": "sizing.design.scan:scan",
     "search_structures": "identify.chains.search:search",
     "sensitivity": "simulate.batch",
+    "sensitivity_indices": "sweep.indices:sensitivity",
     "simulate": "simulate.api",
     "simulate_batch": "simulate.batch",
     "simulate_bench": "bench.run",
@@ -652,13 +685,16 @@ _HOME = {
     "steady_point_at": "control.design.operating_point:operating_point_at",
     "steady_running": "identify.motor_tests",
     "step_test": "control.rules.step_test",
+    "sweep": "io.sweeps.api",
     "table_waveform": "signals.records",
     "tangent_fit": "identify.tangent_fit",
     "tangent_points": "identify.tangents",
     "tendon_signals": "export.mjcf",
     "to_control": "export.control_systems",
     "to_dataset": "io.netcdf",
+    "to_fmu": "export.fmu.archive",
     "to_mjcf": "export.mjcf",
+    "to_mjcf_snippet": "export.mjcf_snippet",
     "to_nonlinear_system": "export.control_systems",
     "to_state_space": "export.control_systems",
     "tune": "control.tuning",

@@ -53,7 +53,7 @@ _SENTENCES = {
         "Try a narrower range, or look at this run alone."
     ),
     Status.LOST: (
-        "The process that ran this one died. "
+        "The process that ran this one died, or an error came out of it. "
         "Try this run alone; it may need more memory than there is."
     ),
 }

@@ -190,6 +190,8 @@ def dimensions(unit: str) -> dict[str, float]:
 
 @cache
 def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
+    from tokenize import TokenError
+
     import pint
 
     ureg = _pint_registry()
@@ -198,7 +200,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
         one = ureg.Quantity(1.0, _delta(spelling)).to(_delta(unit)).magnitude
     except pint.DimensionalityError:
         raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
-    except (pint.PintError, ValueError, TypeError, AssertionError):
+    except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
         raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
     return float(one - zero), float(zero)
 

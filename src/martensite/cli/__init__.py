@@ -11,22 +11,30 @@ from martensite.cli import (
     cite,
     data,
     demo,
+    design,
     export,
+    export_c,
+    export_fmu,
+    export_mujoco,
     fit,
     fit_logs,
     identify,
     law,
     listings,
+    pareto,
     run,
+    sensitivity,
     size,
     study,
+    sweep,
     tune,
 )
 from martensite.cli.app import app
 
 __all__ = [
-    "app", "check", "cite", "data", "demo", "export", "fit", "fit_logs", "identify", "law",
-    "listings", "main", "run", "size", "study", "tune",
+    "app", "check", "cite", "data", "demo", "design", "export", "export_c", "export_fmu",
+    "export_mujoco", "fit", "fit_logs", "identify", "law", "listings", "main", "pareto", "run",
+    "sensitivity", "size", "study", "sweep", "tune",
 ]  # fmt: skip
 
 

@@ -10,9 +10,9 @@ from typer.core import TyperGroup
 from martensite.errors import MartensiteError
 
 ORDER = (
-    "run", "law", "demo", "study", "size", "fit", "identify", "tune", "export", "check", "params",
-    "laws", "mechanisms", "drives", "sensors", "observers", "controllers", "supervisors", "faults",
-    "blocks", "materials",
+    "run", "law", "demo", "study", "size", "design", "sweep", "sensitivity", "pareto", "fit",
+    "identify", "tune", "export", "check", "params", "laws", "mechanisms", "drives", "sensors",
+    "observers", "controllers", "supervisors", "faults", "blocks", "materials",
 )  # fmt: skip
 """Commands in the order of the help text; others follow."""
 

@@ -63,28 +63,42 @@ def sweep(
         str | None,
         typer.Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays."),
     ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Figure to write, or to replace: .png, .svg or .pdf.")
+    ] = None,
     modules: Imports = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing store.")] = False,
     json: Json = False,
 ) -> None:
     """Run many variants of a scenario; the same command goes on where it was stopped."""
     import_modules(modules)
-    from martensite.cli.sweep_run import Chosen, swept
+    from martensite.cli.outputs import Outputs
+    from martensite.cli.sweep_run import swept
     from martensite.io.overrides import read_settings
     from martensite.io.scenario import load
+    from martensite.io.sweeps.api import How
     from martensite.io.sweeps.job import MEASURES, Wanted
 
+    Outputs(None, figure).check(force=True)
     wanted = Wanted(
         over=tuple(over or ()), sample=sample, measures=tuple(output or MEASURES),
         traces=tuple(_trace(words) for words in trace or ()), seed=seed, chunk=chunk_size,
         step=None if step is None else quantity("step", step, "s"), runtime=runtime,
         precision=precision,
     )  # fmt: skip
-    chosen = Chosen(
-        out or Path(f"{scenario.stem}.zarr"), backend, workers, scheduler, chunk,
-        tuple(modules or ()), force,
-    )  # fmt: skip
-    swept(load(scenario, read_settings(settings or [])), wanted, chosen).show(json)
+    how = How(backend, workers, scheduler, chunk, tuple(modules or ()), force)
+    path = out or Path(f"{scenario.stem}.zarr")
+    swept(load(scenario, read_settings(settings or [])), wanted, path, how).show(json)
+    if figure is not None:
+        _draw(path, figure)
+
+
+def _draw(store: Path, path: Path) -> None:
+    from martensite.io.sweeps.reading import read_sweep
+    from martensite.plot.files import write_figure
+    from martensite.plot.sweep import plot_sweep
+
+    write_figure(plot_sweep(read_sweep(store)), path)
 
 
 def _trace(words: str) -> tuple[str, int]:

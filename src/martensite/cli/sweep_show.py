@@ -53,27 +53,14 @@ class Swept:
         if done.made and done.seconds:
             yield f"{1e3 * done.seconds / done.made:.3g} ms of processor time per run"
 
-    def _statuses(self) -> Any:
-        """Status of every run that is there."""
-        import numpy as np
-
-        made = np.zeros(self.plan.size, bool)
-        for chunk in self.store.made():
-            rows = self.plan.rows(chunk)
-            made[rows.start : rows.stop] = True
-        return np.where(made, self.store.group["status"][:], -1)
-
     def _failures(self) -> Iterator[str]:
         """Sentences on runs that failed, or are coarse."""
-        import numpy as np
+        from martensite.io.sweeps.summary import statuses
 
-        statuses = self._statuses()
-        for status in Status:
-            rows = np.flatnonzero(statuses == status)
-            if status is Status.OK or not len(rows):
-                continue
-            named = ", ".join(map(str, rows[:NAMED])) + (" …" if len(rows) > NAMED else "")
-            yield f"{len(rows):,} runs: {status.sentence} (run {named})"
+        counts, rows = statuses(self.store, NAMED)
+        for status, first in sorted(rows.items()):
+            named = ", ".join(map(str, first)) + (" …" if counts[status] > len(first) else "")
+            yield f"{counts[status]:,} runs: {Status(status).sentence} (run {named})"
 
     def _rows(self) -> Iterator[tuple[str, ...]]:
         from martensite.cli import show
@@ -84,19 +71,15 @@ class Swept:
 
     def _spread(self, words: str) -> tuple[float, ...]:
         """Lowest, median and highest of what there is."""
-        import numpy as np
+        from martensite.io.sweeps.summary import spread
 
-        found = self.store.group[words][:]
-        found = found[np.isfinite(found)]
-        if not len(found):
-            return (float("nan"),) * 3
-        return tuple(float(f(found)) for f in (np.min, np.median, np.max))
+        return spread(self.store, words)
 
     def _report(self) -> dict[str, Any]:
         """For JSON; numbers in SI."""
-        import numpy as np
+        from martensite.io.sweeps.summary import statuses
 
-        statuses = self._statuses()
+        counts, _ = statuses(self.store, 0)
         names = ("lowest", "median", "highest")
         return {
             "store": str(self.store.path),
@@ -106,7 +89,7 @@ class Swept:
             "chunks": [len(self.store.made()), self.plan.chunks],
             "step": self.plan.course.step,
             "runtime": self.plan.course.runtime,
-            "status": {s.name.lower(): int(np.sum(statuses == s)) for s in Status},
+            "status": {s.name.lower(): counts[s] for s in Status},
             "measures": {
                 words: dict(zip(names, self._spread(words), strict=True))
                 for words in self.plan.measures

@@ -36,8 +36,8 @@ Flags: TypeAlias = NDArray[np.bool_]
 Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
 RUNTIMES = ("c", "jax", "floats")
-LANES = {"c": 64, "jax": 256, "floats": 16}
-"""Runs that march together."""
+LANES = {"c": 64, "floats": 16}
+"""Runs that march together; on JAX as many as suit its devices."""
 CLOCKS = 64
 """Sets of edges whose steps are kept."""
 
@@ -104,12 +104,20 @@ class Course:
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
         refusal = refused(self.system, values, count) | self._refused(own, count)
-        size, rows = self.lanes or LANES[self.runtime], np.arange(count)
+        size, rows = self._together(), np.arange(count)
         pieces = [
             self._block(values, own, rows[k : k + size], refusal, size)
             for k in range(0, count, size)
         ]
         return Ran.joined(pieces)
+
+    def _together(self) -> int:
+        """How many runs march together."""
+        if self.lanes is None and self.runtime == "jax":
+            from martensite.simulate.variants_jax import block
+
+            return block()
+        return self.lanes or LANES[self.runtime]
 
     def _block(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
@@ -208,13 +216,14 @@ class Course:
     def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         edges = edges_of(waveforms, self.duration)
-        if edges not in self._clocks:
+        clock = self._clocks.get(edges)
+        if clock is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
             shape = self.duration, self.samples, self.step
-            self._clocks[edges] = clocked(self.system, edges, *shape)
+            clock = self._clocks[edges] = clocked(self.system, edges, *shape)
         drives = [waveforms.get(drive.name) for drive in self.system.drives()]
-        return played(self._clocks[edges], drives)
+        return played(clock, drives)
 
     @cached_property
     def _clocks(self) -> dict[Edges, Grid]:

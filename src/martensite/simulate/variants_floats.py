@@ -29,7 +29,11 @@ def march_one_by_one(
     for run in range(runs):
         system = course.system.rebuilt({path: float(v[run]) for path, v in values.items()})
         one = grid if isinstance(grid, Grid) else grid.lane(run)
-        track = march_floats(*patient(system), one)
+        try:
+            track = march_floats(*patient(system), one)
+        except ArithmeticError:  # what follows from parameters alone is no number
+            reports[:, run] = BROKEN
+            continue
         reports[:, run] = REPORTS.get(track.status, BROKEN)
         rows = np.asarray(track.rows)[:, list(course.places)].T
         columns[:, run, : rows.shape[1]] = rows

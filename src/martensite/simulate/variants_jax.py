@@ -1,4 +1,7 @@
-"""Variants on JAX: one batch per block, on whatever device JAX has."""
+"""Variants on JAX, shared among all devices that it has.
+
+A block has as many runs as its devices take at a time: a chunk each, in the order of the runs.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.simulate.arrays import Schedule, jitted_march, schedule
+from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import SOLVED
@@ -36,17 +40,32 @@ class JaxMarch:
     def _march(
         self, compiled: Compiled, values: Values, grid: Grid | LaneGrid, runs: int
     ) -> tuple[list[Numbers], Numbers]:
-        precision = self.course.precision
-        plan, padded = _schedule(grid, precision)
-        table = [
-            np.broadcast_to(np.asarray(v, precision), runs) if np.ndim(v) else
-            np.asarray(v, precision)
-            for v in self.course.table(values)
-        ]  # fmt: skip
-        found = jitted_march(compiled, self.course.places, padded)(table, plan)
-        columns = [_by_run(column, runs) for column in found.outputs]
-        reports = [np.broadcast_to(np.asarray(r), runs) for r in (found.residual, found.crossing)]
+        """Chunks of a block over the devices; variants of a waveform stay on the first."""
+        devices = devices_of()[: 1 if isinstance(grid, LaneGrid) else None]
+        plan, padded = _schedule(grid, self.course.precision)
+        size = -(-runs // len(devices))
+        table = [np.asarray(v, self.course.precision) for v in self.course.table(values)]
+        chunks = (
+            [np.resize(v[k : k + size], size) if v.ndim else v for v in table]
+            for k in range(0, runs, size)
+        )
+        run = jitted_march(compiled, self.course.places, padded)
+        pieces = list(march_chunks(run, chunks, plan, devices))
+        columns = [
+            np.concatenate([_by_run(piece.outputs[i], size) for piece in pieces])[:runs]
+            for i in range(len(self.course.outputs))
+        ]
+        reports = [
+            np.concatenate([np.broadcast_to(np.asarray(r), size) for r in each])[:runs]
+            for each in zip(*((p.residual, p.crossing) for p in pieces), strict=True)
+        ]
         return columns, np.stack(reports).astype(np.float64)
+
+
+def block() -> int:
+    """Runs that march together on the devices that JAX has."""
+    devices = devices_of()
+    return chunk_for(devices) * len(devices)
 
 
 def _by_run(column: Any, runs: int) -> Numbers:

@@ -16,7 +16,7 @@ import numpy as np
 from martensite.errors import MartensiteError, ParameterError
 from martensite.parameters import Parametrised, structure
 from martensite.simulate.measures.base import AbstractMeasure, judged, needed
-from martensite.simulate.measures.means import Integral
+from martensite.simulate.measures.means import Integral, RootMeanSquare
 from martensite.simulate.variants import Course, Numbers, Ran
 from martensite.status import Status
 from martensite.sweep.axes import Axis
@@ -116,7 +116,8 @@ class Plan:
 
     def cautions(self) -> list[str]:
         """Sentences about what is allowed but probably not meant."""
-        integrals = [words for words, one in self.measures.items() if isinstance(one, Integral)]
+        sums = Integral, RootMeanSquare
+        integrals = [words for words, one in self.measures.items() if isinstance(one, sums)]
         waves = self.course.waveforms.values()
         edges = max((len(wave.edges(self.course.duration)) for wave in waves), default=0)
         if not integrals or 4 * edges <= self.course.samples:
@@ -168,10 +169,12 @@ class Plan:
     def _kept(self, values: Numbers, ran: Ran) -> Piece:
         """Measures and traces; nothing of a failed run but its status is to be trusted."""
         bad = ran.status >= Status.UNSOLVED
-        scalars = {
-            words: np.where(bad, np.nan, judged(one, self._ready.system, self.times, ran.columns))
-            for words, one in self.measures.items()
-        }
+        with np.errstate(all="ignore"):  # of failed runs
+            found = {
+                words: judged(one, self._ready.system, self.times, ran.columns)
+                for words, one in self.measures.items()
+            }
+        scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
         traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
         return Piece(values, scalars, traces, ran.status)
 

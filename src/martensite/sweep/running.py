@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 
 from martensite.errors import ParameterError
-from martensite.sweep.backends.base import AbstractBackend, Job, Report
+from martensite.sweep.backends.base import AbstractBackend, Job, Report, StoppedError
 
 
 @dataclass
@@ -56,16 +57,27 @@ def run_chunks(
         done: numbers of chunks that are there.
         backend: who makes them.
         tell: called after every chunk.
+
+    Raises:
+        StoppedError: it was interrupted, or cannot go on; chunks that were made are kept.
     """
     there = [chunk for chunk in wanted if chunk in done]
     runs = sum(len(job.rows(chunk)) for chunk in wanted)
     progress = Progress(runs, sum(len(job.rows(chunk)) for chunk in there))
-    if tell:
-        tell(progress)
-    for report in backend.run(job, [chunk for chunk in wanted if chunk not in done]):
-        progress.note(report)
+    missing = [chunk for chunk in wanted if chunk not in done]
+    try:
         if tell:
             tell(progress)
+        with closing(backend.run(job, missing)) as reports:
+            for report in reports:
+                progress.note(report)
+                if tell:
+                    tell(progress)
+    except KeyboardInterrupt:
+        raise StoppedError(
+            f"Interrupted when {progress.done:,} of {runs:,} runs were there. They are kept: the "
+            "same command goes on from there."
+        ) from None
     return progress
 
 

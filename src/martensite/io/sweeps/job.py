@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from importlib import import_module
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from martensite.errors import InputError, MartensiteError, UnknownNameError
 from martensite.io.scenario import Scenario, read
+from martensite.io.sweeps.differing import differing
 from martensite.io.sweeps.store import Store
-from martensite.io.sweeps.subject import course_of, settled, targets_of
+from martensite.io.sweeps.subject import course_of, settled, targets_of, waveforms_of
 from martensite.simulate.measures.base import measure
 from martensite.sweep.axes import axis
-from martensite.sweep.backends.base import Report
+from martensite.sweep.backends.base import Report, StoppedError
 from martensite.sweep.designs.base import design
 from martensite.sweep.plan import CHUNK, Piece, Plan, Trace
+from martensite.sweep.salvage import kept
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
 """What is kept of every run, unless chosen."""
@@ -65,8 +72,6 @@ def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
     outputs = course.system.outputs()
     for name, _ in wanted.traces:
         if name not in outputs:
-            from martensite.errors import UnknownNameError
-
             raise UnknownNameError("output", name, outputs)
     return Plan(
         course, tuple(axis(words, targets) for words in wanted.over),
@@ -76,20 +81,45 @@ def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
 
 
 def prepared(scenario: Scenario, wanted: Wanted) -> tuple[Plan, Wanted]:
-    """The plan with its step and its runtime chosen, and what was asked for with both in it."""
+    """The plan with its step and its runtime chosen, and what was asked for with both in it.
+
+    Raises:
+        InputError: something that was asked for is wrong; measures are tried on an empty run.
+    """
     plan = plan_of(scenario, wanted)
+    plan.lost(range(1))
     step = wanted.step or settled(scenario, plan)
     chosen = replace(wanted, step=step, runtime=plan.course.runtime)
     return replace(plan, course=replace(plan.course, step=step)), chosen
 
 
 def spec_of(scenario: Scenario, wanted: Wanted, modules: Sequence[str] = ()) -> dict[str, Any]:
-    """All that is needed to make any chunk anywhere."""
+    """All that is needed to make any chunk anywhere.
+
+    `numbers` stands for those of the system and its signals: so that a file that the scenario
+    names, and that has changed or is another elsewhere, does not go unnoticed.
+    """
     folder = scenario.path.parent.resolve() if scenario.path else Path.cwd()
     return {
         "scenario": scenario.text, "title": scenario.title, "folder": str(folder),
-        "modules": list(modules), **wanted.to_dict(),
+        "modules": [_anywhere(name) for name in modules], "version": version("martensite"),
+        "numbers": _numbers(scenario), **wanted.to_dict(),
     }  # fmt: skip
+
+
+def _anywhere(module: str) -> str:
+    """A module that is a file by its whole path."""
+    return str(Path(module).resolve()) if module.endswith(".py") else module
+
+
+def _numbers(scenario: Scenario) -> str:
+    """A digest of all numbers of a scenario, and of its signals at the samples."""
+    waves = waveforms_of(scenario)
+    last = min(scenario.samples, 10_001) - 1
+    times = [scenario.duration * k / last for k in range(last + 1)]
+    told = [(leaf.path, leaf.value) for leaf in scenario.whole.leaves()]
+    played = [(name, wave.signals(times)) for name, wave in waves.items()]
+    return hashlib.sha256(repr((told, played)).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -108,8 +138,8 @@ class SweepJob:
     def __call__(self, chunk: int) -> Report:
         """Make a chunk and store it."""
         begin = time.process_time()
-        piece = self.compute(self.rows(chunk))
-        report = self.store(chunk, piece)
+        piece, remarks = kept(self, chunk, self.compute)
+        report = self.store(chunk, piece, remarks)
         return replace(report, seconds=time.process_time() - begin)
 
     def rows(self, chunk: int) -> range:
@@ -133,21 +163,40 @@ class SweepJob:
 
 @lru_cache(maxsize=4)
 def _plan(spec: str) -> Plan:
-    known = json.loads(spec)
-    imported(known.pop("modules"))
-    folder, text = Path(known.pop("folder")), known.pop("scenario")
-    known.pop("title")
-    scenario = read(text, folder / "scenario.toml")
-    return plan_of(scenario, Wanted.from_dict(known))
+    try:
+        return _remade(json.loads(spec))
+    except MartensiteError as error:  # some have arguments with which they cannot travel
+        raise StoppedError(f"A process cannot make this sweep: {error}") from None
+
+
+def _remade(spec: Mapping[str, Any]) -> Plan:
+    """The plan of a specification.
+
+    Raises:
+        InputError: this process has other files, or another version of the package.
+    """
+    imported(spec["modules"])
+    scenario = read(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
+    names = Wanted.__dataclass_fields__
+    wanted = Wanted.from_dict({name: spec[name] for name in names})
+    apart = differing(spec, spec_of(scenario, wanted))
+    if apart:
+        raise InputError(f"It is another one here: {'; '.join(apart)}.")
+    return plan_of(scenario, wanted)
 
 
 def imported(modules: Sequence[str]) -> None:
-    """Import what registers parts of the user's own, by dotted name or by file."""
-    import sys
-    from importlib import import_module
+    """Import what registers parts of the user's own, by dotted name or by file.
 
+    Raises:
+        InputError: one cannot be imported.
+    """
     for name in modules:
         path = Path(name)
-        sys.path.insert(0, str(path.parent if path.suffix == ".py" else Path()))
-        import_module(path.stem if path.suffix == ".py" else name)
-        sys.path.pop(0)
+        sys.path.insert(0, str(path.parent.resolve() if path.suffix == ".py" else Path.cwd()))
+        try:
+            import_module(path.stem if path.suffix == ".py" else name)
+        except ImportError as error:
+            raise InputError(f"Cannot import `{name}`: {error}.") from None
+        finally:
+            sys.path.pop(0)

@@ -14,28 +14,33 @@ included, is in the attributes; with it a sweep that was stopped goes on.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.errors import DataError, MartensiteError
+from martensite.io.sweeps.differing import differing
 from martensite.status import Status
+from martensite.sweep.backends.base import StoppedError
+from martensite.sweep.extras import extra
 from martensite.sweep.plan import Piece, Plan
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"
 SPEC = "martensite_sweep"
 NUMBER = "f8"
-FULL = 28
-"""Number of the error `no space left on device` (ENOSPC)."""
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Numbers of the errors that say that there is no room left."""
+STRETCH = 1 << 20
+"""Runs that are read at a time where all are looked at."""
 
 
 def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
@@ -45,6 +50,7 @@ def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
 
     Raises:
         DataError: something else is there, or the folder cannot be written.
+        StoppedError: the disk is full.
     """
     if not path.exists():
         part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
@@ -53,29 +59,32 @@ def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
             part.rename(path)
         except OSError as error:
             if not path.exists():  # nobody else was faster
-                raise DataError(f"`{path}` could not be made: {error.strerror or error}.") from None
+                raise _refusal(f"`{path}` could not be made: {_reason(error)}.", error) from None
         finally:
             shutil.rmtree(part, ignore_errors=True)
     store = Store(path)
     apart = differing(store.spec, spec)
     if apart:
         raise DataError(
-            f"`{path}` holds another sweep: {', '.join(f'`{name}`' for name in apart)} differ. "
-            "Choose another --out, or replace it by --force."
+            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace "
+            "it by --force."
         )
     return store
 
 
-def differing(there: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
-    """What of two specifications is not the same."""
-    known = json.loads(json.dumps(dict(wanted)))
-    return [name for name in (*known, *there) if known.get(name) != there.get(name)]
+def _reason(error: OSError) -> str:
+    """Why something could not be written."""
+    return "the disk is full" if error.errno in FULL else error.strerror or str(error)
+
+
+def _refusal(sentence: str, error: OSError) -> MartensiteError:
+    """Bad input, or a disk that is full."""
+    return StoppedError(sentence) if error.errno in FULL else DataError(sentence)
 
 
 def _make(path: Path, plan: Plan, spec: Mapping[str, Any]) -> None:
     """An empty group for a plan."""
-    zarr: Any = import_module("zarr")
-    group = zarr.create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    group = extra("zarr").create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
     for name, (kind, dims, sizes, attributes) in _layout(plan).items():
         shape, chunks = zip(*sizes, strict=True)
         group.create_array(
@@ -122,12 +131,11 @@ class Store:
         Raises:
             DataError: there is none.
         """
-        zarr: Any = import_module("zarr")
         try:
-            found = zarr.open_group(str(self.path), mode="r+")
+            found = extra("zarr").open_group(str(self.path), mode="r+")
             json.loads(found.attrs[SPEC])
         except (OSError, KeyError, ValueError) as error:
-            raise DataError(f"`{self.path}` holds no sweep: {error}.") from None
+            raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
         return found
 
     @property
@@ -143,7 +151,7 @@ class Store:
         """Put a chunk into its region.
 
         Raises:
-            DataError: it could not be written; the sentence says what to do.
+            StoppedError: it could not be written; the sentence says what to do.
         """
         region = slice(rows.start, rows.stop)
         columns = dict(zip(names, piece.values.T, strict=True)) | piece.scalars | piece.traces
@@ -152,8 +160,18 @@ class Store:
                 self.group[name][region] = values
             self.group[MADE][chunk] = 1
         except OSError as error:
-            why = "the disk is full" if error.errno == FULL else error.strerror or str(error)
-            raise DataError(
-                f"Chunk {chunk} of `{self.path}` could not be written: {why}. What was written "
-                "before is kept; mend this and give the same command again: it goes on from there."
+            raise StoppedError(
+                f"Chunk {chunk} of `{self.path}` could not be written: {_reason(error)}. What was "
+                "written before is kept; mend this and give the same command again: it goes on "
+                "from there."
             ) from None
+
+    def stretches(self) -> Iterator[tuple[slice, np.ndarray]]:
+        """Stretches of runs, and which of them are there: so that a column need not fit."""
+        status = self.group[STATUS]
+        size, chunk = status.shape[0], status.chunks[0]
+        made, stride = self.group[MADE][:] > 0, max(STRETCH // chunk, 1)
+        for first in range(0, len(made), stride):
+            there = np.repeat(made[first : first + stride], chunk)
+            stop = min(first * chunk + len(there), size)
+            yield slice(first * chunk, stop), there[: stop - first * chunk]

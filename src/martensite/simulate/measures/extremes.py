@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
+from martensite.units import DEGREES
 
 
 @MEASURES.register("max")
@@ -43,6 +44,10 @@ class Smallest(Largest):
 @MEASURES.register("stroke")
 class Stroke(Largest):
     """Largest less smallest sample; without an output, of the first coordinate."""
+
+    def unit(self, unit: str) -> str:
+        """That of a difference."""
+        return DEGREES if unit == "K" else unit
 
     def value(self, times: Numbers, seen: Numbers) -> Numbers:
         """max y − min y, the widest of several."""

@@ -7,12 +7,17 @@ worker takes with it when it dies is made again, or reported as lost.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
+from martensite.errors import MartensiteError
 from martensite.registry import Registry
 from martensite.sweep.plan import Piece
+
+
+class StoppedError(MartensiteError):
+    """A sweep stopped on the way; what was made is kept, and the sentence says how to go on."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +63,12 @@ class AbstractBackend(ABC):
     registered_name: ClassVar[str] = ""
 
     @abstractmethod
-    def run(self, job: Job, chunks: Iterable[int]) -> Iterator[Report]:
-        """Make chunks, in any order; stop at an error that the next chunk would meet as well."""
+    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+        """Make chunks, in any order; stop at an error that the next chunk would meet as well.
+
+        Raises:
+            StoppedError: it cannot go on; chunks that were made before are kept.
+        """
 
 
 BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite.sweep.backends")

@@ -1,22 +1,28 @@
 """Chunks over the cores of this machine, one process each (Python's process pool).
 
 A process that dies takes its chunks with it. They are made again, each in a process of its own; a
-chunk that kills its process once more is halved until the runs that do it are found. Those are
-reported as lost, the others are kept.
+chunk that kills its process once more is halved until the runs that do it are found
+(`martensite.sweep.salvage`). Ctrl-C is heard by this process alone: chunks under way are finished,
+the others are left for later. When this process is killed, the others end as well.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+import signal
+from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 
-from martensite.sweep.backends.base import BACKENDS, AbstractBackend, Job, Report
+from martensite.sweep.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
 from martensite.sweep.plan import Piece
+from martensite.sweep.salvage import kept
 
 START = "spawn"
 """A forked process would inherit the threads of JAX, half of them."""
@@ -33,9 +39,9 @@ class Processes(AbstractBackend):
     @property
     def count(self) -> int:
         """Number of processes."""
-        return self.workers or len(os.sched_getaffinity(0))
+        return self.workers or cores()
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Iterator[Report]:
+    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
         """Two chunks per process are under way at a time."""
         waiting, broken = iter(chunks), list[int]()
         while True:
@@ -48,13 +54,14 @@ class Processes(AbstractBackend):
 
     def _pool(self, job: Job, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
         """Reports of chunks until there are no more, or a process has died; then what it had."""
-        with ProcessPoolExecutor(self.count, get_context(START)) as pool:
+        with _pool_of(self.count) as pool:
             under_way: dict[Future[Report], int] = {}
             while True:
                 room = 0 if broken else 2 * self.count - len(under_way)
                 for chunk in islice(waiting, room):
                     try:
-                        under_way[pool.submit(job, chunk)] = chunk
+                        with _deaf():
+                            under_way[pool.submit(job, chunk)] = chunk
                     except BrokenProcessPool:
                         broken.append(chunk)
                         break
@@ -68,28 +75,72 @@ class Processes(AbstractBackend):
                         broken.append(chunk)
 
 
+def cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def salvaged(job: Job, chunk: int) -> Report:
-    """Make a chunk whose process has died, keeping every run that can be made."""
-    rows, lost = job.rows(chunk), list[int]()
-    piece = Piece.joined(_kept(job, rows, lost))
-    remark = f"The process of chunk {chunk} died; "
-    if lost:
-        named = ", ".join(map(str, lost[:5])) + (" …" if len(lost) > 5 else "")
-        remark += f"run {named} kills it and is lost, the others were made again."
-    else:
-        remark += "it was made again."
-    return job.store(chunk, piece, (remark,))
+    """Make a chunk whose process has died, keeping every run that can be made.
+
+    Raises:
+        StoppedError: no process can be started, or too many runs kill theirs.
+    """
+    begin = f"A process died at chunk {chunk}, which was made again."
+    piece, remarks = kept(job, chunk, partial(_alone, job), begin)
+    return replace(job.store(chunk, piece), remarks=remarks)
 
 
-def _kept(job: Job, rows: range, lost: list[int]) -> list[Piece]:
-    """Pieces of some runs, halved wherever a process of their own dies."""
+def _alone(job: Job, rows: range) -> Piece:
+    """Make some runs in a process of their own."""
+    with _pool_of(1) as pool:
+        try:
+            with _deaf():
+                ready = pool.submit(os.getpid)
+            ready.result()
+        except BrokenProcessPool:
+            raise StoppedError(
+                "No process can be started here. In a script, sweep under "
+                '`if __name__ == "__main__":`; or choose the backend `serial`.'
+            ) from None
+        try:
+            return pool.submit(job.compute, rows).result()
+        except BrokenProcessPool:
+            raise RuntimeError("its process died") from None
+
+
+@contextmanager
+def _pool_of(count: int) -> Iterator[ProcessPoolExecutor]:
+    """A pool whose waiting chunks are dropped at the end."""
+    pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
     try:
-        with ProcessPoolExecutor(1, get_context(START)) as pool:
-            return [pool.submit(job.compute, rows).result()]
-    except BrokenProcessPool:
-        if len(rows) == 1:
-            lost.append(rows.start)
-            return [job.lost(rows)]
-    middle = (rows.start + rows.stop) // 2
-    halves = range(rows.start, middle), range(middle, rows.stop)
-    return [piece for half in halves for piece in _kept(job, half, lost)]
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that has started it is gone, even by a kill."""
+    parent = parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Processes that are started meanwhile do not hear Ctrl-C, which is for this one."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 
 from martensite.sweep.backends.base import BACKENDS, AbstractBackend, Job, Report
 
@@ -11,7 +11,7 @@ from martensite.sweep.backends.base import BACKENDS, AbstractBackend, Job, Repor
 class Serial(AbstractBackend):
     """This process alone."""
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Iterator[Report]:
+    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
         """One chunk after another."""
         for chunk in chunks:
             yield job(chunk)

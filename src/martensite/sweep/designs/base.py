@@ -29,6 +29,11 @@ class AbstractDesign(ABC):
     """How many samples are asked for; None on a grid."""
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` for a seed that cannot be."""
+        if self.seed < 0:
+            raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
+
     @abstractmethod
     def size(self, axes: Sequence[Axis]) -> int:
         """Number of runs."""
@@ -47,6 +52,7 @@ class AbstractSample(AbstractDesign):
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` unless it is known how many."""
+        super().__post_init__()
         if self.count is None or not 1 <= self.count <= MOST:
             raise ParameterError(
                 f"`{self.registered_name}` needs how many runs, such as "

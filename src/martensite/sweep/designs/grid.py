@@ -18,6 +18,7 @@ class Grid(AbstractDesign):
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` if a number of runs is given: levels decide."""
+        super().__post_init__()
         if self.count is not None:
             raise ParameterError(
                 "A grid has as many runs as its axes have combinations of levels; write their "

@@ -1,0 +1,199 @@
+"""What every measure keeps to: one number per run, whatever runs are beside it, with its slopes.
+
+Sources of truth: central differences of the measure itself; curves whose extremes, crossings, means
+and integrals are known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from builders import problem_a
+
+from martensite.errors import InputError
+from martensite.parameters import text
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, judged, measure, needed
+from martensite.simulate.measures.extremes import Largest
+from martensite.units import conversion
+
+SYSTEM = problem_a()
+RUNS = 7
+TIMES = np.cumsum(np.append(0.0, np.random.default_rng(1).uniform(0.05, 0.2, 40)))
+OPTIONS = {"at": "position, time=1.234 s"}
+
+
+def named(name: str) -> AbstractMeasure:
+    return measure(f"{name}({OPTIONS.get(name, '')})")
+
+
+def seen(columns: int = 2) -> np.ndarray:
+    """Smooth ways out and back, with ripples; (columns, samples, runs)."""
+    rng = np.random.default_rng(2)
+    share = TIMES / TIMES[-1]
+    out = np.sin(np.pi * share) ** 2
+    ripple = 0.02 * rng.standard_normal((columns, len(TIMES), RUNS))
+    return out[None, :, None] * rng.uniform(0.5, 2.0, (columns, 1, RUNS)) + ripple
+
+
+def differences(one: AbstractMeasure, samples: np.ndarray) -> np.ndarray:
+    """Central differences by every sample."""
+    found = np.zeros(samples.shape)
+    for place in np.ndindex(samples.shape[:2]):
+        step = np.zeros(samples.shape)
+        step[place] = 1e-6
+        up, down = one.value(TIMES, samples + step), one.value(TIMES, samples - step)
+        found[place] = (up - down) / 2e-6
+    return found
+
+
+@pytest.mark.parametrize("name", MEASURES.names())
+class TestMeasures:
+    def test_a_run_does_not_depend_on_those_beside_it(self, name: str) -> None:
+        one, samples = named(name), seen()
+        together = one.value(TIMES, samples)
+        assert together.shape == (RUNS,)
+        for k in range(RUNS):
+            assert one.value(TIMES, samples[:, :, k : k + 1])[0] == together[k]
+        order = np.array([3, 0, 6, 2, 5, 1, 4])
+        assert np.array_equal(one.value(TIMES, samples[:, :, order]), together[order])
+
+    def test_weights_are_its_derivatives(self, name: str) -> None:
+        one, samples = named(name), seen()
+        weights = one.weights(TIMES, samples)
+        assert weights.shape == samples.shape
+        assert np.abs(weights).max() > 0.0
+        assert weights == pytest.approx(differences(one, samples), rel=1e-6, abs=1e-8)
+
+    def test_weights_of_a_run_that_stays_are_finite(self, name: str) -> None:
+        still = np.zeros((1, len(TIMES), 2))
+        assert np.isfinite(named(name).weights(TIMES, still)).all()
+
+    def test_its_unit_is_one(self, name: str) -> None:
+        unit = measure(f"{name}(power)").unit_in(SYSTEM)
+        assert conversion(unit, unit) == (1.0, 0.0)
+
+    def test_an_unknown_output_is_named_with_the_nearest(self, name: str) -> None:
+        with pytest.raises(InputError, match=r"`powr`.*Did you mean `power`"):
+            measure(f"{name}(powr)").columns(SYSTEM)
+
+    def test_what_failed_does_not_touch_the_others(self, name: str) -> None:
+        one, samples = named(name), seen()
+        broken = samples.copy()
+        broken[:, :, 2] = np.nan
+        with np.errstate(all="ignore"):
+            found = one.value(TIMES, broken)
+        others = np.arange(RUNS) != 2
+        assert np.array_equal(found[others], one.value(TIMES, samples)[others])
+
+
+def test_wrong_weights_are_noticed() -> None:
+    class Doubled(Largest):
+        """With slopes twice as large."""
+
+        def weights(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
+            return 2.0 * super().weights(times, seen)
+
+    samples = seen()
+    apart = np.abs(Doubled().weights(TIMES, samples) - differences(Doubled(), samples))
+    assert apart.max() == pytest.approx(1.0, rel=1e-6)
+
+
+# ---------------------------------------------------------------- known curves
+
+RAMP = np.linspace(0.0, 4.0, 9)
+"""Times [s] of a ramp from 1 to 5, and back."""
+WAY = np.concatenate([np.linspace(1.0, 5.0, 5), np.linspace(4.0, 1.0, 4)])
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("max", 5.0),
+        ("min", 1.0),
+        ("stroke", 4.0),
+        ("final", 1.0),
+        ("at(position, time=0.75 s)", 2.5),
+        ("rise-time", 0.8 * 2.0),
+        ("fall-time", 0.8 * 2.0),
+        ("rise-time(position, low=0.25, high=0.75)", 1.0),
+        ("integral", 12.0),
+        ("mean", 3.0),
+        ("energy(position)", 12.0),
+        ("rms", np.sqrt(np.mean((WAY[:-1] ** 2 + WAY[1:] ** 2) / 2.0))),
+    ],
+)
+def test_known_curves(words: str, expected: float) -> None:
+    one = measure(words)
+    assert one.value(RAMP, WAY[None, :, None]) == pytest.approx([expected], rel=1e-12)
+    if "time" in words and "at" not in words:
+        down = one.value(RAMP, 3.0 - WAY[None, :, None])
+        assert down == pytest.approx([expected], rel=1e-12)
+
+
+def test_what_never_happens_takes_forever() -> None:
+    there = np.linspace(0.0, 1.0, 9)[None, :, None]
+    assert measure("fall-time").value(RAMP, there) == np.inf
+    assert measure("rise-time").value(RAMP, 0.0 * there) == np.inf
+
+
+def test_several_elements_are_looked_at_together() -> None:
+    first, second = WAY, WAY[::-1] + 1.0
+    both = np.stack([first, second])[:, :, None]
+    assert measure("max").value(RAMP, both) == [6.0]
+    assert measure("integral").value(RAMP, both) == pytest.approx([12.0 + 16.0])
+    assert measure("final").value(RAMP, both) == [2.0]
+
+
+def test_columns_and_what_is_needed() -> None:
+    measures = [measure(w) for w in ("stroke", "max(temperature)", "energy", "min(temperature)")]
+    assert measures[0].columns(SYSTEM) == (next(iter(SYSTEM.mechanism.outputs())),)
+    assert needed(measures, SYSTEM) == (*measures[0].columns(SYSTEM), "temperature", "power")
+    columns = {"temperature": np.array([[1.0, 3.0], [2.0, 0.0]])}
+    assert judged(measures[1], SYSTEM, RAMP[:2], columns).tolist() == [3.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ("strok", "Did you mean `stroke`"),
+        ("max(stress", "is no measure"),
+        ("", "is no measure"),
+        ("at(position, 2 s)", r"needs a name, such as `time=2 s`"),
+        ("at(position, tme=2 s)", "Did you mean `time`"),
+        ("at(position, time=2 m)", "time"),
+        ("rise-time(position, low=0.9, high=0.1)", "must be below `high`"),
+    ],
+)
+def test_wrong_words_are_refused(words: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        measure(words)
+
+
+def test_a_moment_after_the_end_is_refused() -> None:
+    with pytest.raises(InputError, match=r"at 5 s, but the run ends at 4 s"):
+        measure("at(position, time=5 s)").value(RAMP, WAY[None, :, None])
+
+
+def test_a_measure_of_ones_own_is_found_by_its_words() -> None:
+    @MEASURES.register("test-first")
+    class First(AbstractMeasure):
+        """The first sample."""
+
+        of: str = text("output", default="")
+
+        def unit(self, unit: str) -> str:
+            return unit
+
+        def value(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
+            return seen[0, 0]
+
+        def weights(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
+            found = np.zeros(seen.shape)
+            found[0, 0] = 1.0
+            return found
+
+    try:
+        one = measure("test-first(stress)")
+        assert (type(one), one.unit_in(SYSTEM)) == (First, "Pa")
+    finally:
+        MEASURES._entries.pop("test-first")

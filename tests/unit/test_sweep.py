@@ -1,0 +1,363 @@
+"""A sweep from its words to its store: what is kept, where, and that it goes on as it began.
+
+Sources of truth: single runs of the scenario with the same numbers, and the same sweep made in
+another way.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sweep_cases import OVER, WIRE, arrays, wanted, wire
+
+from martensite.errors import DataError, InputError
+from martensite.io.sweeps import store as stores
+from martensite.io.sweeps import summary
+from martensite.io.sweeps.api import How, begin, sweep
+from martensite.io.sweeps.job import MEASURES, SweepJob, Wanted, prepared, spec_of
+from martensite.io.sweeps.store import Store, create
+from martensite.simulate.variants import Ran
+from martensite.status import Status
+from martensite.sweep.plan import Piece, Plan
+from martensite.sweep.running import share_of
+
+SERIAL = How("serial")
+TRACES = (("position", 6), ("temperature", 3))
+
+
+def plan(*over: str, text: str = WIRE, **more: Any) -> Plan:
+    return prepared(wire(text), wanted(*over, **more))[0]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sweep with traces, made in one go."""
+    path = tmp_path_factory.mktemp("sweep") / "whole.zarr"
+    begin(wire(), wanted(traces=TRACES), path, SERIAL).run()
+    return path
+
+
+# ---------------------------------------------------------------- what is kept
+
+
+def test_rows_are_single_runs(whole: Path) -> None:
+    group = Store(whole).group
+    for row in (0, 5, 11):
+        diameter = float(group["element.diameter"][row])
+        high = float(group["drive.waveform.high"][row])
+        assert diameter == pytest.approx(0.12e-3 + 0.04e-3 * (row // 4), rel=1e-12)
+        assert high == pytest.approx(2.0 + 2.0 / 3.0 * (row % 4), rel=1e-12)
+        alone = wire(element__diameter=f"{diameter!r} m", drive__waveform__high=f"{high!r} V").run()
+        assert group["max(temperature)"][row] == max(alone["temperature"])
+        assert group["stroke"][row] == np.ptp(alone["position"])
+        assert group["position"][row].tolist() == list(alone["position"])[::2]
+        assert group["temperature"][row].tolist() == list(alone["temperature"])[::5]
+    assert group["status"][:].tolist() == [0] * 12
+
+
+def test_a_store_holds_all_that_is_needed(whole: Path) -> None:
+    store = Store(whole)
+    assert store.spec["scenario"] == WIRE
+    assert Wanted.from_dict({n: store.spec[n] for n in Wanted.__dataclass_fields__}) == replace(
+        wanted(traces=TRACES), step=0.1
+    )
+    array: Any = store.group["element.diameter"]
+    assert (array.attrs["units"], array.metadata.dimension_names) == ("m", ("run",))
+    assert store.group["time of position"][:] == pytest.approx(np.linspace(0.0, 2.0, 6))
+    assert "refused" in store.group["status"].attrs["flag_meanings"]
+    assert set(store.group.array_keys()) == {
+        "element.diameter", "drive.waveform.high", *MEASURES, "position", "temperature",
+        "time of position", "time of temperature", "status", "made",
+    }  # fmt: skip
+
+
+def test_any_stretch_of_runs_is_that_of_the_whole() -> None:
+    known = plan(chunk=12)
+    every = known.compute(range(12))
+    for rows in (range(0, 1), range(4, 9), range(11, 12)):
+        part = known.compute(rows)
+        for words in MEASURES:
+            assert np.array_equal(part.scalars[words], every.scalars[words][rows])
+        assert np.array_equal(part.values, every.values[rows])
+
+
+@pytest.mark.parametrize("chunk", [1, 5, 100])
+def test_the_size_of_chunks_does_not_matter(chunk: int, whole: Path, tmp_path: Path) -> None:
+    path = tmp_path / "other.zarr"
+    begin(wire(), wanted(traces=TRACES, chunk=chunk), path, SERIAL).run()
+    known = dict(arrays(path))
+    assert all(known[name] == data for name, data in arrays(whole) if name != "made")
+
+
+def test_another_seed_is_noticed(tmp_path: Path) -> None:
+    paths = []
+    for seed in (0, 1):
+        paths.append(tmp_path / f"{seed}.zarr")
+        sample = wanted("diameter=0.12..0.2 mm", sample="sobol:3", seed=seed)
+        begin(wire(), sample, paths[-1], SERIAL).run()
+    assert dict(arrays(paths[0])) != dict(arrays(paths[1]))
+
+
+def test_failed_runs_keep_their_status_and_no_numbers() -> None:
+    known = plan(traces=TRACES)
+    good = known.compute(range(3))
+    columns = {n: np.ones((3, 11)) for n in known.outputs}
+    kept = known._kept(good.values, Ran(columns, np.array([0, Status.UNSOLVED, 1], np.int8)))
+    for words in MEASURES:
+        assert np.isfinite(kept.scalars[words]).tolist() == [True, False, True]
+    lost = known.lost(range(5, 7))
+    assert lost.status.tolist() == [Status.LOST] * 2
+    assert np.isnan(lost.traces["position"]).all()
+    assert np.array_equal(lost.values, known.compute(range(5, 7)).values)
+
+
+def test_refused_runs_are_rows_and_the_others_are_not_touched() -> None:
+    axes = "A_s=68, 95, 68 degC", "high=2..4 V:4"  # 95 degC is above A_f
+    scenario = wire()
+    limit = scenario.system.value_of("element.law.A_f") - 273.15
+    assert limit < 95.0
+    known = plan(axes[0].replace("95", "70"), axes[1]).compute(range(12))
+    found = plan(*axes).compute(range(12))
+    assert found.status.tolist() == [0] * 4 + [Status.REFUSED] * 4 + [0] * 4
+    for words in MEASURES:
+        others = np.r_[0:4, 8:12]
+        assert np.array_equal(found.scalars[words][others], known.scalars[words][others])
+        assert np.isnan(found.scalars[words][4:8]).all()
+
+
+# ---------------------------------------------------------------- going on
+
+
+def test_a_sweep_in_parts_is_the_whole(whole: Path, tmp_path: Path) -> None:
+    path = tmp_path / "parts.zarr"
+    for part in ("2/3", "1/3", "1/3", "3/3"):
+        begun = begin(wire(), wanted(traces=TRACES), path, replace(SERIAL, part=part))
+        assert begun.part == share_of(4, part)
+        begun.run()
+    assert dict(arrays(path)) == dict(arrays(whole))
+
+
+def test_a_store_that_was_moved_goes_on(whole: Path, tmp_path: Path) -> None:
+    """Another folder is no other sweep."""
+    first, second = tmp_path / "here.zarr", tmp_path / "there.zarr"
+    begin(wire(), wanted(traces=TRACES), first, replace(SERIAL, part="1/2")).run()
+    first.rename(second)
+    moved = replace(wire(), path=tmp_path / "elsewhere" / "wire.toml")
+    begun = begin(moved, wanted(traces=TRACES, runtime=None), second, SERIAL)
+    assert begun.plan.course.runtime == "floats"
+    assert begun.run().made == 6
+    assert dict(arrays(second)) == dict(arrays(whole))
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"seed": 3}, "seed `0` there, `3` here"),
+        ({"chunk": 4}, "runs in a chunk `3` there, `4` here"),
+        ({"step": 0.05}, "step `0.1` there, `0.05` here"),
+        ({"measures": ("stroke",)}, r"measures.*`\[\"stroke\"\]` here"),
+        ({"over": ("diameter=0.12..0.2 mm:2",)}, "axes"),
+        ({"sample": "sobol:12"}, "sample `grid` there, `sobol:12` here"),
+        ({"traces": (("position", 5),)}, "traces"),
+    ],
+)
+def test_another_sweep_is_refused(changed: Any, sentence: str, whole: Path) -> None:
+    with pytest.raises(DataError, match=f"another sweep: .*{sentence}.*--force"):
+        begin(wire(), replace(wanted(traces=TRACES), **changed), whole, SERIAL)
+
+
+def test_another_scenario_is_refused_with_its_first_line(whole: Path) -> None:
+    other = wire(WIRE.replace("250 mm", "240 mm"))
+    sentence = r"scenario `length = \"250 mm\"` there, `length = \"240 mm\"` here\. Choose"
+    with pytest.raises(DataError, match=sentence):
+        begin(other, wanted(traces=TRACES), whole, SERIAL)
+
+
+def test_numbers_that_do_not_stand_in_the_scenario_are_watched(whole: Path) -> None:
+    scenario = wire()
+    same = replace(scenario, system=scenario.system.with_values({"element.law.E_A": 7e10}))
+    with pytest.raises(DataError, match="numbers in files that the scenario names differ"):
+        begin(same, wanted(traces=TRACES), whole, SERIAL)
+
+
+def test_what_is_no_sweep_is_left_alone(tmp_path: Path) -> None:
+    other = tmp_path / "precious"
+    other.mkdir()
+    (other / "thesis.tex").touch()
+    for how in (SERIAL, replace(SERIAL, force=True)):
+        with pytest.raises(DataError, match="holds no sweep"):
+            begin(wire(), wanted(), other, how)
+    assert (other / "thesis.tex").exists()
+
+
+def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
+    path = tmp_path / "s.zarr"
+    begin(wire(), wanted(), path, SERIAL).run()
+    before, force = dict(arrays(path)), replace(SERIAL, force=True)
+    with pytest.raises(InputError):
+        begin(wire(), wanted("diametr=0.1..0.2 mm:2"), path, force)
+    with pytest.raises(InputError, match="other parts"):
+        begin(wire(), wanted(), path, replace(force, part="1/2"))
+    assert dict(arrays(path)) == before
+    assert begin(wire(), wanted(seed=2), path, force).run().made == 12
+
+
+# ---------------------------------------------------------------- plans
+
+
+@pytest.mark.parametrize(
+    ("over", "more", "sentence"),
+    [
+        ((), {"over": ()}, "varies something"),
+        (("diametr=0.1..0.2 mm:2",), {}, "Did you mean"),
+        (("diameter=0.1..0.2 mm:2", "element.diameter=0.1, 0.2 mm"), {}, "varied twice"),
+        (("diameter=0..0.2 mm:2",), {}, "diameter"),
+        (OVER, {"measures": ("strok",)}, "Did you mean `stroke`"),
+        (OVER, {"measures": ("max(stres)",)}, "Did you mean `stress`"),
+        (OVER, {"measures": ("at(position, time=9 s)",)}, "the run ends at 2 s"),
+        (OVER, {"measures": ()}, "keeps something"),
+        (OVER, {"traces": (("strss", 3),)}, "Did you mean `stress`"),
+        (OVER, {"sample": "sobl:8"}, "Did you mean `sobol`"),
+        (OVER, {"sample": "sobol"}, "sobol:1024"),
+        (OVER, {"sample": "grid:8"}, "levels"),
+        (OVER, {"chunk": 0}, "at least one run"),
+        (OVER, {"runtime": "floets"}, "Did you mean `floats`"),
+        (OVER, {"precision": "float32"}, "float32 on JAX"),
+    ],
+)
+def test_wrong_plans_are_refused(over: Any, more: Any, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=sentence):
+        begin(wire(), replace(wanted(*over), **more), tmp_path / "no.zarr", SERIAL)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words", ["0/2", "3/2", "1", "a/b", "1/", "-1/2"])
+def test_wrong_parts_are_refused_before_anything_is_made(words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"1/"):
+        begin(wire(), wanted(), tmp_path / "no.zarr", replace(SERIAL, part=words))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_parts_share_all_chunks_once() -> None:
+    shares = [share_of(10, f"{i}/4") for i in (1, 2, 3, 4)]
+    assert sorted(c for share in shares for c in share) == list(range(10))
+    assert share_of(10, None) == range(10)
+    assert list(share_of(2, "4/4")) == []
+
+
+@pytest.mark.parametrize(
+    ("backend", "sentence"),
+    [
+        (How("proceses"), "Did you mean `processes`"),
+        (How("serial", workers=2), "`--workers` has no effect on the backend `serial`"),
+        (How("processes", scheduler="tcp://a:1"), "`--scheduler` has no effect"),
+        (How("dask", workers=2, scheduler="tcp://a:1"), "leave out"),
+    ],
+)
+def test_wrong_backends_are_refused(backend: How, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        backend.made()
+
+
+def test_energy_of_pulses_is_cautioned() -> None:
+    pulses = WIRE.replace(
+        '"step", high = "3 V", at = "0.1 s", until = "1.3 s"',
+        '"pwm", high = "3 V", frequency = "10 Hz", duty = 0.4',
+    )
+    assert plan().cautions() == []
+    assert plan(text=pulses, measures=("stroke",)).cautions() == []
+    for words in ("energy", "mean(power)", "rms(current)"):
+        (caution,) = plan(text=pulses, measures=(words,)).cautions()
+        assert f"39 jumps or bends in 11 samples, of which `{words}` is made" in caution
+        assert "run.samples" in caution
+    many = pulses.replace("samples = 11", "samples = 201")
+    assert plan(text=many, measures=("energy",)).cautions() == []
+
+
+def test_a_step_is_chosen_by_the_tolerance_once(tmp_path: Path) -> None:
+    free = WIRE.replace('step = "0.1 s"', "tolerance = 0.01")
+    path = tmp_path / "s.zarr"
+    first = begin(wire(free), wanted(), path, replace(SERIAL, part="1/4"))
+    assert 0.0 < first.plan.course.step < 0.5
+    again = begin(wire(free), wanted(), path, SERIAL)
+    assert again.plan.course.step == first.plan.course.step == Store(path).spec["step"]
+
+
+# ---------------------------------------------------------------- jobs in other processes
+
+
+def test_a_job_travels_and_refuses_to_make_another_sweep(tmp_path: Path) -> None:
+    made, chosen = prepared(wire(), wanted())
+    spec = spec_of(wire(), chosen)
+    create(tmp_path / "s.zarr", made, spec)
+    job = pickle.loads(pickle.dumps(SweepJob(tmp_path / "s.zarr", json.dumps(spec))))
+    assert job(2).status == {0: 3}
+    assert Store(tmp_path / "s.zarr").made() == {2}
+    for wrong, sentence in (
+        ({"version": "0.0.1"}, "version of martensite `0.0.1` there"),
+        ({"numbers": "another"}, "numbers in files"),
+        ({"modules": ["no_such_module"]}, "Cannot import `no_such_module`"),
+        ({"runtime": "floets"}, "Did you mean"),
+    ):
+        other = SweepJob(tmp_path / "s.zarr", json.dumps({**spec, **wrong}))
+        with pytest.raises(Exception, match=f"cannot make this sweep: .*{sentence}") as raised:
+            other(0)
+        assert str(pickle.loads(pickle.dumps(raised.value))) == str(raised.value)
+
+
+# ---------------------------------------------------------------- summaries
+
+
+def test_summaries_in_stretches_are_those_of_the_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, chosen = prepared(wire(), wanted("high=2..4 V:1000", chunk=41))
+    store = create(tmp_path / "s.zarr", made, spec_of(wire(), chosen))
+    rng, kept = np.random.default_rng(1), []
+    for chunk in range(made.chunks):
+        rows = made.rows(chunk)
+        numbers = np.round(rng.standard_normal(len(rows)) ** 3, 3)
+        numbers[rng.random(len(rows)) < 0.1] = np.nan
+        status = np.where(np.isnan(numbers), 5, 0).astype(np.int8)
+        if chunk == 10:
+            continue  # missing
+        scalars: dict[str, Any] = dict.fromkeys(made.measures, numbers)
+        names = [one.target.name for one in made.axes]
+        store.write(chunk, rows, Piece(made.values(rows), scalars, {}, status), names)
+        kept += numbers[np.isfinite(numbers)].tolist()
+    expected = min(kept), float(np.median(kept)), max(kept)
+    counts, first = summary.statuses(store, 2)
+    monkeypatch.setattr(stores, "STRETCH", 90)
+    assert len(list(store.stretches())) > 10
+    assert summary.spread(store, "stroke") == expected
+    assert summary.spread(store, "stroke", most=4) == pytest.approx(expected, abs=1e-12)
+    assert summary.statuses(store, 2) == (counts, first)
+    assert (counts[0], counts[5]) == (len(kept), made.size - 41 - len(kept))
+    assert len(first[5]) == 2
+
+
+def test_many_runs_are_planned_without_holding_them() -> None:
+    known = plan("diameter=0.12..0.2 mm", "high=2..4 V", sample="sobol:100000000")
+    assert known.chunks == 33333334
+    last = known.rows(known.chunks - 1)
+    assert len(last) == 1
+
+
+# ---------------------------------------------------------------- from Python
+
+
+def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
+    told: list[int] = []
+    found = sweep(
+        wire(), over=OVER, out=tmp_path / "s.zarr", traces=TRACES, backend="serial", chunk=3,
+        runtime="floats", step="100 ms", tell=lambda now: told.append(now.done),
+    )  # fmt: skip
+    assert told == [0, 3, 6, 9, 12]
+    assert dict(arrays(tmp_path / "s.zarr")) == dict(arrays(whole))
+    assert found["stroke"].values.ravel().tolist() == Store(whole).group["stroke"][:].tolist()
