@@ -222,6 +222,7 @@ if TYPE_CHECKING:
     from martensite.io.staircase import unwrap_counter as unwrap_counter
     from martensite.io.sweeps.api import sweep as sweep
     from martensite.io.sweeps.dataset import open_sweep as open_sweep
+    from martensite.io.sweeps.reading import read_sweep as read_sweep
     from martensite.io.tables import read_table as read_table
     from martensite.laws.brinson import Brinson as Brinson
     from martensite.laws.elahinia import Elahinia as Elahinia
@@ -280,8 +281,11 @@ if TYPE_CHECKING:
     from martensite.plot.model_tests import plot_model_tests as plot_model_tests
     from martensite.plot.overview import plot_result as plot_result
     from martensite.plot.overview import save_figure as save_figure
+    from martensite.plot.pareto import plot_pareto as plot_pareto
     from martensite.plot.profile import plot_profile as plot_profile
+    from martensite.plot.sensitivity import plot_sensitivity as plot_sensitivity
     from martensite.plot.speeds import plot_speeds as plot_speeds
+    from martensite.plot.sweep import plot_sweep as plot_sweep
     from martensite.plot.tangents import plot_tangents as plot_tangents
     from martensite.plot.tuning import plot_tuning as plot_tuning
     from martensite.plot.workspace import plot_workspace as plot_workspace
@@ -334,9 +338,12 @@ if TYPE_CHECKING:
     from martensite.sizing.design.scan import scan as _scan_designs
     from martensite.sizing.design.search import Search as _DesignSearch
     from martensite.sizing.request import WireRequest as WireRequest
+    from martensite.sweep.backends.base import StoppedError as StoppedError
+    from martensite.sweep.indices import Sensitivity as _SensitivityIndices
     from martensite.sweep.indices import sensitivity as _sensitivity_indices
     from martensite.sweep.pareto import ParetoFront as ParetoFront
     from martensite.sweep.pareto import pareto_front as pareto_front
+    from martensite.sweep.table import SweepTable as SweepTable
     from martensite.system.actuator import Actuator as Actuator
     from martensite.system.actuator import Group as Group
     from martensite.system.machine import Machine as Machine
@@ -380,6 +387,7 @@ if TYPE_CHECKING:
     DesignSearch = _DesignSearch
     scan_designs = _scan_designs
     sensitivity_indices = _sensitivity_indices
+    SensitivityIndices = _SensitivityIndices
 
 _HOME = {
     "Actuator": "system.actuator",
@@ -533,6 +541,7 @@ _HOME = {
     "Schedule": "controllers.scheduled_pid",
     "ScheduledPid": "controllers.scheduled_pid",
     "Sensitivity": "simulate.batch",
+    "SensitivityIndices": "sweep.indices:Sensitivity",
     "SensorLost": "bench.supervisors.checks.sensor_lost",
     "SensorStuck": "bench.supervisors.checks.sensor_stuck",
     "Sensors": "bench.parts",
@@ -549,8 +558,10 @@ _HOME = {
     "StateFeedback": "controllers.state_feedback",
     "SteadyPoint": "control.design.operating_point:OperatingPoint",
     "Step": "signals.step",
+    "StoppedError": "sweep.backends.base",
     "Stuck": "bench.faults.stuck",
     "SupplySag": "bench.faults.supply_sag",
+    "SweepTable": "sweep.table",
     "System": "system.single",
     "Table": "signals.table",
     "Tanaka": "laws.tanaka",
@@ -644,12 +655,15 @@ _HOME = {
     "plot_model": "plot.model",
     "plot_model_loop": "plot.model",
     "plot_model_tests": "plot.model_tests",
+    "plot_pareto": "plot.pareto",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
     "plot_result": "plot.overview",
     "plot_search": "plot.fit_knowledge",
+    "plot_sensitivity": "plot.sensitivity",
     "plot_singular_values": "plot.fit_knowledge",
     "plot_speeds": "plot.speeds",
+    "plot_sweep": "plot.sweep",
     "plot_tangents": "plot.tangents",
     "plot_tuning": "plot.tuning",
     "plot_workspace": "plot.workspace",
@@ -661,6 +675,7 @@ _HOME = {
     "read_problem": "io.fitting.api",
     "read_sampled": "io.sampled_files",
     "read_silverbox": "io.public_benchmarks",
+    "read_sweep": "io.sweeps.reading",
     "read_table": "io.tables",
     "read_wiener_hammerstein": "io.public_benchmarks",
     "relay_test": "control.rules.relay",

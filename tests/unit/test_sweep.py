@@ -262,7 +262,7 @@ def test_parts_share_all_chunks_once() -> None:
 )
 def test_wrong_backends_are_refused(backend: How, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        backend.made()
+        backend.made(9, "c")
 
 
 def test_energy_of_pulses_is_cautioned() -> None:
@@ -361,3 +361,17 @@ def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
     assert told == [0, 3, 6, 9, 12]
     assert dict(arrays(tmp_path / "s.zarr")) == dict(arrays(whole))
     assert found["stroke"].values.ravel().tolist() == Store(whole).group["stroke"][:].tolist()
+
+
+@pytest.mark.parametrize(
+    ("how", "chunks", "runtime", "name"),
+    [
+        (How(), 2, "c", "serial"),
+        (How(), 3, "c", "processes"),
+        (How(), 9, "jax", "serial"),
+        (How(workers=2), 1, "c", "processes"),
+        (How(scheduler="tcp://a:1"), 9, "c", "dask"),
+    ],
+)
+def test_who_runs_chunks_by_itself(how: How, chunks: int, runtime: str, name: str) -> None:
+    assert how.made(chunks, runtime).registered_name == name

@@ -62,18 +62,23 @@ def c(
     files = _free(out, name, force)
     loaded = load(scenario, read_settings(settings or []))
     core, example = _made(loaded, name, part, precision, retry)
+    out.mkdir(exist_ok=True)
     core.write(out)
     _write(files[-1], example)
     _answer(core, part, files, json)
 
 
 def _free(folder: Path, name: str, force: bool) -> list[Path]:
-    """The files that will be written; `DataError` if one is there already."""
+    """The files that will be written; `DataError` if one is there already.
+
+    The folder is made if it is missing, but not what it is in.
+    """
     from martensite.cli.outputs import Outputs
 
     files = [folder / f"{name}{end}" for end in (".h", ".c", "_example.c")]
-    for path in files:
-        Outputs(path, None).check(force, data=(".h", ".c"))
+    missing = not folder.exists()
+    for path in [folder.parent / files[1].name] if missing else files:
+        Outputs(path, None).check(force or missing, data=(".h", ".c"))
     return files
 
 

@@ -50,8 +50,12 @@ def sweep(
     ] = None,
     precision: Annotated[str, typer.Option(help="float64, or float32 on JAX.")] = "float64",
     backend: Annotated[
-        str, typer.Option(help="Who runs the chunks: processes, serial, dask.")
-    ] = "processes",
+        str | None,
+        typer.Option(
+            help="Who runs the chunks: processes, serial, dask [default: processes; serial for a "
+            "few chunks, or on JAX]."
+        ),
+    ] = None,
     workers: Annotated[
         int, typer.Option(min=0, help="How many processes; 0 for one per core.")
     ] = 0,

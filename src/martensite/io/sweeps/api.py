@@ -21,12 +21,16 @@ from martensite.sweep.running import Progress, Tell, run_chunks, share_of
 if TYPE_CHECKING:
     import xarray
 
+FEW = 2
+"""Chunks that are made faster than processes start."""
+
 
 @dataclass(frozen=True)
 class How:
     """How a sweep is run, which does not change what comes out."""
 
-    backend: str = "processes"
+    backend: str | None = None
+    """Who runs the chunks; None for several processes, or this one alone for a few chunks."""
     workers: int = 0
     scheduler: str | None = None
     part: str | None = None
@@ -36,21 +40,29 @@ class How:
     force: bool = False
     """Replace what is there."""
 
-    def made(self) -> AbstractBackend:
-        """The backend.
+    def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
+        """The backend for so many chunks.
 
         Raises:
             InputError: there is none of that name, or an option has no effect on it.
         """
-        made = BACKENDS[self.backend]
+        made = BACKENDS[self._name(chunks, runtime)]
         fields = getattr(made, "__dataclass_fields__", {})
         given = {"workers": self.workers or None, "scheduler": self.scheduler}
         for name, value in given.items():
             if value is not None and name not in fields:
                 raise InputError(
-                    f"Option `--{name}` has no effect on the backend `{self.backend}`."
+                    f"Option `--{name}` has no effect on the backend `{made.registered_name}`."
                 )
         return made(**{name: value for name, value in given.items() if value is not None})
+
+    def _name(self, chunks: int, runtime: str | None) -> str:
+        if self.backend:
+            return self.backend
+        if self.scheduler:
+            return "dask"
+        few = chunks <= FEW and not self.workers
+        return "serial" if few or runtime == "jax" else "processes"
 
 
 @dataclass(frozen=True)
@@ -81,7 +93,7 @@ def begin(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Begun:
     Raises:
         InputError: an axis, an option or the store is wrong.
     """
-    backend = how.made()
+    how.made(0, wanted.runtime)
     if how.force and how.part:
         raise InputError("`--force` would remove what other parts have made; leave it out.")
     share_of(1 << 30, how.part)
@@ -94,8 +106,9 @@ def begin(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Begun:
     if old and how.force:
         shutil.rmtree(path)
     store = create(path, plan, spec)
-    job = SweepJob(path.resolve(), json.dumps(spec))
-    return Begun(plan, store, job, share_of(plan.chunks, how.part), backend)
+    job, part = SweepJob(path.resolve(), json.dumps(spec)), share_of(plan.chunks, how.part)
+    backend = how.made(len(set(part) - store.made()), wanted.runtime)
+    return Begun(plan, store, job, part, backend)
 
 
 def _as_before(wanted: Wanted, known: dict[str, Any]) -> Wanted:
@@ -109,7 +122,7 @@ def sweep(
     scenario: Scenario | str | Path, *, over: Sequence[str], out: str | Path, sample: str = "grid",
     measures: Sequence[str] = MEASURES, traces: Sequence[tuple[str, int]] = (), seed: int = 0,
     step: float | str | None = None, runtime: str | None = None, precision: str = "float64",
-    chunk: int = CHUNK, backend: str = "processes", workers: int = 0, scheduler: str | None = None,
+    chunk: int = CHUNK, backend: str | None = None, workers: int = 0, scheduler: str | None = None,
     part: str | None = None, modules: Sequence[str] = (), force: bool = False,
     tell: Tell | None = None,
 ) -> xarray.Dataset:  # fmt: skip
@@ -129,8 +142,9 @@ def sweep(
         runtime: c, jax or floats; by default c, if there is a compiler.
         precision: float64, or float32 on JAX.
         chunk: runs that are made and written together.
-        backend: who runs the chunks: processes, serial or dask. A script that takes another than
-            serial must do so under `if __name__ == "__main__":`.
+        backend: who runs the chunks: processes, serial or dask; by default this process alone
+            for a few chunks or on JAX, else several. A script that takes another than serial must
+            do so under `if __name__ == "__main__":`.
         workers: how many processes; 0 for one per core.
         scheduler: address of a Dask scheduler.
         part: part I of N of the chunks, `I/N`, for job arrays.
