@@ -1,19 +1,22 @@
 """`python -m benchmarks [SECTION ...]`: martensite beside other solvers, all in one run.
 
-`python -m benchmarks peers` runs every section with the peers alone. Compare ratios within one
-run, not times between runs: the machine's load is in all of them.
+`python -m benchmarks peers` runs every section with the peers alone; `python -m benchmarks page`
+writes the page of the documentation. Compare ratios within one run, not times between runs: the
+machine's load is in all of them.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
 from benchmarks import (  # noqa: F401  (enter theirs)
+    page,
     sections_chains,
     sections_elements,
     sections_fit,
@@ -23,6 +26,8 @@ from benchmarks import (  # noqa: F401  (enter theirs)
     sections_process,
     sections_realtime,
     sections_records,
+    sections_sweep,
+    sections_throughput,
 )
 from benchmarks.engines import PEERS, WHERE, available
 from benchmarks.inputs import DRIVES
@@ -40,12 +45,17 @@ def parser() -> argparse.ArgumentParser:
     add("--repeats", type=int, default=5, help="interleaved rounds")
     add("--base", help="engine that the ratios refer to (default: the first)")
     add("--sizes", default="1,256,4096", help="batch sizes")
+    add("--most", type=int, default=10_000, help="runs of the largest sweep")
+    add("--budget", type=float, default=60.0, help="time for the section `sweep` [s]")
     add("--json", type=Path, help="also write everything to this file")
     return main
 
 
 def main() -> None:
-    """Run the chosen sections and print their tables."""
+    """Run the chosen sections and print their tables, or write the page."""
+    if sys.argv[1:2] == ["page"]:
+        page.main(sys.argv[2:])
+        return
     chosen = parser().parse_args()
     names = [name for name in chosen.what if name != "peers"] or list(SECTIONS)
     unknown = [name for name in names if name not in SECTIONS]
@@ -54,7 +64,10 @@ def main() -> None:
     everyone = list(PEERS if "peers" in chosen.what else WHERE)
     engines = available(chosen.engines.split(",") if chosen.engines else everyone)
     sizes = tuple(int(size) for size in chosen.sizes.split(","))
-    options = Options(engines, chosen.drive, chosen.repeats, chosen.base, sizes)
+    options = Options(
+        engines, chosen.drive, chosen.repeats, chosen.base, sizes,
+        most=chosen.most, budget=chosen.budget,
+    )  # fmt: skip
     console, found = Console(), machine()
     console = console if console.is_terminal else Console(width=110)
     console.print(", ".join(f"{key} {value}" for key, value in found.items()))

@@ -32,6 +32,8 @@ class Options(NamedTuple):
     base: str | None = None
     sizes: tuple[int, ...] = (1, 256, 4096)
     calls: int = 18_000
+    most: int = 10_000
+    budget: float = 60.0
 
     def case(self) -> tuple[Wire, Drive]:
         """Wire and input of the chosen drive."""

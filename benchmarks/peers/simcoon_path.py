@@ -77,7 +77,7 @@ ALLOY = Alloy()
 def available() -> bool:
     """Whether the chosen interpreter imports a simcoon with the solver that is called here."""
     try:
-        done = subprocess.run([_python(), "-c", NEEDED], capture_output=True, check=False)
+        done = subprocess.run([interpreter(), "-c", NEEDED], capture_output=True, check=False)
     except OSError:
         return False
     return done.returncode == 0
@@ -111,7 +111,8 @@ def thermal_path(
     return _run("thermal", steps, alloy, hot, stress, repeats, cold)
 
 
-def _python() -> str:
+def interpreter() -> str:
+    """The interpreter that has simcoon, or is taken to have it."""
     return os.environ.get("MARTENSITE_SIMCOON_PYTHON") or sys.executable
 
 
@@ -131,7 +132,7 @@ def _run(
         "path": name, "half": steps // 2, "alloy": alloy._asdict(),
         "start": start, "stress": stress, "cold": cold, "repeats": repeats,
     }  # fmt: skip
-    command = [_python(), "-m", "benchmarks.peers.simcoon_path", json.dumps(order)]
+    command = [interpreter(), "-m", "benchmarks.peers.simcoon_path", json.dumps(order)]
     return Loop(**run_process(command, ONE_THREAD).answer)
 
 

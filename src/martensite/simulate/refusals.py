@@ -33,8 +33,8 @@ def refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArra
     for prefix, one in _checking(part, ""):
         own = {path[len(prefix) :]: v for path, v in values.items() if path.startswith(prefix)}
         if own:
-            for row in np.flatnonzero(~found):
-                found[row] = _objects(one, {path: float(v[row]) for path, v in own.items()})
+            rows = np.flatnonzero(~found)
+            found[rows] = _objects(one, {path: v[rows] for path, v in own.items()})
     return found
 
 
@@ -46,10 +46,31 @@ def _checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametris
         yield from _checking(child, f"{prefix}{name}.")
 
 
-def _objects(part: Parametrised, values: Mapping[str, float]) -> bool:
-    """Whether a part refuses numbers that are in their ranges."""
+def _objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
+    """Which runs a part refuses though their numbers are in their ranges.
+
+    One twin, seen by nobody else, takes the numbers of one run after another.
+    """
+    twin = part.rebuilt(dict.fromkeys(values, 0.0))
+    places = [(_holder(twin, path).__dict__, path.rpartition(".")[2]) for path in values]
+    found: list[bool] = []
+    for numbers in zip(*(column.tolist() for column in values.values()), strict=True):
+        for (held, name), number in zip(places, numbers, strict=True):
+            held[name] = number
+        found.append(_refuses(twin))
+    return found
+
+
+def _holder(part: Parametrised, path: str) -> Parametrised:
+    """What has the number at a path."""
+    for name in path.split(".")[:-1]:
+        part = part.__dict__[name]
+    return part
+
+
+def _refuses(part: Parametrised) -> bool:
     try:
-        part.rebuilt(values).check()
+        part.check()
     except MartensiteError:
         return True
     return False

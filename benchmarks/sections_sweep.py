@@ -1,0 +1,81 @@
+"""The section `sweep`: cost of a run and memory of a process against the number of runs of a sweep.
+
+What: `martensite.sweep` with the backend `serial` on a short scenario (`sweep_once`), from one run
+to `Options.most` in powers of ten, every sweep in a process of its own. Every number is measured,
+none continued from a smaller one: what the time budget leaves no room for is left out, and the
+table says so. Ratios are to the sweep of `BASE` runs, memory to the process before its sweep.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from typing import Any
+
+from benchmarks.harness import spread
+from benchmarks.process import run_process
+from benchmarks.report import Table
+from benchmarks.sections import Options, section
+
+BASE = 1_000
+ONCE = 100_000  # from this many runs on, a sweep is made once
+
+
+def counts(most: int) -> list[int]:
+    """1, 10, ... up to `most`."""
+    found = [1]
+    while found[-1] * 10 <= most:
+        found.append(found[-1] * 10)
+    return found
+
+
+def measured(count: int, repeats: int) -> list[dict[str, float]]:
+    """What sweeps of this many runs took, each in a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.sweep_once", str(count)]
+    turns = 1 if count >= ONCE else repeats
+    return [run_process(command).answer for _ in range(turns)]
+
+
+def fits(count: int, rows: list[dict[str, Any]], left: float) -> bool:
+    """Whether a sweep, ten times the last one, will probably fit into `left` seconds.
+
+    Up to `BASE` runs a sweep is mostly its own beginning, and short.
+    """
+    return count <= BASE or 10.0 * rows[-1]["wall [s]"] <= left
+
+
+def row_of(count: int, found: list[dict[str, float]]) -> dict[str, Any]:
+    """One printed row, the ratio not yet divided."""
+    cpu = [one["cpu"] / count for one in found]
+    middle = statistics.median(cpu)
+    return {
+        "runs": count,
+        "failed": int(max(one["failed"] for one in found)),
+        "stroke [mm]": 1e3 * found[0]["stroke"],
+        "cpu [us/run]": 1e6 * middle,
+        "wall [s]": statistics.median(one["wall"] for one in found),
+        "spread": spread(cpu) if len(cpu) > 1 else None,
+        "memory": statistics.median(one["after"] / one["before"] for one in found),
+        "ratio": middle,
+    }
+
+
+@section
+def sweep(options: Options) -> list[Table]:
+    """A sweep of ever more runs, as long as the time budget lasts."""
+    rows: list[dict[str, Any]] = []
+    begin, left_out = time.monotonic(), ""
+    for count in counts(options.most):
+        if not fits(count, rows, options.budget - (time.monotonic() - begin)):
+            left_out = f" Left out for want of time: {count:,} runs and more."
+            break
+        rows.append(row_of(count, measured(count, options.repeats)))
+    base = next((row for row in rows if row["runs"] == BASE), rows[-1])["ratio"]
+    for row in rows:
+        row["ratio"] /= base
+    note = (
+        "One thread; ratio: CPU time of a run over that in the sweep of "
+        f"{min(BASE, rows[-1]['runs']):,}. Memory: peak over that before the sweep.{left_out}"
+    )
+    return [Table("Sweep of a short scenario into a store, backend serial", rows, note)]
