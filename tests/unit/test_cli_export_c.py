@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from c_cores import STRICT
+from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
@@ -19,23 +20,7 @@ from martensite.export.c_loop import c_loop
 from martensite.io.scenario import load
 from martensite.runtimes.c99 import compiler
 
-HELD = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.15 N/mm"
-preload = "1.2 N"
-
+HELD = f"""{THIN_WIRE}
 [driver]
 kind = "mosfet"
 supply = "5 V"
@@ -51,7 +36,7 @@ measured = "position"
 period = "20 ms"
 Kp = 150.0
 Ki = 1.5
-reference = { kind = "step", high = "3 mm", at = "0.1 s" }
+reference = {{ kind = "step", high = "3 mm", at = "0.1 s" }}
 
 [run]
 duration = "1 s"

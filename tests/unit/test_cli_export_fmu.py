@@ -10,23 +10,14 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
 
-SCENARIO = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-
-[mechanism]
+SCENARIO = (
+    THIN_WIRE.partition("[mechanism]")[0]
+    + """[mechanism]
 kind = "dead-weight"
 mass = "200 g"
 
@@ -39,6 +30,7 @@ duration = "1 s"
 samples = 11
 step = "20 ms"
 """
+)
 
 
 @pytest.fixture(autouse=True)

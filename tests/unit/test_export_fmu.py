@@ -31,27 +31,11 @@ from martensite.units import dimensions
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402
 from fmu_instance import DISCARD, ERROR, OK, WARNING, Instance  # noqa: E402
+from thin_wire import THIN_WIRE  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
-WIRE = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.15 mm"
-length = "250 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "120 W/m^2/K" }
-
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.15 N/mm"
-preload = "1.2 N"
-"""
-SCENARIO = f"""{WIRE}
+SCENARIO = f"""{THIN_WIRE}
 [drive]
 kind = "voltage"
 waveform = {{ kind = "constant", level = "3 V" }}
@@ -61,7 +45,7 @@ duration = "4 s"
 samples = 81
 step = "10 ms"
 """
-LOOP = f"""{WIRE}
+LOOP = f"""{THIN_WIRE}
 [driver]
 kind = "mosfet"
 supply = "5 V"
