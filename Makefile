@@ -13,6 +13,8 @@ XLA_QUICK ?= --xla_backend_optimization_level=0
 C_QUICK ?= -O0
 # Many processes share the cores: each computes on one thread.
 export OPENBLAS_NUM_THREADS ?= 1
+# And many import the same: what Python compiles of it is kept, or each would compile it anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 VENV := .venv
 BIN := $(VENV)/bin

@@ -15,7 +15,7 @@ sys.path.insert(0, HELPERS)
 
 
 def in_front(variable: str, folder: str) -> None:
-    """Put a folder in front of a search path that the kernels inherit."""
+    """Put a folder in front of a search path that the pages inherit."""
     os.environ[variable] = os.pathsep.join(filter(None, [folder, os.environ.get(variable)]))
 
 
@@ -29,6 +29,7 @@ release = version = installed("martensite")
 
 extensions = [
     "myst_nb",
+    "executed",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
@@ -41,10 +42,10 @@ myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 # -- code cells --------------------------------------------------------------------------
+pages_begin_with = ["warm"]
 nb_execution_mode = "force"  # outputs belong to the package as it is now
 nb_execution_in_temp = True
 nb_execution_timeout = 300  # beside the tests, on few cores
-nb_execution_raise_on_error = True
 nb_merge_streams = True
 
 # -- docstrings --------------------------------------------------------------------------

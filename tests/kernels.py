@@ -401,6 +401,20 @@ def flat_numbers(nested: Any) -> list[Any]:
     return flatten(nested if isinstance(nested, tuple) else (nested,))
 
 
+def kept(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Its last answer again for the same component and kernel: runtimes are tried in turn."""
+    last: list[Any] = [None, None, None, None]
+
+    def answer(thing: Any, kernel: Kernel, *inputs: np.ndarray) -> Any:
+        same = last[0] is thing and last[1] is kernel
+        if not (same and all(map(np.array_equal, last[2], inputs))):
+            last[:] = thing, kernel, inputs, function(thing, kernel, *inputs)
+        return last[3]
+
+    return answer
+
+
+@kept
 def traced(thing: Any, kernel: Kernel) -> Program:
     """The kernel as a program over the parameters of the component."""
     program = Program()
@@ -417,6 +431,7 @@ def values(thing: Any) -> list[float]:
     return [leaf.value for leaf in thing.leaves()]
 
 
+@kept
 def on_kernel_itself(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     """Untraced, on plain floats: the meaning."""
     rows = [flat_numbers(kernel.function(thing, floats, *lane)) for lane in inputs.T.tolist()]

@@ -137,9 +137,11 @@ class TestData:
 
 @needs_compiler
 class TestLeastSquares:
-    @pytest.mark.parametrize(
-        ("data", "rms"), [(NEAR, 0.954), (FAR, 1.016), (JOINT, 0.963)], ids=("8mm", "16mm", "joint")
-    )
+    @pytest.mark.parametrize(("data", "rms"), [
+        pytest.param(NEAR, 0.954, id="8mm", marks=pytest.mark.slow),
+        pytest.param(FAR, 1.016, id="16mm"),
+        pytest.param(JOINT, 0.963, id="joint", marks=pytest.mark.slow),
+    ])  # fmt: skip
     def test_ends_in_one_minimum_from_every_start_that_moves(self, data, rms):
         found = [search(data, start, SQUARES, PRINTED) for start in moving()]
         assert [one.rms for one in found] == pytest.approx([rms] * len(found), abs=0.001)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import shlex
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ def shown() -> list[tuple[str, str]]:
     ]
 
 
+@cache
 def program() -> Any:
     """The command line as an object."""
     from martensite.cli import app

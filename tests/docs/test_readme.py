@@ -13,8 +13,10 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from runpy import run_path
 
 import pytest
+from command import Command
 from fences import README, ROOT, fences
 
 BLOCKS = fences(README)
@@ -27,7 +29,8 @@ SHELL = [
 ]
 SNIPPETS = [block.text for block in BLOCKS if block.language == "python"]
 SCENARIOS = [block.text for block in BLOCKS if block.language == "toml"]
-COMMANDS = [line for line in SHELL if line.startswith(("martensite ", "python "))]
+COMMANDS = [line for line in SHELL if line.startswith("martensite ")]
+SCRIPTS = [line for line in SHELL if line.startswith("python ")]
 INSTALLS = ("pip install ", "uv pip install ")
 
 
@@ -42,7 +45,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(arguments: list[str], folder: Path) -> str:
+def process(arguments: list[str], folder: Path) -> str:
     """Run this Python in the folder and return what it prints."""
     path = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH")]))
     done = subprocess.run(
@@ -79,20 +82,35 @@ def test_every_shell_line_is_run_or_checked() -> None:
 
 
 @pytest.mark.parametrize("line", COMMANDS)
-def test_command_runs(line: str, folder: Path) -> None:
+def test_command_runs(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In this process, which has its imports behind it."""
     if needs_data(line, folder) and not os.environ.get("MARTENSITE_DATA"):
         pytest.skip("reads measured data: set MARTENSITE_DATA to a folder that holds it")
+    monkeypatch.chdir(folder)
+    done = Command(*shlex.split(line)[1:])()
+    assert done.exit_code == 0, f"{line}: {done.output}"
+    assert done.stdout.strip()
+
+
+@pytest.mark.parametrize("line", [*COMMANDS[:1], *SCRIPTS])
+def test_command_runs_in_a_process(line: str, folder: Path) -> None:
     program, *arguments = shlex.split(line)
     arguments = ["-m", program, *arguments] if program == "martensite" else arguments
-    assert run(arguments, folder).strip()
+    assert process(arguments, folder).strip()
+
+
+def test_a_wrong_command_does_not_run() -> None:
+    assert Command("run", "nothing.toml")().exit_code == 2
 
 
 @pytest.mark.parametrize("text", SNIPPETS)
-def test_python_snippet_runs(text: str, folder: Path) -> None:
-    (folder / "snippet.py").write_text(text, encoding="utf-8")
-    run(["-W", "error", "snippet.py"], folder)
+def test_python_snippet_runs(text: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a warning: it would be an error here."""
+    monkeypatch.chdir(folder)
+    Path("snippet.py").write_text(text, encoding="utf-8")
+    run_path("snippet.py", run_name="__main__")
     for name in re.findall(r'"([\w.-]+\.(?:png|svg|nc))"', text):
-        assert (folder / name).stat().st_size > 0, f"{name} was not written"
+        assert Path(name).stat().st_size > 0, f"{name} was not written"
 
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith("make ")])
@@ -104,7 +122,7 @@ def test_make_target_exists(line: str) -> None:
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
 def test_installation_is_of_this_checkout(line: str) -> None:
-    assert line.split()[-1] == "."
+    assert shlex.split(line)[-1] in (".", ".[sweep]")
     assert 'name = "martensite"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 

@@ -1,6 +1,7 @@
 """Exact derivatives: against closed forms, and against differences of whole runs."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,12 @@ def differenced(system, path, share):
     return (8 * (stroke(1) - stroke(-1)) - (stroke(2) - stroke(-2))) / (12 * width)
 
 
+@cache
+def sensitive(rule="resume"):
+    """Slopes of a run by the parameters of both tests below; JAX compiles them once."""
+    return sensitivity(problem_a(rule), SINE_A, 60.0, [*PARAMETERS, "C_M"], **RUN)
+
+
 PARAMETERS = {"A_f": 1e-4, "C_A": 1e-4, "h0": 1e-4, "diameter": 1e-5}
 
 
@@ -33,7 +40,7 @@ PARAMETERS = {"A_f": 1e-4, "C_A": 1e-4, "h0": 1e-4, "diameter": 1e-5}
 @pytest.mark.usefixtures("c_compiler")
 def test_slopes_of_the_stroke_are_those_of_differences(rule):
     system = problem_a(rule)
-    found = sensitivity(system, SINE_A, 60.0, list(PARAMETERS), **RUN)
+    found = sensitive(rule)
     assert np.ptp(found.column) == simulate(system, SINE_A, 60.0, **RUN).stroke
     for name, share in PARAMETERS.items():
         path = system.resolve(name)
@@ -45,8 +52,7 @@ def test_slopes_of_the_stroke_are_those_of_differences(rule):
 @pytest.mark.usefixtures("c_compiler")
 def test_a_wrong_parameter_is_noticed():
     """The slope for C_M is not that for C_A, and an error of 1e-5 is seen."""
-    system = problem_a()
-    found = sensitivity(system, SINE_A, 60.0, ["C_A", "C_M"], **RUN).of_range()
+    system, found = problem_a(), sensitive().of_range()
     exact = differenced(system, "element.law.C_A", 1e-4)
     assert found["element.law.C_A"] != pytest.approx(exact * (1 + 1e-5), rel=1e-6, abs=0)
     assert found["element.law.C_M"] != pytest.approx(exact, rel=1e-2, abs=0)
@@ -89,7 +95,7 @@ def test_steady_temperature():
     assert last["temperature"] == pytest.approx(1.0, rel=1e-8)
 
 
-@pytest.mark.parametrize("rule", ["resume", "restart"])
+@pytest.mark.parametrize("rule", ["resume", pytest.param("restart", marks=pytest.mark.slow)])
 def test_contraction_of_a_hanging_wire(rule):
     """x = l (ε_L + σ/E_A ...) (1 - ξ), ξ = ½ {1 + cos[π (T - A_s - σ/C_A)/(A_f - A_s)]}."""
     law = law_a(rule, "austenite", Theta=0.0)

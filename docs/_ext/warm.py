@@ -1,0 +1,52 @@
+"""What the processes of pages and of their commands share: done once, before they begin.
+
+Modules are imported, a command reads units and writes a table, and a figure is drawn. JAX is
+imported but computes nothing: a process must not be copied once threads run in it.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import io
+import pkgutil
+from contextlib import suppress
+
+import h5netcdf  # noqa: F401
+import jax.numpy  # noqa: F401
+import matplotlib.pyplot as plt
+import matplotlib_inline.backend_inline  # noqa: F401
+import processes  # noqa: F401
+import scipy.optimize
+import scipy.signal  # noqa: F401
+import xarray  # noqa: F401
+from typer.testing import CliRunner
+
+import martensite
+from martensite.cli import app
+
+OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro", "zarr")
+"""What only some pages need; they import it themselves."""
+
+
+def _import_all() -> None:
+    """Import every module of the package but those that need one of the others."""
+    for module in pkgutil.walk_packages(martensite.__path__, "martensite."):
+        if not module.name.endswith(("__main__", *OTHERS)):
+            with suppress(ImportError):  # of an extra that is not installed
+                importlib.import_module(module.name)
+
+
+def _draw() -> None:
+    """Draw a figure: fonts are found once."""
+    figure, axes = plt.subplots()
+    axes.plot([0.0, 1.0])
+    axes.set_xlabel(r"$\sigma$")
+    figure.savefig(io.BytesIO(), format="svg")
+    plt.close(figure)
+
+
+_import_all()
+CliRunner().invoke(app, ["materials", "copaci-2019"])
+_draw()
+gc.freeze()
