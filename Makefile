@@ -44,7 +44,7 @@ test-all: $(VENV)/.stamp-dev ## run every test
 lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
+	NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 	$(BIN)/lint-imports
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html

@@ -48,12 +48,16 @@ class Stream(TextIOBase):
 class _Displayed(DisplayPublisher):
     """Keeps what a cell displays."""
 
+    shell: Any
+
     def publish(self, data: Any, metadata: Any = None, **_: Any) -> None:
         self.shell.keep("display_data", data, metadata)
 
 
 class _Returned(DisplayHook):
     """Keeps the value of the last expression of a cell."""
+
+    shell: Any
 
     def write_output_prompt(self) -> None:
         """Nothing: pages have no prompts."""

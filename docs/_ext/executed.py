@@ -71,7 +71,8 @@ class Client(NotebookClientBase):
                 raise ExecutionError(f"{self.path}: the process ended in\n{source}") from None
             if kind == "cell":
                 return content
-            ways.send(_done(*content, limit))
+            line, folder, variables = content
+            ways.send(_done(line, folder, variables, limit))
         raise ExecutionError(f"{self.path}: this cell takes too long\n{source}")
 
 

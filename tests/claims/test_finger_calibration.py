@@ -149,6 +149,7 @@ class TestLeastSquares:
         assert max(ends) - min(ends) < 100.0
         assert all(one.runs < 100 * len(one.fit.problem.experiments) for one in found)
 
+    @pytest.mark.slow
     def test_joint_fit_finds_the_table_again(self):
         fit = best(JOINT, PRINTED).fit
         assert fit["dsigma_dT"] / 1e6 == pytest.approx(4.01, abs=0.01)

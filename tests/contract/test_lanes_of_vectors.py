@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from builders import SINE_A, problem_a
@@ -18,7 +20,7 @@ def marched(lanes: int, order: np.ndarray) -> np.ndarray:
     """Positions of wires that differ in their heat loss, (samples, lanes)."""
     system = problem_a()
     compiled = compile_system(system)
-    values = list(compiled.values(system))
+    values: list[Any] = list(compiled.values(system))
     place = compiled.paths.index("environment.cooling.h0")
     values[place] = values[place] * (1.0 + 0.01 * order)
     grid = grid_of(system, SINE_A, 20.0, 51, 0.02)

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ import martensite as ms
 from martensite.errors import ParameterError
 from martensite.simulate.devices import AHEAD, WIDE_CHUNK, chunk_for, devices_of, march_chunks
 
+TWICE: Any = 2.0
+"""Stands for the steps of a march that only multiplies."""
 ON_TWO = """
 import hashlib, json
 from builders import problem_a
@@ -65,8 +68,9 @@ def test_few_chunks_are_under_way_and_results_keep_their_order() -> None:
             yield [np.full(3, float(k))]
 
     devices = devices_of(1)
-    first = []
-    for rows in march_chunks(lambda values, plan: values[0] * plan, chunks(), 2.0, devices):
+    doubled: Any = march_chunks(lambda values, plan: values[0] * plan, chunks(), TWICE, devices)
+    first: list[float] = []
+    for rows in doubled:
         first.append(float(rows[0]))
         assert len(made) <= len(first) + AHEAD * len(devices)
     assert first == [2.0 * k for k in range(9)]

@@ -70,7 +70,7 @@ class SweepTable:
 
     title: str
     sample: str
-    """How the space was filled: grid, `sobol:1024` …"""
+    """How the space was filled, such as by a grid."""
     varied: Mapping[str, Column]
     """By path, in the order in which they were asked for."""
     measures: Mapping[str, Column]
