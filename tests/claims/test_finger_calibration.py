@@ -313,6 +313,7 @@ def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
 
 
 @needs_compiler
+@pytest.mark.slow
 def test_a_wrong_number_is_noticed():
     """A table with another hysteresis than the record was made with is not found again."""
     other = [

@@ -37,11 +37,16 @@ REPEATED = (
 )  # fmt: skip
 """What takes long in JAX, where C says the same: second forms, and elements made of the wire's."""
 
+LONG_PATHS = (
+    "lagoudas-smooth", "brinson-resume", "mas-polycrystal-constant-15-barriers",
+)  # fmt: skip
+"""Laws whose paths take long in JAX; their single steps are quick."""
+
 
 def is_long(kind, thing, name, runtime):
     """Whether it takes long to compile; of one law the step alone is quick."""
     said = kind == "observer" or builders.label(thing) in REPEATED
-    path = (builders.label(thing), name) == ("lagoudas-smooth", "path")
+    path = name == "path" and builders.label(thing) in LONG_PATHS
     return runtime == "jax" and (said or path)
 
 

@@ -25,6 +25,13 @@ EVERY = pytest.mark.parametrize(
     [pytest.param(law, marks=[pytest.mark.slow] if label(law) in SECOND else []) for law in LAWS],
     ids=label,
 )
+LONG = (*SECOND, "lagoudas-smooth", "mas-polycrystal-constant-15-barriers")
+"""Laws whose differences take long."""
+MOST = pytest.mark.parametrize(
+    "law",
+    [pytest.param(law, marks=[pytest.mark.slow] if label(law) in LONG else []) for law in LAWS],
+    ids=label,
+)
 FEW = settings(max_examples=25)
 
 stress = st.floats(0.0, 500e6)
@@ -235,7 +242,7 @@ def slopes(law, slope_of):
     return np.array(pairs).T
 
 
-@EVERY
+@MOST
 def test_slopes_are_those_of_finite_differences(law):
     found, wanted = slopes(law, lambda function, x: value_and_slope(floats, function, x)[1])
     assert np.sum(np.abs(wanted) > 1e-3) > 30

@@ -22,7 +22,7 @@ def by_kvaerno(p, form):
 @pytest.mark.parametrize(
     ("form", "wire", "step"),
     [
-        ("edge", Wire(), 10e-3),
+        pytest.param("edge", Wire(), 10e-3, marks=pytest.mark.slow),
         ("edge", stiff(Wire()), 10e-3),
         pytest.param("barrier", Wire(), 10e-3, marks=pytest.mark.slow),
         pytest.param("well", Wire(), 5e-3, marks=pytest.mark.slow),

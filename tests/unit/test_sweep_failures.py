@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import errno
 import resource
-import signal
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -145,7 +144,7 @@ def test_ctrl_c_is_a_sentence_and_it_goes_on(tmp_path: Path) -> None:
 
     def tell(now: Progress) -> None:
         if now.made == 3:
-            signal.raise_signal(signal.SIGINT)
+            raise KeyboardInterrupt
 
     with pytest.raises(StoppedError, match="Interrupted when 3 of 12 runs were there"):
         begin(wire(), wanted(), path, SERIAL).run(tell)
