@@ -11,7 +11,7 @@ data. `option` declares a choice between words, `text` a free one such as the na
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transform
 
@@ -284,9 +284,15 @@ class Parametrised:
         return _resolved(name, [leaf.path for leaf in self.leaves()])
 
 
+def meant(name: str, paths: Iterable[str]) -> list[str]:
+    """The path that a name is, or else all that it ends."""
+    known = list(paths)
+    return [p for p in known if p == name] or [p for p in known if p.endswith(f".{name}")]
+
+
 def _resolved(name: str, paths: Sequence[str]) -> str:
     """The one among some paths that a name is, or ends."""
-    found = [p for p in paths if p == name] or [p for p in paths if p.endswith("." + name)]
+    found = meant(name, paths)
     if len(found) == 1:
         return found[0]
     if found:

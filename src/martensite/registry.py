@@ -7,14 +7,16 @@ user's own module does so simply by being imported.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from importlib.util import find_spec
+from pathlib import Path
 from pkgutil import iter_modules
 from typing import Generic, TypeVar, cast
 
-from martensite.errors import UnknownNameError
+from martensite.errors import InputError, UnknownNameError
 
 T = TypeVar("T")
 C = TypeVar("C")
@@ -74,3 +76,24 @@ class Registry(Generic[T]):
             self._plugged = True
             for point in entry_points(group=self.package):
                 point.load()
+
+
+def import_modules(names: Sequence[str]) -> None:
+    """Import what registers parts of the user's own, by dotted name or by file.
+
+    Modules by name are looked for in the current folder too.
+
+    Raises:
+        InputError: one cannot be imported.
+    """
+    for name in names:
+        path = Path(name)
+        is_file = path.suffix == ".py"
+        folder, module = (path.parent, path.stem) if is_file else (Path(), name)
+        sys.path.insert(0, str(folder.resolve()))
+        try:
+            import_module(module)
+        except ImportError as error:
+            raise InputError(f"Cannot import `{name}`: {error}.") from None
+        finally:
+            sys.path.pop(0)

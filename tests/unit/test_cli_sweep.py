@@ -82,7 +82,7 @@ def test_failed_runs_are_named(here: Path) -> None:
 
 
 def test_modules_of_ones_own_are_found_by_the_workers(here: Path) -> None:
-    (here / "own.py").write_text(
+    (here / "twice_as_much.py").write_text(
         "from martensite.simulate.measures.base import MEASURES\n"
         "from martensite.simulate.measures.extremes import Largest\n"
         "@MEASURES.register('twice')\n"
@@ -91,7 +91,7 @@ def test_modules_of_ones_own_are_found_by_the_workers(here: Path) -> None:
         "        return 2.0 * super().value(times, seen)\n"
     )
     outputs = "--output", "twice(stress)", "--output", "max(stress)"
-    words = *AXES, *outputs, "--import", "own.py", "--runtime", "floats", "--workers", "1"
+    words = *AXES, *outputs, "--import", "twice_as_much.py", "--runtime", "floats", "--workers", "1"
     try:
         SWEEP.fine("wire.toml", *words)
         group = Store(here / "wire.zarr").group

@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import (
+    Figure,
+    Force,
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+)
 
 
 @app.command()
@@ -58,11 +66,9 @@ def design(
     save: Annotated[
         Path | None, typer.Option(help="Scenario with the numbers found to write: .toml.")
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
+    figure: Figure = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Find the numbers of a scenario for which a goal is best and all limits are kept.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.export import export
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import Force, Imports, Json, ScenarioFile, Settings, import_modules
 
 if TYPE_CHECKING:
     from martensite.export.c_core import CCore
@@ -42,7 +42,7 @@ def c(
         typer.Option(help="Make a step that stays unsolved once more, as a run does; more code."),
     ] = True,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Write a scenario as C99: header, source, and an example that plays its drive.

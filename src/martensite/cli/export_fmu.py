@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.export import export
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
+from martensite.cli.options import (
+    Force,
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+    quantity,
+)
 
 if TYPE_CHECKING:
     from martensite.export.fmu import Fmu
@@ -43,7 +51,7 @@ def fmu(
     ] = None,
     sources_only: Annotated[bool, typer.Option("--sources-only", help="Compile nothing.")] = False,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.

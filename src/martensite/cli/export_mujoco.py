@@ -9,7 +9,15 @@ import typer
 from typer.core import TyperCommand
 
 from martensite.cli.export import export
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
+from martensite.cli.options import (
+    Force,
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+    quantity,
+)
 
 if TYPE_CHECKING:
     from martensite.io.scenario import Scenario
@@ -57,7 +65,7 @@ def mujoco(
     ] = None,
     timestep: Annotated[str, typer.Option(help="Time step of the model.")] = "2 ms",
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Write the mechanism of a scenario as an MJCF model, or what another model needs.

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from martensite.cli.app import app
-from martensite.cli.options import Json
+from martensite.cli.options import Figure, Force, Json
 from martensite.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -71,10 +71,8 @@ def film(
     out: Annotated[
         Path | None, typer.Option(help="Heat-loss model to write: .toml; takes one --form.")
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    figure: Figure = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Fit a film coefficient h(T) to steady states, and judge the fit.
@@ -221,10 +219,8 @@ def tangents(
     cycle: Annotated[
         int | None, typer.Option(help="Which cycle of each LOG, from 1 on; the last if left out.")
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    figure: Figure = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.

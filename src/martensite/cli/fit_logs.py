@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from martensite.cli.fit import LOGS, fit
-from martensite.cli.options import Imports, Json, Settings, import_modules
+from martensite.cli.options import Force, Imports, Json, Settings, import_modules
 
 Text = str | None
 Texts = list[str] | None
@@ -96,7 +96,7 @@ def fit_logs(
         Path | None, typer.Option(metavar="MATERIAL", help="Material file to write: .toml.")
     ] = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Fit parameters of a scenario to logs (meant where no other command is named).

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, import_modules
+from martensite.cli.options import Figure, Force, Imports, Json, import_modules
 
 Text = str | None
 Texts = list[str] | None
@@ -89,11 +89,9 @@ def identify(
     save: Annotated[
         Path | None, typer.Option(metavar="MODEL", help="Model file to write: .json.")
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
+    figure: Figure = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Find a model of blocks that repeats logs in free run, such as a Hammerstein-Wiener model.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, import_modules
+from martensite.cli.options import Figure, Force, Imports, Json, import_modules
 from martensite.errors import ParameterError, UnitError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -71,12 +71,10 @@ def law(
         float, typer.Option(help="Accepted change on halving the steps, as a share of range.")
     ] = 1e-3,
     runtime: Annotated[str, typer.Option(help="floats, or c.")] = "floats",
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
+    figure: Figure = None,
     out: Annotated[Path | None, typer.Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Drive laws along a path without a scenario: a summary, a figure, a table."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from martensite.errors import InputError, UnitError
+from martensite.errors import UnitError
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
@@ -27,6 +27,8 @@ Imports = Annotated[
         help="Import a module, or a .py file, that registers parts of your own; repeatable.",
     ),
 ]
+Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
+Figure = Annotated[Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")]
 
 
 def quantity(name: str, text: str, unit: str) -> float:
@@ -44,18 +46,7 @@ def quantity(name: str, text: str, unit: str) -> float:
 
 
 def import_modules(names: list[str] | None) -> None:
-    """Import modules by dotted name (the current folder included) or by file."""
-    import sys
-    from importlib import import_module
+    """Import what `--import` names."""
+    from martensite import registry
 
-    for name in names or []:
-        path = Path(name)
-        is_file = path.suffix == ".py"
-        folder, module = (path.parent, path.stem) if is_file else (Path(), name)
-        sys.path.insert(0, str(folder.resolve()))
-        try:
-            import_module(module)
-        except ImportError as error:
-            raise InputError(f"Cannot import `{name}`: {error}.") from None
-        finally:
-            sys.path.pop(0)
+    registry.import_modules(names or [])

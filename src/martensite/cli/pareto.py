@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Json
+from martensite.cli.options import Figure, Force, Json
 from martensite.cli.sensitivity import StoreFolder
 
 if TYPE_CHECKING:
@@ -32,10 +32,8 @@ def pareto(
         list[str] | None, typer.Option(metavar="MEASURE", help="What shall be large; repeatable.")
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Table of the front to write: .csv.")] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    figure: Figure = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Find the runs of a sweep that no other beats: as good in every goal and better in one."""

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules, quantity
+from martensite.cli.options import (
+    Force,
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+    quantity,
+)
 from martensite.errors import InputError
 
 if TYPE_CHECKING:
@@ -66,7 +74,7 @@ def run(
         ),
     ] = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Simulate a scenario: a summary, a netCDF file and a figure."""

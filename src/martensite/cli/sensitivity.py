@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Json
+from martensite.cli.options import Figure, Json
 
 if TYPE_CHECKING:
     from martensite.sweep.indices import Sensitivity
@@ -29,9 +29,7 @@ def sensitivity(
         list[str] | None,
         typer.Option(metavar="MEASURE", help="A measure of the sweep; repeatable [default: all]."),
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
+    figure: Figure = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing figure.")] = False,
     json: Json = False,
 ) -> None:

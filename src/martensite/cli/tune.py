@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import (
+    Figure,
+    Force,
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+)
 
 METHODS = ("rules", "relay", "gradient")
 
@@ -67,11 +75,9 @@ def tune(
     save: Annotated[
         Path | None, typer.Option(help="Scenario with the new numbers to write: .toml.")
     ] = None,
-    figure: Annotated[
-        Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")
-    ] = None,
+    figure: Figure = None,
     modules: Imports = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Tune the controller of a scenario, and show what its loop does before and after.

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from martensite import units
 from martensite.errors import ParameterError, UnitError, suggestion
+from martensite.parameters import meant
 
 Numbers: TypeAlias = NDArray[np.float64]
 MOST_LEVELS = 10_000_000
@@ -133,7 +134,7 @@ def axis(words: str, targets: Mapping[str, Target]) -> Axis:
 
 
 def _target(name: str, targets: Mapping[str, Target]) -> Target:
-    found = [n for n in targets if n == name] or [n for n in targets if n.endswith(f".{name}")]
+    found = meant(name, targets)
     if len(found) == 1:
         return targets[found[0]]
     if found:

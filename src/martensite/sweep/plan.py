@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from martensite.status import Status
 from martensite.sweep.axes import Axis
 from martensite.sweep.designs.base import AbstractDesign
 
+Kind = TypeVar("Kind")
 CHUNK = 512
 """Runs in a chunk, unless chosen: about a second of work, and one file per column."""
 
@@ -145,17 +146,24 @@ class Plan:
     def compute(self, rows: range) -> Piece:
         """Run some runs."""
         values = self.values(rows)
-        system: dict[str, Numbers] = {}
-        signals: dict[str, dict[str, Numbers]] = {}
-        for one, column in zip(self.axes, values.T, strict=True):
-            drive = one.target.drive
-            table = system if drive is None else signals.setdefault(drive, {})
-            table[one.target.path] = np.ascontiguousarray(column)
+        system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
         return self._kept(values, self._ready.run(system, signals))
 
     def values(self, rows: range) -> Numbers:
         """Varied numbers of some runs, (runs, axes), in SI."""
         return self.design.values(self.axes, rows.start, len(rows))
+
+    def by_owner(
+        self, columns: Sequence[Kind]
+    ) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
+        """What belongs to each axis, by path in the system, and by drive and path in waveforms."""
+        system: dict[str, Kind] = {}
+        signals: dict[str, dict[str, Kind]] = {}
+        for one, column in zip(self.axes, columns, strict=True):
+            drive = one.target.drive
+            table = system if drive is None else signals.setdefault(drive, {})
+            table[one.target.path] = column
+        return system, signals
 
     def lost(self, rows: range) -> Piece:
         """What is kept of runs that cannot be made."""

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from martensite import units
 from martensite.errors import InputError
 from martensite.io.scenario import Scenario, load
-from martensite.io.sweeps.job import MEASURES, SweepJob, Wanted, imported, prepared, spec_of
+from martensite.io.sweeps.job import MEASURES, SweepJob, Wanted, prepared, spec_of
 from martensite.io.sweeps.store import Store, create
+from martensite.registry import import_modules
 from martensite.sweep.backends.base import BACKENDS, AbstractBackend
 from martensite.sweep.plan import CHUNK, Plan
 from martensite.sweep.running import Progress, Tell, run_chunks, share_of
@@ -161,7 +162,7 @@ def sweep(
     """
     from martensite.io.sweeps.dataset import open_sweep
 
-    imported(modules)
+    import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse(step, "s") if isinstance(step, str) else step
     wanted = Wanted(

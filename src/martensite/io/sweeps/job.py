@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ from martensite.io.scenario import Scenario, read
 from martensite.io.sweeps.differing import differing
 from martensite.io.sweeps.store import Store
 from martensite.io.sweeps.subject import course_of, settled, targets_of, waveforms_of
+from martensite.registry import import_modules
 from martensite.simulate.measures.base import measure
 from martensite.sweep.axes import axis
 from martensite.sweep.backends.base import Report, StoppedError
@@ -175,7 +174,7 @@ def _remade(spec: Mapping[str, Any]) -> Plan:
     Raises:
         InputError: this process has other files, or another version of the package.
     """
-    imported(spec["modules"])
+    import_modules(spec["modules"])
     scenario = read(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
     names = Wanted.__dataclass_fields__
     wanted = Wanted.from_dict({name: spec[name] for name in names})
@@ -183,20 +182,3 @@ def _remade(spec: Mapping[str, Any]) -> Plan:
     if apart:
         raise InputError(f"It is another one here: {'; '.join(apart)}.")
     return plan_of(scenario, wanted)
-
-
-def imported(modules: Sequence[str]) -> None:
-    """Import what registers parts of the user's own, by dotted name or by file.
-
-    Raises:
-        InputError: one cannot be imported.
-    """
-    for name in modules:
-        path = Path(name)
-        sys.path.insert(0, str(path.parent.resolve() if path.suffix == ".py" else Path.cwd()))
-        try:
-            import_module(path.stem if path.suffix == ".py" else name)
-        except ImportError as error:
-            raise InputError(f"Cannot import `{name}`: {error}.") from None
-        finally:
-            sys.path.pop(0)

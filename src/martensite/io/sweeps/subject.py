@@ -68,19 +68,11 @@ def settled(scenario: Scenario, plan: Plan) -> float:
         return course.step
     last = plan.size - 1
     places = {round(last * k / max(TRIED - 1, 1)) for k in range(TRIED)}
-    tried = [({}, {}), *(_numbers(plan, row) for row in sorted(places))]
+    tried = [
+        ({}, {}),
+        *(plan.by_owner(plan.values(range(row, row + 1))[0].tolist()) for row in sorted(places)),
+    ]
     return min(_step(scenario, course, *one) for one in tried)
-
-
-def _numbers(plan: Plan, row: int) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
-    """Numbers of one run: of the system, and of waveforms by drive."""
-    system: dict[str, float] = {}
-    signals: dict[str, dict[str, float]] = {}
-    for one, value in zip(plan.axes, plan.values(range(row, row + 1))[0], strict=True):
-        drive = one.target.drive
-        table = system if drive is None else signals.setdefault(drive, {})
-        table[one.target.path] = float(value)
-    return system, signals
 
 
 def _step(

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.errors import ParameterError, suggestion
-from martensite.parameters import Parametrised, text
+from martensite.parameters import Parametrised, meant, text
 from martensite.registry import Registry
 from martensite.system import AbstractSystem
 
@@ -65,7 +65,7 @@ class AbstractMeasure(ABC, Parametrised):
         """
         names = system.outputs()
         wanted = self.of or next(iter(system.mechanism.outputs()))
-        found = [n for n in names if n == wanted] or [n for n in names if n.endswith(f".{wanted}")]
+        found = meant(wanted, names)
         if not found:
             raise ParameterError(
                 f"`{self.registered_name}` looks at `{wanted}`, which is no output of this system. "

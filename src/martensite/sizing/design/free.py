@@ -32,7 +32,6 @@ DECADES = 4.0
 """Ratio of bounds from which a positive number is searched on its logarithm."""
 NEAR = 1e-4
 """Part of a range from a bound that counts as being there."""
-SCALES = ("linear", "log", "whole")
 _FREE = re.compile(
     r"^\s*([^=\s]+)\s*(?:=\s*(\S.*?)\s*\.\.\s*(\S.*?))?(?:\s+(linear|log|whole))?\s*$"
 )
