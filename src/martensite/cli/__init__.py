@@ -24,6 +24,7 @@ from martensite.cli import (
     pareto,
     run,
     sensitivity,
+    serve,
     size,
     study,
     sweep,
@@ -34,7 +35,7 @@ from martensite.cli.app import app
 __all__ = [
     "app", "check", "cite", "data", "demo", "design", "export", "export_c", "export_fmu",
     "export_mujoco", "fit", "fit_logs", "identify", "law", "listings", "main", "pareto", "run",
-    "sensitivity", "size", "study", "sweep", "tune",
+    "sensitivity", "serve", "size", "study", "sweep", "tune",
 ]  # fmt: skip
 
 

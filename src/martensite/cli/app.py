@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 from martensite.errors import MartensiteError
 
 ORDER = (
-    "run", "law", "demo", "study", "size", "design", "sweep", "sensitivity", "pareto", "fit",
+    "run", "app", "law", "demo", "study", "size", "design", "sweep", "sensitivity", "pareto", "fit",
     "identify", "tune", "export", "check", "params", "laws", "mechanisms", "drives", "sensors",
     "observers", "controllers", "supervisors", "faults", "blocks", "materials",
 )  # fmt: skip

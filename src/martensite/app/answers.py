@@ -1,0 +1,19 @@
+"""Answers of the server: JSON, or the sentence of a refusal with its status."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from starlette.responses import Response
+
+from martensite.app.messages import Refusal, dumps
+
+
+def json_response(content: Any, status: int = 200) -> Response:
+    """An answer in JSON."""
+    return Response(dumps(content), status, media_type="application/json")
+
+
+def refusal_response(refusal: Refusal) -> Response:
+    """A refusal: its sentence, and how the page shall take it."""
+    return json_response({"error": str(refusal), "kind": refusal.kind}, refusal.status)

@@ -1,0 +1,51 @@
+"""Run a scenario: all that the bench draws of it.
+
+{"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
+-> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from martensite.app.documents import scenario_of
+from martensite.app.engine import run
+from martensite.app.views.columns import columns
+from martensite.app.worker import Desk
+from martensite.io.scenario import Scenario
+from martensite.simulate.result import Result
+
+
+def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Build the scenario, run it, and describe what came out."""
+    scenario = scenario_of(request, desk)
+    begun = time.perf_counter()
+    result, runtime = run(scenario)
+    took = time.perf_counter() - begun
+    return {
+        "text": scenario.text,
+        **_summary(scenario, result),
+        "runtime": runtime,
+        "seconds": took,
+        **columns(result),
+    }
+
+
+def _summary(scenario: Scenario, result: Result) -> dict[str, Any]:
+    return {
+        "title": scenario.title,
+        "described": scenario.system.described(),
+        "status": result.status.name,
+        "accuracy": result.accuracy,
+        "steps": result.steps,
+        "step": result.step,
+        "stroke": result.stroke,
+        "coordinate": result.coordinate,
+        "ports": list(result.system.actuators()),
+        "cautions": scenario.cautions,
+        "warnings": list(result.warnings),
+        "alarms": [asdict(alarm) for alarm in result.alarms],
+    }

@@ -1,0 +1,89 @@
+"""The folder of a server: what was uploaded, and what was made to be taken away.
+
+Names come from outside and are never used as paths: a file lies in a folder of its own whose name
+is made here, and what is left of its own name has no path in it.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+import unicodedata
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.app.messages import Refusal
+from martensite.errors import DataError
+
+MOST_BYTES = 64 * 2**20
+LONGEST_NAME = 80
+_KEY = re.compile(r"^[0-9a-f]{16}$")
+_UNSAFE = re.compile(r"[^\w.() -]+")
+_RESERVED = re.compile(r"^(con|prn|aux|nul|com\d|lpt\d)(\.|$)", re.IGNORECASE)
+
+
+def safe_name(name: str) -> str:
+    """What is left of a name when all that could be a path, or hide the file, is taken out."""
+    last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
+    kept = _UNSAFE.sub("_", last).strip(" .")
+    stem, dot, ending = kept.rpartition(".")
+    short = f"{stem[:LONGEST_NAME]}{dot}{ending[:12]}" if dot else kept[:LONGEST_NAME]
+    return f"_{short}" if not short or _RESERVED.match(short) else short
+
+
+@dataclass(frozen=True)
+class Drawer:
+    """Files by key."""
+
+    folder: Path
+
+    def path(self, key: str) -> Path:
+        """The file of a key.
+
+        Raises:
+            DataError: there is none.
+        """
+        below = self.folder / key
+        found = sorted(below.iterdir()) if _KEY.match(key) and below.is_dir() else []
+        if len(found) != 1:
+            raise DataError("There is no such file here; upload it again.")
+        return found[0]
+
+    def place(self, name: str) -> tuple[str, Path]:
+        """A new key, and where to put the file."""
+        key = secrets.token_hex(8)
+        below = self.folder / key
+        below.mkdir(parents=True)
+        return key, below / safe_name(name)
+
+    async def take(self, name: str, chunks: AsyncIterator[bytes]) -> tuple[str, Path]:
+        """Put what is uploaded into the folder; its key and path.
+
+        Raises:
+            Refusal: it is larger than `MOST_BYTES`, or the disk is full; nothing is kept.
+        """
+        key, path = self.place(name)
+        with self._whole_or_nothing(path), path.open("xb") as file:
+            size = 0
+            async for chunk in chunks:
+                size += len(chunk)
+                if size > MOST_BYTES:
+                    most = MOST_BYTES // 2**20
+                    raise Refusal(f"The file has more than {most} MiB; thin it out first.", 413)
+                file.write(chunk)
+        return key, path
+
+    @staticmethod
+    @contextmanager
+    def _whole_or_nothing(path: Path) -> Iterator[None]:
+        try:
+            yield
+        except BaseException as error:
+            path.unlink(missing_ok=True)
+            path.parent.rmdir()
+            if isinstance(error, OSError):
+                reason = error.strerror or error
+                raise Refusal(f"The file could not be kept: {reason}.", 507) from None
+            raise

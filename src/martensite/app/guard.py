@@ -1,0 +1,142 @@
+"""Who may speak to the server: this machine's browser, from the server's own page, with its token.
+
+Loopback is reachable by every page that the browser shows. So a request is refused unless it is
+meant for this server (header Host: no rebinding of names), comes from its own page or from no page
+(Origin, Sec-Fetch-Site), and holds the token of this run: in a cookie, which the address with
+`?token=` sets, or as `Authorization: Bearer`.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Mapping
+from dataclasses import dataclass
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from martensite.app.answers import refusal_response
+from martensite.app.messages import Refusal
+
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS: Mapping[str, str] = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+}
+NAMES = ("127.0.0.1", "localhost", "[::1]")
+STRANGER = (
+    "This page needs the token of the running bench: open the address that `martensite app` "
+    "printed."
+)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """ASGI middleware that refuses strangers."""
+
+    app: ASGIApp
+    token: str
+    port: int
+
+    @property
+    def cookie(self) -> str:
+        """Its name; cookies of one machine are shared by all ports."""
+        return f"martensite-{self.port}"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        try:
+            self._place(scope)
+            entered = self._entering(scope)
+            if entered is None:
+                self._known(scope)
+        except Refusal as refusal:
+            await _refuse(scope, receive, send, refusal)
+            return
+        if entered is not None:
+            await entered(scope, receive, _with_headers(send))
+            return
+        await self.app(scope, receive, _with_headers(send))
+
+    def _place(self, scope: Scope) -> None:
+        """Refuse what is meant for, or comes from, elsewhere."""
+        headers = Headers(scope=scope)
+        hosts = [f"{name}:{self.port}" for name in NAMES]
+        if headers.getlist("host") not in [[host] for host in hosts]:
+            raise Refusal("This server answers to its own address on this machine only.", 421)
+        origin = headers.get("origin")
+        if origin is not None and origin not in [f"http://{host}" for host in hosts]:
+            raise Refusal(f"Pages of `{origin[:80]}` may not use this server.", 403)
+        if headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
+            navigated = headers.get("sec-fetch-mode") == "navigate" and scope["path"] == "/"
+            if not navigated:
+                raise Refusal("Other pages may not use this server.", 403)
+
+    def _known(self, scope: Scope) -> None:
+        """Refuse who does not hold the token."""
+        headers = Headers(scope=scope)
+        scheme, _, given = headers.get("authorization", "").partition(" ")
+        held = given if scheme.lower() == "bearer" else _cookie(headers, self.cookie)
+        if not self._right(held):
+            raise Refusal(STRANGER, 401)
+
+    def _right(self, held: str) -> bool:
+        return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
+
+    def _entering(self, scope: Scope) -> Response | None:
+        """The answer to an address with the token in it: the page, with a cookie."""
+        if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
+            return None
+        tokens = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
+        if not tokens or not self._right(tokens[0]):
+            return None
+        response = RedirectResponse("/", 303)
+        response.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
+        return response
+
+
+def _cookie(headers: Headers, name: str) -> str:
+    try:
+        found = SimpleCookie(headers.get("cookie", "")).get(name)
+    except CookieError:
+        return ""
+    return "" if found is None else found.value
+
+
+def _with_headers(send: Send) -> Send:
+    """Adds to answers what keeps the page to this server."""
+
+    async def sending(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in HEADERS.items():
+                headers.setdefault(name, value)
+        await send(message)
+
+    return sending
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) -> None:
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.close", "code": 4403, "reason": str(refusal)[:120]})
+        return
+    plain: Any = scope["path"] == "/"
+    response = (
+        PlainTextResponse(str(refusal), refusal.status) if plain else refusal_response(refusal)
+    )
+    await response(scope, receive, _with_headers(send))

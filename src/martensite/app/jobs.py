@@ -1,0 +1,165 @@
+"""Long work: each job in a process of its own, with notes on how far it is, until it is stopped.
+
+A job belongs to the tab of the browser that began it and outlives a reload of the page: who comes
+back is told what has been so far, and goes on listening.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from martensite.app.messages import Refusal
+from martensite.app.workers import POLITE, Worker
+
+AT_ONCE = 4
+KEPT = 20
+"""Finished jobs that are remembered."""
+TRAIL = 400
+"""Notes of a job that are remembered; every other one is forgotten when there are more."""
+
+
+@dataclass(eq=False)
+class Job:
+    """One piece of long work."""
+
+    tab: str
+    call: str
+    request: dict[str, Any]
+    worker: Worker
+    id: str = field(default_factory=lambda: secrets.token_hex(8))
+    state: str = "running"
+    """running, done, failed, or cancelled."""
+    began: float = field(default_factory=time.time)
+    ended: float | None = None
+    trail: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+    """Notes so far, thinned out."""
+    last: dict[str, Any] | None = None
+    outcome: Any = None
+    """The answer, or the sentence of a refusal."""
+    listeners: set[asyncio.Queue[dict[str, Any]]] = field(
+        default_factory=set["asyncio.Queue[dict[str, Any]]"]
+    )
+    task: asyncio.Task[None] | None = None
+
+    def summary(self) -> dict[str, Any]:
+        """The job without its notes and outcome."""
+        return {
+            "id": self.id, "call": self.call, "state": self.state, "began": self.began,
+            "ended": self.ended, "last": self.last,
+        }  # fmt: skip
+
+    def whole(self) -> dict[str, Any]:
+        """The job with all that is known of it."""
+        return {
+            **self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome,
+        }  # fmt: skip
+
+    def told(self, note: dict[str, Any]) -> None:
+        """Keep a note and pass it on."""
+        self.last = note
+        self.trail.append(note)
+        if len(self.trail) > TRAIL:
+            del self.trail[1:-1:2]
+        self._send({"note": note})
+
+    def end(self, state: str, outcome: Any) -> None:
+        """It is over."""
+        self.state, self.outcome, self.ended = state, outcome, time.time()
+        self._send({"job": self.whole()})
+
+    def _send(self, message: dict[str, Any]) -> None:
+        for queue in self.listeners:
+            if queue.full():
+                queue.get_nowait()
+            queue.put_nowait(message)
+
+    @asynccontextmanager
+    async def listening(self) -> AsyncIterator[asyncio.Queue[dict[str, Any]]]:
+        """A queue that begins with all that is known and goes on with notes and the end."""
+        queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue(64)
+        queue.put_nowait({"job": self.whole()})
+        self.listeners.add(queue)
+        try:
+            yield queue
+        finally:
+            self.listeners.discard(queue)
+
+
+@dataclass
+class Jobs:
+    """All jobs of a server."""
+
+    folder: Path
+    known: dict[str, Job] = field(default_factory=dict[str, Job])
+
+    def begin(self, tab: str, call: str, request: dict[str, Any]) -> Job:
+        """Begin a job.
+
+        Raises:
+            Refusal: too many are running.
+        """
+        running = [job for job in self.known.values() if job.state == "running"]
+        if len(running) >= AT_ONCE:
+            raise Refusal(
+                f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429
+            )
+        job = Job(tab, call, request, Worker(self.folder))
+        self.known[job.id] = job
+        job.task = asyncio.create_task(self._work(job))
+        self._forget()
+        return job
+
+    def of(self, tab: str) -> list[Job]:
+        """The jobs of a tab, the newest first."""
+        return [job for job in reversed(self.known.values()) if job.tab == tab]
+
+    def find(self, tab: str, name: str) -> Job:
+        """A job of a tab.
+
+        Raises:
+            Refusal: there is none of that name.
+        """
+        job = self.known.get(name)
+        if job is None or job.tab != tab:
+            raise Refusal("There is no such job here; it may be long over.", 404)
+        return job
+
+    async def cancel(self, job: Job) -> None:
+        """Stop a job: by asking, then by force."""
+        if job.state != "running" or job.task is None:
+            return
+        await job.worker.stop()
+        await asyncio.wait([job.task], timeout=POLITE)
+        if job.state == "running":
+            job.end("cancelled", "Cancelled.")
+            job.task.cancel()
+        await job.worker.kill()
+
+    async def close(self) -> None:
+        """End all jobs, at once."""
+        for job in self.known.values():
+            await job.worker.kill()
+            if job.task is not None:
+                job.task.cancel()
+
+    async def _work(self, job: Job) -> None:
+        try:
+            job.end("done", await job.worker.ask(job.call, job.request, job.told))
+        except Refusal as refusal:
+            state = "cancelled" if refusal.kind == "stopped" else "failed"
+            if job.state == "running":
+                job.end(state, str(refusal))
+        finally:
+            await job.worker.kill()
+
+    def _forget(self) -> None:
+        over = [job.id for job in self.known.values() if job.state != "running"]
+        for name in over[: max(0, len(over) - KEPT)]:
+            del self.known[name]

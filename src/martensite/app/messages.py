@@ -1,0 +1,117 @@
+"""Messages between page, server and workers: JSON, and refusals in one sentence."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+from martensite.errors import InputError, MartensiteError
+
+MOST_BYTES = 8 * 2**20
+"""The longest message that is read."""
+
+
+class Refusal(Exception):
+    """An answer that is a sentence: what was wrong, and how the page shall take it."""
+
+    def __init__(self, sentence: str, status: int = 400, kind: str = "input") -> None:
+        super().__init__(sentence)
+        self.status = status
+        """Of HTTP."""
+        self.kind = kind
+        """input, failed, stopped, superseded, or lost."""
+
+
+class BadMessageError(InputError):
+    """A message is not what the call takes."""
+
+
+def dumps(message: Any) -> bytes:
+    """A message as one line of JSON; numbers that JSON does not have become null."""
+    try:
+        text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    except (TypeError, ValueError):
+        text = json.dumps(plain(message), ensure_ascii=False, separators=(",", ":"))
+    return text.encode("utf-8", "replace")
+
+
+def plain(value: Any) -> Any:
+    """What JSON can hold: tables, lists, texts, finite numbers, null."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
+    if hasattr(value, "tolist"):  # of NumPy
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in cast("Sequence[Any]", value)]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (str, int)) else str(value)
+
+
+def loads(data: bytes) -> dict[str, Any]:
+    """A message that came from outside: a table of at most `MOST_BYTES` bytes.
+
+    Raises:
+        BadMessageError: it is no JSON in UTF-8, too deep, or no table.
+    """
+    if len(data) > MOST_BYTES:
+        raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")
+    try:
+        found = json.loads(data.decode("utf-8"), parse_constant=_refused)
+    except UnicodeDecodeError:
+        raise BadMessageError("The message is not text in UTF-8.") from None
+    except RecursionError:
+        raise BadMessageError("The message is nested too deeply.") from None
+    except ValueError as error:
+        raise BadMessageError(f"The message is not JSON: {error}.") from None
+    if not isinstance(found, dict):
+        raise BadMessageError("The message must be a table (an object of JSON).")
+    return cast("dict[str, Any]", found)
+
+
+def _refused(constant: str) -> Any:
+    raise ValueError(f"{constant} is no number")
+
+
+def wanted(request: Mapping[str, Any], name: str, sort: type, default: Any = ...) -> Any:
+    """An entry of a message, checked.
+
+    Raises:
+        BadMessageError: it is missing without a default, or of another sort.
+    """
+    if name not in request:
+        if default is ...:
+            raise BadMessageError(f"The message needs `{name}`; none given.")
+        return default
+    value = request[name]
+    if sort is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if not isinstance(value, sort) or (sort is int and isinstance(value, bool)):
+        raise BadMessageError(f"`{name}` must be {_WORDS[sort]}, but is {_short(value)}.")
+    return value
+
+
+_WORDS: dict[type, str] = {
+    str: "text", dict: "a table", list: "a list", float: "a number", int: "a whole number",
+    bool: "true or false",
+}  # fmt: skip
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def refused(error: BaseException) -> dict[str, Any]:
+    """What a worker says of an error: a sentence and its kind."""
+    if isinstance(error, MartensiteError):
+        kind = "input" if isinstance(error, InputError) else "failed"
+        return {"refused": str(error), "kind": kind}
+    if isinstance(error, RecursionError):
+        return {"refused": "The document is nested too deeply.", "kind": "input"}
+    if isinstance(error, MemoryError):
+        return {"refused": "There is not enough memory for this.", "kind": "failed"}
+    words = f"{type(error).__name__}: {error}"
+    return {"refused": f"Unexpected error: {words}. Please report it.", "kind": "failed"}

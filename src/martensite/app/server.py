@@ -1,0 +1,85 @@
+"""The server: bound to loopback, with a token of its own, until it is interrupted."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import tempfile
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.errors import InputError
+
+LOOPBACK = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class Served:
+    """Where a running server is."""
+
+    port: int
+    token: str
+
+    @property
+    def address(self) -> str:
+        """To be opened in a browser; who has it may come in."""
+        return f"http://{LOOPBACK}:{self.port}/?token={self.token}"
+
+
+def bound(port: int) -> socket.socket:
+    """A socket on loopback; port 0 is any that is free.
+
+    Raises:
+        InputError: the port is taken, or none.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"Option `--port` must be between 0 and 65535, but is {port}.")
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((LOOPBACK, port))
+    except OSError as error:
+        made.close()
+        raise InputError(
+            f"Port {port} cannot be used ({error.strerror}); leave `--port` out for a free one."
+        ) from None
+    return made
+
+
+def serve(
+    port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None
+) -> None:
+    """Serve the bench until it is interrupted.
+
+    Args:
+        port: on loopback; 0 for a free one.
+        folder: where uploaded files and sweeps are kept; one that ends with the server if None.
+        ready: called with the address before the first request.
+
+    Raises:
+        InputError: the port cannot be used, or the extra `app` is not installed.
+    """
+    try:
+        import uvicorn
+
+        from martensite.app.site import site
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"The bench needs `{error.name}`, which is not installed; install the extra "
+            "`martensite[app]`."
+        ) from None
+    with ExitStack() as stack:
+        opened = stack.enter_context(bound(port))
+        if folder is None:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
+        at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
+        config = uvicorn.Config(
+            site(folder.resolve(), at.token, at.port), log_level="warning", access_log=False,
+            ws="websockets-sansio", ws_max_size=2**16, timeout_graceful_shutdown=2,
+            server_header=False,
+        )  # fmt: skip
+        opened.listen(64)
+        ready(at)
+        uvicorn.Server(config).run(sockets=[opened])

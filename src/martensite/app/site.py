@@ -1,0 +1,197 @@
+"""The addresses of the bench.
+
+    GET  /                      the page; other paths below it are its scripts and styles
+    POST /api/call/NAME         a quick call: request and answer in JSON
+    POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
+    GET  /api/jobs              the jobs of this tab
+    DELETE /api/jobs/ID         cancel it
+    WS   /api/jobs/ID/watch     all that is known of it, then notes as they come, then its end
+    POST /api/files?name=…      upload the body -> its key
+    GET  /api/files/KEY         take a file away
+
+Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` what a newer call
+goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status of its own.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from martensite.app import messages
+from martensite.app.answers import json_response, refusal_response
+from martensite.app.drawer import Drawer
+from martensite.app.guard import Guard
+from martensite.app.jobs import Jobs
+from martensite.app.messages import BadMessageError, Refusal, loads, wanted
+from martensite.app.workers import Pool
+from martensite.errors import InputError
+
+STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
+"""The bundled page; who works on the page may name another build of it."""
+_TAB = re.compile(r"^[0-9A-Za-z-]{4,64}$")
+
+
+@dataclass(frozen=True)
+class Site:
+    """What the addresses share."""
+
+    pool: Pool
+    jobs: Jobs
+    drawer: Drawer
+
+    async def call(self, request: Request) -> Response:
+        """A quick call."""
+        tab, lane = _tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        message = loads(await _body(request))
+        lane = f"{tab} {lane}" if lane else ""
+        return json_response(await self.pool.ask(lane, request.path_params["name"], message))
+
+    async def begin(self, request: Request) -> Response:
+        """Begin a job."""
+        message = loads(await _body(request))
+        call, asked = wanted(message, "call", str), wanted(message, "request", dict, {})
+        job = self.jobs.begin(_tab(request.headers.get("x-tab")), call, asked)
+        return json_response(job.summary(), 201)
+
+    async def listed(self, request: Request) -> Response:
+        """The jobs of a tab."""
+        found = self.jobs.of(_tab(request.headers.get("x-tab")))
+        return json_response([job.summary() for job in found])
+
+    async def cancel(self, request: Request) -> Response:
+        """Cancel a job."""
+        job = self.jobs.find(_tab(request.headers.get("x-tab")), request.path_params["id"])
+        await self.jobs.cancel(job)
+        return json_response(job.summary())
+
+    async def watch(self, socket: WebSocket) -> None:
+        """Tell what is known of a job until it ends; what the page sends is passed over."""
+        try:
+            job = self.jobs.find(_tab(socket.query_params.get("tab")), socket.path_params["id"])
+        except (Refusal, InputError) as error:
+            await socket.close(4404, str(error)[:120])
+            return
+        await socket.accept()
+        try:
+            async with job.listening() as queue:
+                over = False
+                while not over:
+                    message = await queue.get()
+                    over = message.get("job", {}).get("state", "running") != "running"
+                    await socket.send_text(messages.dumps(message).decode())
+            await socket.close()
+        except (WebSocketDisconnect, RuntimeError):
+            return
+
+    async def upload(self, request: Request) -> Response:
+        """Take a file."""
+        name = request.query_params.get("name", "")
+        if not name:
+            raise Refusal("An upload needs `?name=`, what the file is called.")
+        key, path = await self.drawer.take(name, request.stream())
+        return json_response({"key": key, "name": path.name, "bytes": path.stat().st_size}, 201)
+
+    async def download(self, request: Request) -> Response:
+        """Give a file away."""
+        path = self.drawer.path(request.path_params["key"])
+        return FileResponse(path, filename=path.name)
+
+
+def _tab(name: str | None) -> str:
+    """The tab that asks."""
+    if name is None or not _TAB.match(name):
+        raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
+    return name
+
+
+async def _body(request: Request) -> bytes:
+    """The body of a request, refused as soon as it is too long."""
+    most = messages.MOST_BYTES
+    said = request.headers.get("content-length", "0")
+    parts: list[bytes] = []
+    size = int(said) if said.isdigit() else 0
+    if size <= most:
+        size = 0
+        async for chunk in request.stream():
+            parts.append(chunk)
+            size += len(chunk)
+            if size > most:
+                break
+    if size > most:
+        raise Refusal(f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413)
+    return b"".join(parts)
+
+
+def _status(request: Request) -> Response:
+    return json_response({"name": "martensite", "version": version("martensite")})
+
+
+def _index(request: Request) -> Response:
+    return FileResponse(STATIC / "index.html", media_type="text/html")
+
+
+def _refused(request: Request, error: Exception) -> Response:
+    """The answer to an error made on purpose."""
+    known = error if isinstance(error, Refusal) else Refusal(str(error))
+    return refusal_response(known)
+
+
+def _nowhere(request: Request, error: Exception) -> Response:
+    status = getattr(error, "status_code", 404)
+    words = {405: "This address does not take that."}.get(
+        status, "There is nothing at this address."
+    )
+    return refusal_response(Refusal(words, status))
+
+
+def _gone(request: Request, error: Exception) -> Response:
+    return Response(status_code=499)
+
+
+def site(folder: Path, token: str, port: int) -> ASGIApp:
+    """The whole application: files are kept in `folder`, who holds `token` may come in."""
+    shared = Site(Pool(folder), Jobs(folder), Drawer(folder))
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        await shared.pool.warm()
+        try:
+            yield
+        finally:
+            await shared.jobs.close()
+            await shared.pool.close()
+
+    inside = Starlette(
+        routes=[
+            Route("/", _index),
+            Route("/api/status", _status),
+            Route("/api/call/{name}", shared.call, methods=["POST"]),
+            Route("/api/jobs", shared.begin, methods=["POST"]),
+            Route("/api/jobs", shared.listed),
+            Route("/api/jobs/{id}", shared.cancel, methods=["DELETE"]),
+            WebSocketRoute("/api/jobs/{id}/watch", shared.watch),
+            Route("/api/files", shared.upload, methods=["POST"]),
+            Route("/api/files/{key}", shared.download),
+            Mount("/", StaticFiles(directory=STATIC)),
+        ],
+        exception_handlers={
+            Refusal: _refused, InputError: _refused, 404: _nowhere, 405: _nowhere,
+            ClientDisconnect: _gone,
+        },
+        lifespan=lifespan,
+    )  # fmt: skip
+    return Guard(inside, token, port)

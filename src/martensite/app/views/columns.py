@@ -1,0 +1,47 @@
+"""Columns over time as the page draws them: thinned out, with names and readable units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from martensite import units
+from martensite.simulate.result import Result
+
+MOST = 2001
+"""Points that are drawn of a column; more cannot be told apart on a screen."""
+
+
+def columns(result: Result) -> dict[str, Any]:
+    """Times [s], columns in SI, and what each is called.
+
+    `outputs` gives for every column its SI unit, the unit it is shown in with factor and offset
+    (shown = SI · factor + offset), its long name and its symbol.
+    """
+    kept = kept_rows(len(result.times))
+    return {
+        "times": [result.times[i] for i in kept],
+        "columns": {name: [c[i] for i in kept] for name, c in result.columns.items()},
+        "outputs": {name: shown(result, name) for name in result.columns},
+    }
+
+
+def kept_rows(count: int, most: int = MOST) -> list[int]:
+    """Rows, at most so many, first and last among them."""
+    if count <= most:
+        return list(range(count))
+    return [round(i * (count - 1) / (most - 1)) for i in range(most)]
+
+
+def shown(result: Result, name: str) -> dict[str, Any]:
+    """How a column is called, and how it is shown."""
+    output = result.outputs[name]
+    unit = units.readable(output.unit)
+    offset = units.from_si(0.0, unit, output.unit)
+    return {
+        "unit": output.unit,
+        "shown": "" if unit == "1" else unit,
+        "factor": units.from_si(1.0, unit, output.unit) - offset,
+        "offset": offset,
+        "long_name": output.long_name,
+        "symbol": output.symbol,
+    }

@@ -1,0 +1,120 @@
+"""A process that answers calls, one after the other; lines of JSON come in and go out.
+
+    in:  {"call": "run", "request": {…}, "folder": "…"}   what is asked
+    in:  {"stop": true}                                   what is being done shall end
+    out: {"tell": {…}}                                    any number, while it works
+    out: {"answer": {…}} or {"refused": "a sentence", "kind": "input"}
+
+It ends with its input, whatever it is doing, and takes with it the processes it has started:
+without the server there is no worker. A call is a module of `martensite.app.calls` with a function
+`answer(request, desk)`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from queue import SimpleQueue
+from typing import Any, BinaryIO
+
+from martensite.app.messages import BadMessageError, dumps, loads, refused
+from martensite.errors import suggestion
+
+PACKAGE = "martensite.app.calls"
+
+
+@dataclass
+class Desk:
+    """What a call has at hand beside its request."""
+
+    folder: Path
+    """Where uploaded files lie and new ones are made."""
+    tell: Callable[[Mapping[str, Any]], None] = lambda note: None
+    """Sends a note on how far it is."""
+    stop: threading.Event = field(default_factory=threading.Event)
+    """Set once the work shall end; who can, ends with the best so far."""
+
+
+def calls() -> list[str]:
+    """Names of all calls."""
+    package = import_module(PACKAGE)
+    return sorted(m.name for m in iter_modules(package.__path__) if not m.name.startswith("_"))
+
+
+def answer(call: str, request: dict[str, Any], desk: Desk) -> Any:
+    """Answer a call.
+
+    Raises:
+        MartensiteError: it is not known, or its request is wrong, or it failed.
+    """
+    if call not in calls():
+        raise BadMessageError(f"There is no call `{call}`. {suggestion(call, calls())}")
+    return import_module(f"{PACKAGE}.{call}").answer(request, desk)
+
+
+class _Lines:
+    """Writes messages as lines; from several threads."""
+
+    def __init__(self, out: BinaryIO) -> None:
+        self._out, self._lock = out, threading.Lock()
+
+    def send(self, message: Mapping[str, Any]) -> None:
+        with self._lock:
+            self._out.write(dumps(message) + b"\n")
+            self._out.flush()
+
+
+def _listen(source: BinaryIO, work: SimpleQueue[dict[str, Any]], stop: threading.Event) -> None:
+    """Put calls on the pile, and end with the input."""
+    for line in source:
+        message = loads(line)
+        if message.get("stop"):
+            stop.set()
+        else:
+            work.put(message)
+    if hasattr(os, "killpg") and os.getpgid(0) == os.getpid():
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.killpg(0, signal.SIGTERM)
+    os._exit(0)
+
+
+def _private_streams() -> tuple[BinaryIO, BinaryIO]:
+    """Input and output of the messages; what prints elsewhere goes to standard error."""
+    source, out = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)
+    return source, out
+
+
+def main() -> None:
+    """Answer calls until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server
+    source, out = _private_streams()
+    work: SimpleQueue[dict[str, Any]] = SimpleQueue()
+    stop, lines = threading.Event(), _Lines(out)
+    threading.Thread(target=_listen, args=(source, work, stop), daemon=True).start()
+    import_module(PACKAGE + ".run")  # before the first call, that it be quick
+    while True:
+        message = work.get()
+        stop.clear()
+        desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
+        try:
+            lines.send({"answer": answer(message["call"], message["request"], desk)})
+        except Exception as error:
+            said = refused(error)
+            if said["refused"].startswith("Unexpected"):
+                traceback.print_exc(file=sys.stderr)
+            lines.send(said)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""`app`: the web bench in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.options import Json
+from martensite.errors import DataError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from martensite.app.server import Served
+
+
+@app.command("app")
+def bench_app(
+    scenario: Annotated[
+        Path | None, typer.Argument(metavar="[SCENARIO]", help="A scenario file to begin with.")
+    ] = None,
+    port: Annotated[int, typer.Option(help="Port on this machine; 0 for a free one.")] = 0,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Only print the address.")
+    ] = False,
+    folder: Annotated[
+        Path | None,
+        typer.Option(help="Where files are kept [default: a folder that ends with the bench]."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Open the web bench: sliders, live loops, mechanisms in motion, fits of your own logs.
+
+    It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
+    """
+    from martensite.app.server import serve
+
+    text = None if scenario is None else _text(scenario)
+    if folder is not None and not folder.is_dir():
+        raise DataError(f"There is no folder `{folder}`; create it first.")
+    serve(port, folder, _opened(text, no_browser, json))
+
+
+def _text(scenario: Path) -> str:
+    """The text of a scenario that can be built."""
+    from martensite.io.scenario import load
+
+    return load(scenario).text
+
+
+def _opened(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
+    """What says where the bench is, and opens it."""
+
+    def ready(at: Served) -> None:
+        from martensite.app.address import begun_with
+
+        address = at.address if text is None else begun_with(at.address, text)
+        if json:
+            from martensite.cli import show
+
+            show.as_json({"address": address, "port": at.port, "token": at.token})
+        else:
+            typer.echo(f"martensite app: {address}")
+            typer.echo("Ctrl-C ends it.")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    return ready

@@ -1,0 +1,25 @@
+// Bundles the page into src/martensite/app/static, which is committed: users need no Node.
+//   node build.mjs [FOLDER]     another folder, which the server takes from MARTENSITE_STATIC
+import { build } from "esbuild";
+import { copyFile, mkdir, readdir, rm } from "node:fs/promises";
+
+const out = process.argv[2] ?? "../src/martensite/app/static";
+
+await rm(out, { recursive: true, force: true });
+await mkdir(out, { recursive: true });
+await build({
+  entryPoints: ["src/main.tsx"],
+  outdir: out,
+  entryNames: "bench",
+  chunkNames: "[name]-[hash]",
+  bundle: true,
+  splitting: true,
+  format: "esm",
+  target: ["es2022", "chrome125", "firefox128", "safari18"],
+  minify: true,
+  legalComments: "linked",
+  jsx: "automatic",
+  jsxImportSource: "preact",
+  charset: "utf8",
+});
+for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);

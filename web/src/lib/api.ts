@@ -1,0 +1,145 @@
+// The server's addresses: quick calls, jobs, files. A refusal is an error with its sentence.
+
+export class Refusal extends Error {
+  constructor(
+    message: string,
+    readonly kind: string,
+    readonly status: number,
+  ) {
+    super(message);
+  }
+}
+
+/** Identity of this tab; it outlives a reload, so that jobs are found again. */
+export const tab: string = (() => {
+  const known = sessionStorage.getItem("martensite-tab");
+  const made = known ?? crypto.randomUUID();
+  sessionStorage.setItem("martensite-tab", made);
+  return made;
+})();
+
+/** Identity of this loaded page: a copied tab does not go over the calls of its original. */
+const load = crypto.randomUUID().slice(0, 8);
+
+async function answered<T>(response: Response): Promise<T> {
+  const text = await response.text();
+  let body: unknown = null;
+  try {
+    body = text ? JSON.parse(text) : null;
+  } catch {
+    throw new Refusal("The server's answer cannot be read.", "failed", response.status);
+  }
+  if (!response.ok) {
+    const said = body as { error?: string; kind?: string } | null;
+    throw new Refusal(said?.error ?? `The server answered ${response.status}.`, said?.kind ?? "failed", response.status);
+  }
+  return body as T;
+}
+
+async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
+  let response: Response;
+  try {
+    response = await fetch(path, { ...options, headers: { "X-Tab": tab, ...options.headers } });
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    throw new Refusal("The server does not answer; is `martensite app` still running?", "lost", 0);
+  }
+  return answered<T>(response);
+}
+
+const running = new Map<string, AbortController>();
+
+/** A quick call. A newer one of the same lane goes over an older, which then ends as `superseded`. */
+export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
+  const control = new AbortController();
+  if (lane) {
+    running.get(lane)?.abort();
+    running.set(lane, control);
+  }
+  try {
+    return await asked<T>(`/api/call/${name}`, {
+      method: "POST",
+      body: JSON.stringify(request),
+      headers: lane ? { "X-Lane": `${load} ${lane}` } : {},
+      signal: control.signal,
+    });
+  } catch (error) {
+    if (error instanceof DOMException) throw new Refusal("A newer request came.", "superseded", 409);
+    throw error;
+  } finally {
+    if (running.get(lane) === control) running.delete(lane);
+  }
+}
+
+export interface JobSummary<Note = Record<string, unknown>> {
+  id: string;
+  call: string;
+  state: "running" | "done" | "failed" | "cancelled";
+  began: number;
+  ended: number | null;
+  last: Note | null;
+}
+
+export interface Job<Note = Record<string, unknown>, Outcome = unknown> extends JobSummary<Note> {
+  request: Record<string, unknown>;
+  trail: Note[];
+  outcome: Outcome | string | null;
+}
+
+export const beginJob = (name: string, request: object): Promise<JobSummary> =>
+  asked("/api/jobs", { method: "POST", body: JSON.stringify({ call: name, request }) });
+
+/** The jobs of this tab, the newest first. */
+export const jobs = (): Promise<JobSummary[]> => asked("/api/jobs");
+
+export const cancelJob = (id: string): Promise<JobSummary> => asked(`/api/jobs/${id}`, { method: "DELETE" });
+
+/** Listen to a job until it ends: first all that is known of it, then notes, then its end. */
+export function watchJob<Note, Outcome>(
+  id: string,
+  heard: (message: { job?: Job<Note, Outcome>; note?: Note }) => void,
+  lost: (reason: string) => void,
+): () => void {
+  const address = `${location.origin.replace("http", "ws")}/api/jobs/${id}/watch?tab=${tab}`;
+  const socket = new WebSocket(address);
+  let over = false;
+  socket.onmessage = (event: MessageEvent<string>) => {
+    const message = JSON.parse(event.data) as { job?: Job<Note, Outcome>; note?: Note };
+    over ||= message.job !== undefined && message.job.state !== "running";
+    heard(message);
+  };
+  socket.onclose = (event) => {
+    if (!over) lost(event.reason || "The connection to the job was lost.");
+  };
+  return () => {
+    over = true;
+    socket.close();
+  };
+}
+
+export interface Uploaded {
+  key: string;
+  name: string;
+  bytes: number;
+}
+
+export const upload = (file: File): Promise<Uploaded> =>
+  asked(`/api/files?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+
+/** Save something under a name, as a download. */
+export function save(name: string, content: Blob | string): void {
+  const blob = typeof content === "string" ? new Blob([content], { type: "text/plain" }) : content;
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** Save a file that the server has made. */
+export function take(key: string, name: string): void {
+  const link = document.createElement("a");
+  link.href = `/api/files/${key}`;
+  link.download = name;
+  link.click();
+}

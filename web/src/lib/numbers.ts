@@ -1,0 +1,15 @@
+// Numbers for people.
+
+/** A number with so many significant digits, without a tail of zeros. */
+export function digits(value: number | null | undefined, count = 4): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(count - 1).replace(/\.?0+e/, "e");
+  return String(Number(value.toPrecision(count)));
+}
+
+/** SI to what is shown. */
+export const toShown = (value: number, how: { factor: number; offset: number }): number => value * how.factor + how.offset;
+
+/** A difference in SI to what is shown. */
+export const difference = (value: number, how: { factor: number }): number => value * how.factor;

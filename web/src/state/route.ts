@@ -1,0 +1,26 @@
+// Where in the page we are: `#/studies/finger`, `#/bench?scenario=…`.
+
+import { signal } from "@preact/signals";
+
+export interface Place {
+  page: string;
+  rest: string[];
+  query: URLSearchParams;
+}
+
+function read(): Place {
+  const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
+  const [page = "", ...rest] = path.split("/").map(decodeURIComponent);
+  return { page: page || "bench", rest, query: new URLSearchParams(query) };
+}
+
+export const place = signal<Place>(read());
+addEventListener("hashchange", () => (place.value = read()));
+
+export const go = (path: string): void => void (location.hash = `#/${path}`);
+
+/** Change what stands behind the question mark without a new entry in the history. */
+export function remember(page: string, query: Record<string, string>): void {
+  const text = new URLSearchParams(query).toString();
+  history.replaceState(null, "", `#/${page}${text ? `?${text}` : ""}`);
+}
