@@ -1,10 +1,17 @@
 // The bench: the scenario's numbers at the left, what comes of them at the right.
 
 import { useEffect } from "preact/hooks";
+import { Controls } from "../form/controls.tsx";
+import { Documents } from "../form/documents.tsx";
 import { call } from "../lib/api.ts";
+import { Charts } from "../plots/charts.tsx";
+import { Compare } from "../plots/compare.tsx";
+import { Warnings } from "../plots/warnings.tsx";
+import { Player } from "../scene/player.tsx";
+import { Scene } from "../scene/scene.tsx";
+import { place } from "../state/route.ts";
 import { computing, followDocument, refused, run } from "../state/run.ts";
 import { change, followInAddress, fromAddress, text } from "../state/scenario.ts";
-import { place } from "../state/route.ts";
 import { Message } from "../ui/message.tsx";
 
 const FIRST = "constant_power";
@@ -21,18 +28,41 @@ async function begin(): Promise<void> {
   if (first) change(first.text);
 }
 
+function Title() {
+  const now = run.value;
+  return (
+    <div class="bench-title">
+      <h1>{now?.title ?? "Bench"}</h1>
+      {now && (
+        <p class="soft small">
+          {now.described}; {now.times.length} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
+        </p>
+      )}
+    </div>
+  );
+}
+
 export function Page() {
   useEffect(() => {
     const leave = [followDocument(), followInAddress()];
     return () => leave.forEach((end) => end());
   }, []);
   useEffect(() => void begin(), [place.value]);
-  const now = run.value;
   return (
     <div class="bench" aria-busy={computing.value}>
-      <h1>{now?.title ?? "Bench"}</h1>
-      {refused.value && <Message kind="error">{refused.value}</Message>}
-      {now && <p class="soft">{now.described}; {now.times.length} samples in {(now.seconds * 1000).toFixed(0)} ms</p>}
+      <section class="bench-controls stack" aria-label="Scenario">
+        <Documents />
+        <Controls />
+      </section>
+      <section class="bench-results stack" aria-label="Results">
+        <Title />
+        {refused.value && <Message kind="error">{refused.value}</Message>}
+        <Warnings />
+        <Scene />
+        <Player />
+        <Compare />
+        <Charts />
+      </section>
     </div>
   );
 }

@@ -2,7 +2,7 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { packed, unpacked } from "../lib/pack.ts";
-import { place, remember } from "./route.ts";
+import { go, place, remember } from "./route.ts";
 
 const MOST_STEPS = 200;
 
@@ -68,4 +68,10 @@ export function followInAddress(): () => void {
       if (place.value.page === "bench") remember("bench", { scenario: await packed(now) });
     }, 300);
   });
+}
+
+/** Put a scenario on the bench and go there. */
+export function openInBench(document: string): void {
+  change(document);
+  go("bench");
 }
