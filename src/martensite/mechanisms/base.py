@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from martensite.elements.base import AbstractElement, Heating
 from martensite.laws.coupling import Report
+from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -96,3 +97,16 @@ class AbstractMechanism(Parametrised):
     ) -> tuple[list[Scalar], Column]:
         """Force [N] in each element, and the `outputs` in order."""
         raise NotImplementedError
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """What it looks like (`martensite.mechanisms.drawing`); the same shapes at every time.
+
+        One that says nothing is drawn as elements that hang, moved or turned by its first output;
+        without elements, as a ball on a thread.
+        """
+        name, output = next(iter(self.outputs().items()))
+        value, ports = reading.outputs[name], self.ports()
+        if not ports and output.unit == "m":
+            return lifted(value)
+        shortened = [value if output.unit == "m" else 0.0] * len(ports)
+        return hanging(ports, shortened, [value] if output.unit == "rad" else [], reading)

@@ -34,7 +34,9 @@ from typing import Any
 
 from martensite.errors import ParameterError
 from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
+from martensite.mechanisms.drawing import Reading, Shape
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.mechanisms.shared.beam_drawing import drawn_beam
 from martensite.mechanisms.shared.beam_modes import BeamModes
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
@@ -243,6 +245,10 @@ class BeamMotor(AbstractMultibody):
         modes = position[:n] if n > 1 else ()
         forces = [element.force(state) for element, state, _ in loads]
         return forces, [*bends, *turns, *modes, position[n + 1]]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """The beam, the motor with its unbalance, and the wire if there is one."""
+        return drawn_beam(self, reading)
 
 
 def modal_numbers(modes: BeamModes) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from martensite.elements.base import Spring
 from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -35,3 +36,18 @@ class BiasSpring(AbstractLoadLine):
     ) -> Scalar:
         """Shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Element and spring in a row between two walls; the spring's own length is not known."""
+        element = reading.lengths["element"]
+        end, far, tall = element - reading.outputs["position"], 1.6 * element, 0.1 * element
+        thick = 0.012 * element
+        near_wall = ((-thick, 0.0, -tall), (-thick, 0.0, tall))
+        far_wall = ((far + thick, 0.0, -tall), (far + thick, 0.0, tall))
+        return [
+            bar("wall", thick, *near_wall, kind="ground"),
+            bar("wall of the spring", thick, *far_wall, kind="ground"),
+            Shape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
+            Shape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
+            Shape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),
+        ]

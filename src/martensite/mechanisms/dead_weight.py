@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from martensite.elements.base import Spring
 from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.drawing import Reading, Shape, bar, weight
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -31,3 +32,14 @@ class DeadWeight(AbstractLoadLine):
     ) -> Scalar:
         """Lift of the mass [m]."""
         return assembly.elongation - elongation
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """The element hangs from a ceiling, the mass from the element."""
+        hung = reading.lengths["element"]
+        end = (0.0, 0.0, reading.outputs["position"] - hung)
+        wide, thick = 0.2 * hung, 0.015 * hung
+        return [
+            bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
+            Shape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
+            weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
+        ]

@@ -36,8 +36,10 @@ completion is a parameter here. Sign convention: θ grows as the wire pulls.
 from __future__ import annotations
 
 from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.drawing import Reading, Shape
 from martensite.mechanisms.joints import bowstring, bowstring_arm, stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.finger_drawing import drawn_finger
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -121,3 +123,7 @@ class Finger(AbstractMultibody):
         """Force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [self.spring_torque(xp, 0.0) / arm]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both phalanges, the wire over its brackets, and the return spring."""
+        return drawn_finger(self, reading)

@@ -34,6 +34,7 @@ from itertools import product
 
 from martensite.errors import ParameterError
 from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.drawing import Reading, Shape
 from martensite.mechanisms.joints import (
     Pair,
     Rod,
@@ -43,6 +44,7 @@ from martensite.mechanisms.joints import (
     two_rods,
 )
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.mechanisms.shared.hand_drawing import drawn_hand
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes import floats
@@ -162,6 +164,10 @@ class Hand(AbstractMultibody):
                 moment = flexors * self.offset * self.preload - self.torque * (1.0 / size)
                 found += [self.preload, moment * (1.0 / self.knuckle)]
         return found
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
+        return drawn_hand(self, reading)
 
     def _rods(self, size: Scalar) -> tuple[Rod, Rod]:
         """Both phalanges of a finger."""

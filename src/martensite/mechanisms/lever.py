@@ -23,6 +23,7 @@ import math
 from collections.abc import Sequence
 
 from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
+from martensite.mechanisms.drawing import Reading, Shape, bar, led, pin, weight
 from martensite.mechanisms.joints import stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.mechanisms.shared.motion import Motion
@@ -117,3 +118,30 @@ class Lever(AbstractMultibody):
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""
         return [self.held(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both arms, the weight on a thread, and the wire from its fixed point."""
+        angle, (port,) = reading.outputs["angle"], self.ports()
+        leaves, a, b = self.wire_angle, self.arm, self.weight_arm
+        fixed = (a - self.distance * math.cos(leaves), 0.0, self.distance * math.sin(leaves))
+        away = (-math.cos(leaves), 0.0, math.sin(leaves))
+        end = (a * math.cos(angle), 0.0, a * math.sin(angle))
+        rises = self.weight_angle + angle
+        hook = (b * math.cos(rises), 0.0, b * math.sin(rises))
+        hung = (hook[0], 0.0, hook[2] - 0.3 * b)
+        pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * max(a, b), 0.3 * b
+        block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
+        found = [
+            bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
+            bar("holder", 0.6 * thick, *block, kind="ground"),
+            pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
+            bar("arm of the wire", thick, pivot, end),
+            *led(port, [fixed, end], reading.lengths[port] - self.distance, away),
+        ]
+        if self.mass > 0.0:
+            found += [
+                bar("arm of the weight", 0.8 * thick, pivot, hook),
+                bar("thread", 0.0, hook, hung, kind="tether"),
+                weight("weight", hung, self.mass, 2.0 * thick, most),
+            ]
+        return found

@@ -26,10 +26,12 @@ from typing import Any, NamedTuple
 from martensite.elements.base import AbstractElement
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.drawing import Reading, Shape, hanging
 from martensite.mechanisms.shared import condensed
 from martensite.mechanisms.shared.elimination import inner, solutions
 from martensite.mechanisms.shared.motion import Course, Motion, Scheme, dynamic, quasi_static
 from martensite.parameters import option, param
+from martensite.runtimes import floats
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -177,3 +179,13 @@ class AbstractMultibody(AbstractMechanism):
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
+        home = self.home(floats)
+        place = [
+            reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)
+        ]
+        turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]
+        shortened = [float(by) for by in self.contraction(floats, place)]
+        return hanging(self.ports(), shortened, turned, reading)

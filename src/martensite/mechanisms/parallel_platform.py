@@ -20,8 +20,11 @@ as the `first` spring pulls; a positive β lowers the vertex of the `second`.
 
 from __future__ import annotations
 
+import math
+
 from martensite.errors import ParameterError
 from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.drawing import Reading, Shape, bar, led
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.motion import Motion
 from martensite.mechanisms.shared.platform_inertia import (
@@ -31,8 +34,9 @@ from martensite.mechanisms.shared.platform_inertia import (
     thin_plate,
     weight_torques,
 )
-from martensite.mechanisms.shared.platform_kinematics import Plates, lengths
+from martensite.mechanisms.shared.platform_kinematics import Plates, corners, lengths, vertices
 from martensite.parameters import param
+from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -113,3 +117,23 @@ class ParallelPlatform(AbstractMultibody):
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, three times [N]."""
         return [self.preload] * 3
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
+        alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
+        plates, thick = self.plates(), 0.012 * self.side
+        base = tuple((x, -y, 0.0) for x, y in corners(self.side))
+        top = tuple((x, -y, -z) for x, y, z in vertices(floats, plates, alpha, beta))
+        joint = (0.0, 0.0, plates.pivot)
+        x, y, z = (math.fsum(v[k] for v in top) / 3.0 for k in range(3))
+        found = [
+            Shape("base", "plate", base, thick),
+            bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
+            Shape("joint", "object", (joint,), 2.5 * thick),
+            bar("neck", thick, joint, (x, y, z)),
+            Shape("plate", "plate", top, thick),
+        ]
+        for port, first, last in zip(self.ports(), base, top, strict=True):
+            rest = reading.lengths[port] - self.height
+            found += led(port, [first, last], rest, (0.0, 0.0, -1.0))
+        return found

@@ -12,7 +12,10 @@ Sign convention: φ grows as the first element, `protagonist`, pulls; zero as as
 
 from __future__ import annotations
 
+import math
+
 from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.drawing import ARC, Reading, Shape, arc, bar, pin, weight
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
@@ -54,3 +57,34 @@ class AntagonisticPulley(AbstractMultibody):
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, twice [N]."""
         return [self.preload, self.preload]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both elements come from a wall and are wound on the rim, half a turn as assembled."""
+        angle, r = reading.outputs["angle"], self.radius
+        wound = math.pi * r
+        # straight, as assembled: the longer element reaches to the wall
+        straight = max(*reading.lengths.values(), 2.0 * wound) - wound
+        wide, thick = 0.15 * r, 0.3 * r
+        wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
+        axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
+        found = [
+            bar("wall", thick, *wall, kind="ground"),
+            pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
+            Shape("pulley", "pulley", axis, r, turn=angle),
+        ]
+        for port, side in zip(self.ports(), (1.0, -1.0), strict=True):
+            rim = arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
+            free = reading.lengths[port] - wound
+            start = min(free, straight) if free > 0.0 else 0.5 * r
+            path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
+            found += [
+                bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
+                Shape(port, "wire", tuple(path), 0.0, port),
+            ]
+        if self.moment > 0.0:
+            end = (2.5 * r * math.sin(angle), -3.0 * wide, -2.5 * r * math.cos(angle))
+            found += [
+                bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
+                weight("weight of the lever", end, 0.0, 0.3 * r, r),
+            ]
+        return found

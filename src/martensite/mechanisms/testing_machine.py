@@ -31,6 +31,7 @@ from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.errors import ParameterError
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -136,6 +137,23 @@ class TensileTestingMachine(AbstractMechanism):
         else:
             travel = self._target(signals)
         return [force], [give - travel, travel]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
+        element = reading.lengths["element"]
+        grip, thick = element - reading.outputs["position"], 0.02 * element
+        head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
+        sides = [((x, 0.0, -thick), (x, 0.0, 1.6 * element)) for x in (-wide, wide)]
+        rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
+        gives = math.isfinite(self.stiffness)
+        return [
+            bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
+            *(bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
+            bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
+            Shape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
+            Shape("frame and grips", "spring" if gives else "link", rod, thick),
+            Shape("grip", "object", (rod[0],), thick),
+        ]
 
     @property
     def _pulls(self) -> bool:

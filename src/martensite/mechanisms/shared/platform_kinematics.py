@@ -88,15 +88,13 @@ def slopes(
     xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
 ) -> tuple[list[Scalar], list[Scalar], list[Scalar]]:
     """Lengths [m], and their derivatives over α and over β [m/rad]."""
-    ca, sa, cb, sb = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
-    above = plates.height - plates.pivot
+    turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
+    _, _, cb, sb = turns
     found: list[Scalar] = []
     over_alpha: list[Scalar] = []
     over_beta: list[Scalar] = []
     for x, y in corners(plates.side):
-        # the vertex after both rotations, seen from the joint: X, Y, Z
-        drop, along = sa * y - ca * above, ca * y + sa * above
-        across, down = cb * x + sb * drop, cb * drop - sb * x
+        across, along, down, drop = _turned(plates, turns, x, y)
         # the leg
         leg_x, leg_y, leg_z = across - x, along - y, down - plates.pivot
         length = xp.sqrt(leg_x * leg_x + leg_y * leg_y + leg_z * leg_z)
@@ -105,6 +103,25 @@ def slopes(
         over_alpha.append(share * ((sb * leg_x + cb * leg_z) * along - leg_y * drop))
         over_beta.append(share * (leg_x * down - leg_z * across))
     return found, over_alpha, over_beta
+
+
+def vertices(
+    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
+) -> list[tuple[Scalar, Scalar, Scalar]]:
+    """X, Y, Z of the vertices of the plate that moves [m] at angles [rad]."""
+    turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
+    places = [_turned(plates, turns, x, y) for x, y in corners(plates.side)]
+    return [(across, along, down - plates.pivot) for across, along, down, _ in places]
+
+
+def _turned(
+    plates: Plates, turns: tuple[Scalar, Scalar, Scalar, Scalar], x: Scalar, y: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """A vertex after both rotations, seen from the joint: X, Y, Z; and Z after the first alone."""
+    ca, sa, cb, sb = turns
+    above = plates.height - plates.pivot
+    drop, along = sa * y - ca * above, ca * y + sa * above
+    return cb * x + sb * drop, along, cb * drop - sb * x, drop
 
 
 def torques(

@@ -1,0 +1,174 @@
+r"""How a mechanism is drawn: named shapes of a kind, with points in space, at one time.
+
+A mechanism answers `drawn(reading)` in plain floats, once for every picture. All pictures of a run
+have the same shapes with the same numbers of points; only places and turns change. Joints and the
+ways of wires are those of its kinematics; what its kinematics leave open (how thick a bar is, how
+far a wire runs on behind its last bracket) is drawn in proportion.
+
+Frame: right-handed, z up, x to the right, y away from the eye; metres.
+
+A wire is drawn as long as it is while taut. As assembled it is `reading.lengths[port]` long; where
+its way over the mechanism is shorter than that, the rest runs on behind the fixed end, and where
+it is longer, a tether makes up for it (`led`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+Point = tuple[float, float, float]
+
+KINDS: dict[str, str] = {
+    "ground": "bar that stands still, along its points",
+    "link": "rigid bar along its points",
+    "joint": "pin of a hinge, from its first point to its second",
+    "wire": "element at a port, along its points; taut, it is as long as this line",
+    "spring": "passive spring, along its points",
+    "tether": "thread or rod that does not stretch, along its points",
+    "weight": "cube that hangs at its point",
+    "pulley": "disc on the axis from its first point to its second",
+    "plate": "thin plate with its points as corners",
+    "rotor": "disc with an arm, on the axis from its first point to its second; the arm points at "
+    "the third, turned about that axis",
+    "object": "ball at its point",
+}
+"""Kind -> what is drawn of it."""
+
+ARC = 8
+"""Segments of a quarter of a circle."""
+THREAD = 0.1
+"""Length of the thread that a load without an element hangs on [m]."""
+DENSITY = 7850.0
+"""Of the steel that a weight is drawn of [kg/m³]."""
+
+
+class Shape(NamedTuple):
+    """A part of the picture of a mechanism at one time."""
+
+    name: str
+    kind: str
+    """One of `KINDS`."""
+    points: tuple[Point, ...]
+    """[m]"""
+    size: float
+    """Radius of a bar, pin, disc, spring or ball, half the edge of a cube, half the thickness of a
+    plate [m]; 0 for a wire, whose element knows."""
+    port: str = ""
+    """Port of the element that a wire is."""
+    turn: float = 0.0
+    """Angle of a disc or rotor about its axis, right-handed [rad]; may pass a full turn."""
+
+
+class Reading(NamedTuple):
+    """What a mechanism is drawn from."""
+
+    outputs: Mapping[str, float]
+    """Its outputs at one time, in SI."""
+    lengths: Mapping[str, float]
+    """Length of the element at each port as assembled [m]."""
+
+
+def length(points: Sequence[Point]) -> float:
+    """Of the line through points [m]."""
+    return math.fsum(map(math.dist, points, points[1:]))
+
+
+def along(first: Point, second: Point, way: float) -> Point:
+    """The point at a distance [m] from the first towards the second."""
+    share = way / (math.dist(first, second) or 1.0)
+    x, y, z = ((1.0 - share) * a + share * b for a, b in zip(first, second, strict=True))
+    return x, y, z
+
+
+def moved(point: Point, direction: Point, way: float) -> Point:
+    """The point moved along a direction by a distance [m]."""
+    return (
+        point[0] + way * direction[0],
+        point[1] + way * direction[1],
+        point[2] + way * direction[2],
+    )
+
+
+def led(port: str, path: Sequence[Point], rest: float, away: Point) -> list[Shape]:
+    """A wire along a path whose fixed end is first, and a tether where it is too short.
+
+    Args:
+        port: of the element.
+        path: from the fixed end to the moving one, as it is now [m].
+        rest: length of the element as assembled less that of the path as assembled [m].
+        away: direction in which the wire runs on behind the fixed end.
+    """
+    if rest >= 0.0:
+        points = (moved(path[0], away, rest), *path)
+        return [Shape(port, "wire", points, 0.0, port)]
+    behind, k = -rest, 0
+    while k < len(path) - 2 and behind >= math.dist(path[k], path[k + 1]):
+        behind -= math.dist(path[k], path[k + 1])
+        k += 1
+    cut = along(path[k], path[k + 1], min(behind, 0.9 * math.dist(path[k], path[k + 1])))
+    tether = Shape(f"{port} tether", "tether", (*path[: k + 1], cut), 0.0)
+    return [tether, Shape(port, "wire", (cut, *path[k + 1 :]), 0.0, port)]
+
+
+def arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
+    """Points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
+    step = (last - first) / segments
+    half = 0.5 * abs(step)
+    outside = radius * (half / math.sin(half) if half > 1e-6 else 1.0)
+    angles = [first + k * step for k in range(segments + 1)]
+    return [(outside * math.cos(angle), outside * math.sin(angle)) for angle in angles]
+
+
+def bar(name: str, size: float, *points: Point, kind: str = "link") -> Shape:
+    """A bar through points."""
+    return Shape(name, kind, points, size)
+
+
+def pin(name: str, at: Point, half: float, size: float) -> Shape:
+    """A pin along y, so many metres to either side."""
+    return Shape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
+
+
+def weight(name: str, at: Point, mass: float, least: float, most: float) -> Shape:
+    """A cube of steel of a mass [kg], with half an edge between two limits [m]."""
+    half = 0.5 * math.cbrt(mass / DENSITY)
+    return Shape(name, "weight", (at,), min(max(half, least), most))
+
+
+def lifted(by: float) -> list[Shape]:
+    """A ball on a thread, as long as chosen here, that is lifted by so much [m]."""
+    end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
+    return [
+        bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground"),
+        bar("thread", 0.0, (0.0, 0.0, 0.0), end, kind="tether"),
+        Shape("load", "object", (end,), 0.05 * THREAD),
+    ]
+
+
+def hanging(
+    ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: Reading
+) -> list[Shape]:
+    """What is drawn of a mechanism that says nothing: elements that hang side by side.
+
+    Args:
+        ports: of the mechanism.
+        shortened: of each element since it was assembled [m].
+        turned: angles [rad] of the mechanism, each drawn as a disc below.
+        reading: what is drawn.
+    """
+    longest = max(reading.lengths.values(), default=0.1)
+    apart = 0.3 * longest
+    wide = 0.5 * apart * max(len(ports), len(turned), 1)
+    found = [bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")]
+    for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
+        x = apart * (k - 0.5 * (len(ports) - 1))
+        end = (x, 0.0, by - reading.lengths[port])
+        found.append(Shape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
+        found.append(Shape(f"{port} end", "object", (end,), 0.03 * longest))
+    for k, angle in enumerate(turned):
+        x, z = apart * (k - 0.5 * (len(turned) - 1)), -1.4 * longest
+        axis = ((x, 0.02 * longest, z), (x, -0.02 * longest, z))
+        found.append(Shape(f"angle {k + 1}", "pulley", axis, 0.12 * longest, turn=angle))
+    return found
