@@ -19,6 +19,115 @@ export interface Alarm {
   excess: number;
   first: number;
   duration: number;
+  worst_time: number;
+  sentence: string;
+  port: string;
+  /** The column that was judged, and how it is shown. */
+  column: string;
+  /** Key of the panel in which it stands. */
+  panel: string;
+  how: Output;
+  /** Times between which it occurs [s]. */
+  spans: [begin: number, end: number][];
+  /** The limit, if it is a level of the column. */
+  level: number | null;
+}
+
+/** Columns that are drawn together over time, by port; those of no port under "". */
+export interface Panel {
+  key: string;
+  title: string;
+  usual: boolean;
+  includes: number[];
+  ports: Record<string, string[]>;
+}
+
+/** Columns [x, y] by port. */
+export interface Loop {
+  key: string;
+  ports: Record<string, [x: string, y: string]>;
+}
+
+/** Sense of a part of a path (1 heated, -1 cooled, 0 neither), first and last row. */
+export type Stretch = [sense: number, first: number, last: number];
+
+export interface Line {
+  name: string;
+  temperature: number[];
+  stress: number[];
+}
+
+export interface Band {
+  process: string;
+  start: Line;
+  finish: Line;
+}
+
+export interface Phase {
+  diagrams: { bands: Band[]; highest: number; sentence: string }[];
+  ports: Record<string, { diagram: number; x: string; y: string }>;
+}
+
+export interface Course {
+  key: string;
+  symbol: string;
+  long_name: string;
+  shown: string;
+  factor: number;
+  values: number[];
+}
+
+export interface Energy {
+  courses: Course[];
+  efficiency: (number | null)[] | null;
+  /** What is not known, and why. */
+  sentence: string;
+}
+
+export interface KeyResult {
+  key: string;
+  name: string;
+  value: number | null;
+  shown: string;
+  factor: number;
+  offset: number;
+}
+
+/** Kinds of shapes; see martensite.mechanisms.drawing. */
+export type Kind =
+  | "ground" | "link" | "joint" | "wire" | "spring" | "tether" | "weight" | "pulley" | "plate" | "rotor" | "object";
+
+export interface Shape {
+  name: string;
+  kind: Kind;
+  /** Radius or half thickness [m]. */
+  size: number;
+  /** Number of points. */
+  count: number;
+  /** x, y, z of every point in quanta, if it stands still. */
+  still: number[] | null;
+  /** Of an element: its port, diameters of its wire and its coil [m] (0: none), turns of the coil. */
+  port?: string;
+  diameter?: number;
+  coil?: number;
+  coils?: number;
+}
+
+/** The mechanism in space; z is up. */
+export interface SceneData {
+  shapes: Shape[];
+  times: number[];
+  /** Length of a unit of the coordinates [m]. */
+  quantum: number;
+  /** By time: x, y, z of all points of the shapes that move, in quanta. */
+  frames: number[][];
+  /** By time: angles of pulleys and rotors [rad], in their order. */
+  turns: number[][];
+  /** Corners of the box that holds the whole motion [m]. */
+  low: [number, number, number];
+  high: [number, number, number];
+  /** Names of columns by port, and by time whether the element hangs slack. */
+  ports: Record<string, { temperature: string; martensite_fraction: string; force: string; slack: number[] }>;
 }
 
 export interface Run {
@@ -40,4 +149,11 @@ export interface Run {
   times: number[];
   columns: Record<string, number[]>;
   outputs: Record<string, Output>;
+  traces: Panel[];
+  loops: Loop[];
+  stretches: Record<string, Stretch[]>;
+  phase: Phase;
+  energy: Energy;
+  key: KeyResult[];
+  scene: SceneData;
 }

@@ -1,3 +1,204 @@
+// The mechanism in space, at the time of the cursor.
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { digits, toShown } from "../lib/numbers.ts";
+import type { Run } from "../lib/types.ts";
+import { palette } from "../plots/palette.ts";
+import { cursor, run } from "../state/run.ts";
+import { Message } from "../ui/message.tsx";
+import { Legend, told, Values } from "./legend.tsx";
+import { Motion, valueAt } from "./motion.ts";
+import { toggle } from "./playing.ts";
+import { Side } from "./side.tsx";
+import type { Stage, View } from "./stage.ts";
+import { colourOf, NAMES, span, type Quantity, type Rgb } from "./tint.ts";
+
+const VIEWS: [View, string][] = [["free", "Fit"], ["front", "Front"], ["side", "Side"], ["top", "Top"]];
+const MANY = 4;
+
+/** Whether this browser can draw in space. */
+function hasWebGL(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context !== null;
+}
+
+/** What the picture shows, in words. */
+function described(now: Run, time: number, motion: Motion): string {
+  const how = now.outputs[now.coordinate];
+  const value = valueAt(now.times, now.columns[now.coordinate], time);
+  const place = how ? `${how.long_name} ${digits(toShown(value, how))} ${how.shown}` : "";
+  const ports = Object.keys(now.scene.ports);
+  const elements = ports.length > MANY ? [`${ports.length} elements`] : ports.map((port) => `${port}: ${told(now, port, time, motion.slack(port, time))}`);
+  return [`The mechanism at ${digits(time)} s`, place, ...elements].filter(Boolean).join("; ");
+}
+
+/** Colour of each element at a time. */
+function painter(now: Run, quantity: Quantity): (time: number) => (port: string) => Rgb {
+  const range = span(now, quantity);
+  return (time) => (port) => colourOf(now, port, quantity, time, range);
+}
+
 export function Scene() {
-  return null;
+  const now = run.value;
+  if (!now?.scene) return null;
+  return <Shown now={now} />;
+}
+
+function Shown({ now }: { now: Run }) {
+  const quantity = useSignal<Quantity>("temperature");
+  const flat = useSignal(!hasWebGLOnce());
+  const motion = useMemo(() => new Motion(now.scene), [now]);
+  const paint = useMemo(() => painter(now, quantity.value), [now, quantity.value]);
+  const stage = useRef<Stage | null>(null);
+  const view = (name: View): void => stage.current?.fit(name);
+  return (
+    <section class="panel scene" aria-label="Mechanism">
+      {flat.value ? (
+        <>
+          <Message kind="note">This browser has no WebGL: the mechanism is drawn from the side, not in space.</Message>
+          <Flat now={now} motion={motion} paint={paint} />
+        </>
+      ) : (
+        <Space now={now} motion={motion} paint={paint} stage={stage} lost={() => (flat.value = true)} />
+      )}
+      <div class="row scene-below">
+        {!flat.value && (
+          <div class="row scene-views" role="group" aria-label="View">
+            {VIEWS.map(([name, title]) => (
+              <button key={name} type="button" onClick={() => view(name)}>
+                {title}
+              </button>
+            ))}
+          </div>
+        )}
+        {motion.data.shapes.some((shape) => shape.port) && <Colours now={now} quantity={quantity.value} choose={(one) => (quantity.value = one)} />}
+        <AtCursor now={now} motion={motion} />
+      </div>
+    </section>
+  );
+}
+
+let known: boolean | null = null;
+const hasWebGLOnce = (): boolean => (known ??= hasWebGL());
+
+function Colours(props: { now: Run; quantity: Quantity; choose: (quantity: Quantity) => void }) {
+  return (
+    <div class="row scene-colours">
+      <label class="small">
+        Colour of elements{" "}
+        <select value={props.quantity} onChange={(event) => props.choose(event.currentTarget.value as Quantity)}>
+          {Object.entries(NAMES).map(([key, name]) => (
+            <option key={key} value={key}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <Legend run={props.now} quantity={props.quantity} />
+    </div>
+  );
+}
+
+function AtCursor({ now, motion }: { now: Run; motion: Motion }) {
+  const time = cursor.value;
+  return <Values run={now} time={time} slack={(port) => motion.slack(port, time)} />;
+}
+
+interface PictureProps {
+  now: Run;
+  motion: Motion;
+  paint: (time: number) => (port: string) => Rgb;
+}
+
+function Flat({ now, motion, paint }: PictureProps) {
+  const time = cursor.value;
+  return <Side motion={motion} time={time} colour={paint(time)} label={described(now, time, motion)} />;
+}
+
+/** Arrow keys turn, + and - come nearer and go back, 0 fits, space plays. */
+function steered(stage: Stage, key: string): boolean {
+  const moves: Record<string, [number, number, number]> = {
+    ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0],
+    "+": [0, 0, 1], "=": [0, 0, 1], "-": [0, 0, -1],
+  };
+  const move = moves[key];
+  if (move) stage.nudge(...move);
+  else if (key === "0") stage.fit();
+  else if (key === " ") toggle();
+  else return false;
+  return true;
+}
+
+function Space(props: PictureProps & { stage: { current: Stage | null }; lost: () => void }) {
+  const { now, motion, paint, stage } = props;
+  const host = useRef<HTMLDivElement>(null);
+  const label = useRef<HTMLSpanElement>(null);
+  const ready = useSignal(false);
+  useEffect(() => made(host.current, label.current, stage, () => (ready.value = true), props.lost), []);
+  useEffect(() => stage.current?.show(now.scene), [now, ready.value]);
+  useEffect(() => {
+    const palettes = palette.subscribe((p) => {
+      const [, , spring = p.soft, rotor = p.accent, , weight = p.soft] = p.curves;
+      stage.current?.paint({ back: p.panel, ink: p.ink, soft: p.soft, line: p.line, spring, weight, rotor });
+    });
+    return palettes;
+  }, [ready.value]);
+  useEffect(() => {
+    const leave = cursor.subscribe((time) => {
+      stage.current?.put(time, paint(time));
+      host.current?.setAttribute("aria-label", described(now, time, motion));
+    });
+    return leave;
+  }, [now, paint, ready.value]);
+  const press = (event: KeyboardEvent): void => {
+    if (stage.current && !event.ctrlKey && !event.metaKey && steered(stage.current, event.key)) event.preventDefault();
+  };
+  return (
+    <div
+      ref={host}
+      class="scene-view"
+      role="application"
+      aria-roledescription="3-D view; arrow keys turn it, plus and minus zoom, 0 fits, space plays"
+      tabIndex={0}
+      onKeyDown={press}
+      title="Drag turns, wheel zooms, right button moves; arrow keys, + and - likewise"
+    >
+      <span ref={label} class="scene-scale small" aria-hidden="true" />
+      {!ready.value && <span class="scene-waiting soft">Loading …</span>}
+    </div>
+  );
+}
+
+/** Make the stage once its code is there; gives what ends it. */
+function made(
+  host: HTMLElement | null,
+  label: HTMLElement | null,
+  stage: { current: Stage | null },
+  ready: () => void,
+  lost: () => void,
+): () => void {
+  let over = false;
+  const watch = new ResizeObserver(() => stage.current?.resize());
+  import("./stage.ts").then(
+    ({ Stage }) => {
+      if (over || !host || !label) return;
+      try {
+        stage.current = new Stage(host, label);
+      } catch {
+        return lost();
+      }
+      host.querySelector("canvas")?.addEventListener("webglcontextlost", () => over || lost());
+      watch.observe(host);
+      ready();
+    },
+    () => lost(),
+  );
+  return () => {
+    over = true;
+    watch.disconnect();
+    stage.current?.dispose();
+    stage.current = null;
+  };
 }

@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Any
 
 from martensite.app.documents import scenario_of
 from martensite.app.engine import run
 from martensite.app.views.columns import columns
+from martensite.app.views.energy import energy
+from martensite.app.views.key_results import key_results
+from martensite.app.views.phase import phase
+from martensite.app.views.scene import scene
+from martensite.app.views.traces import loops, stretches, traces
+from martensite.app.views.warnings import alarms
 from martensite.app.worker import Desk
 from martensite.io.scenario import Scenario
 from martensite.simulate.result import Result
@@ -31,6 +36,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "runtime": runtime,
         "seconds": took,
         **columns(result),
+        **_drawn(scenario, result),
     }
 
 
@@ -47,5 +53,19 @@ def _summary(scenario: Scenario, result: Result) -> dict[str, Any]:
         "ports": list(result.system.actuators()),
         "cautions": scenario.cautions,
         "warnings": list(result.warnings),
-        "alarms": [asdict(alarm) for alarm in result.alarms],
+        "alarms": alarms(result),
+    }
+
+
+def _drawn(scenario: Scenario, result: Result) -> dict[str, Any]:
+    """What the charts need beside the columns."""
+    energies = energy(result)
+    return {
+        "traces": traces(result, scenario.outside),
+        "loops": loops(result),
+        "stretches": stretches(result),
+        "phase": phase(result),
+        "energy": energies,
+        "key": key_results(result, energies),
+        "scene": scene(scenario, result),
     }

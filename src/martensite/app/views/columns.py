@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite import units
+from martensite.plot.labels import PERCENT
 from martensite.simulate.result import Result
 
 MOST = 2001
@@ -35,7 +36,8 @@ def kept_rows(count: int, most: int = MOST) -> list[int]:
 def shown(result: Result, name: str) -> dict[str, Any]:
     """How a column is called, and how it is shown."""
     output = result.outputs[name]
-    unit = units.readable(output.unit)
+    percent = name.rpartition(".")[-1] in PERCENT
+    unit = "%" if percent else units.readable(output.unit)
     offset = units.from_si(0.0, unit, output.unit)
     return {
         "unit": output.unit,

@@ -1,0 +1,100 @@
+"""Energies of a run for the bench: over time, and in all.
+
+    E = ∫ P dt,   Q = ∫ Q̇ dt,   stored E − Q,   W = ∫ F dx where an element pulls
+
+as `martensite.control.analysis.energy` has them. An element that is a straight wire, or several,
+pulls by its own shortening L = −ε ℓ; others need a mechanism with one coordinate on a line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.app.views.columns import kept_rows
+from martensite.control.analysis.energy import energy_courses
+from martensite.elements.base import AbstractElement
+from martensite.elements.rows import AbstractRow
+from martensite.elements.wire import Wire
+from martensite.mechanisms.load_line import AbstractLoadLine
+from martensite.simulate.result import Result
+
+PRESCRIBED = (
+    "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
+)
+NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
+NO_WORK = "The work is left out: this element does not say how far it pulls."
+
+
+@dataclass(frozen=True)
+class Course:
+    """One energy, over time."""
+
+    key: str
+    symbol: str
+    long_name: str
+    shown: str
+    """Unit it is shown in."""
+    factor: float
+    values: list[float]
+    """[J]"""
+
+
+def energy(result: Result) -> dict[str, Any]:
+    """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
+    actuators = result.system.actuators()
+    if not actuators:
+        return _missing(NO_ELEMENT)
+    if any(one.source.sets_temperature for one in actuators.values()):
+        return _missing(PRESCRIBED)
+    ways = _ways(result)
+    found = energy_courses(result, ways or [])
+    kept = kept_rows(len(result.times))
+    stored = found.electrical - found.lost
+    named = [
+        ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
+        ("lost", "Q", "heat to the surroundings", "J", 1.0, found.lost),
+        ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
+    ]
+    if ways is not None:
+        named += [
+            ("work", "W", "work given while pulling", "mJ", 1e3, found.work),
+            ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
+        ]
+    courses = [Course(*head, [float(v) for v in values[kept]]) for *head, values in named]
+    share = np.divide(
+        found.work, found.electrical, where=found.electrical > 0.0, out=np.full(len(stored), np.nan)
+    )
+    efficiency = None if ways is None else [float(v) for v in share[kept]]
+    said = NO_WORK if ways is None else ""
+    return {"courses": [vars(c) for c in courses], "efficiency": efficiency, "sentence": said}
+
+
+def _missing(sentence: str) -> dict[str, Any]:
+    return {"courses": [], "efficiency": None, "sentence": sentence}
+
+
+def _ways(result: Result) -> list[tuple[Any, Any]] | None:
+    """Force and way of every element; None if one is not known."""
+    system, found = result.system, list[tuple[Any, Any]]()
+    on_line = isinstance(system.mechanism, AbstractLoadLine)
+    for port, actuator in system.actuators().items():
+        force = np.asarray(result[system.label(port, "force")])
+        length = straight_length(actuator.element)
+        if on_line:
+            found.append((force, np.asarray(result[result.coordinate])))
+        elif length is not None:
+            found.append((force, -length * np.asarray(result[system.label(port, "strain")])))
+        else:
+            return None
+    return found
+
+
+def straight_length(element: AbstractElement) -> float | None:
+    """Elongation per strain [m] of straight wires; None for other elements."""
+    if isinstance(element, AbstractRow):
+        one = straight_length(element.one)
+        return None if one is None else one * float(element.behind())
+    return float(element.length) if isinstance(element, Wire) else None

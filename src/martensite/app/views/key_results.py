@@ -1,0 +1,72 @@
+"""The few numbers by which runs are compared: stroke, extremes, energy, time beyond limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from martensite import units
+from martensite.app.views.columns import shown
+from martensite.simulate.result import Result
+
+
+def key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows `{key, name, value, shown, factor, offset}`; values in SI, shown as columns are.
+
+    Args:
+        result: the run.
+        energies: what `energy` says of it.
+    """
+    return [
+        *_strokes(result), *_peaks(result), *_energies(energies),
+        _row("beyond", "time beyond limits", sum(a.duration for a in result.alarms), "s", 1.0),
+    ]  # fmt: skip
+
+
+def _row(
+    key: str, name: str, value: float, unit: str, factor: float, offset: float = 0.0
+) -> dict[str, Any]:
+    return {
+        "key": key, "name": name, "value": value, "shown": unit, "factor": factor,
+        "offset": offset,
+    }  # fmt: skip
+
+
+def _strokes(result: Result) -> Iterator[dict[str, Any]]:
+    """How far each coordinate goes that is judged."""
+    judged = {result.coordinate, *result.system.mechanism.judged()}
+    for name, output in result.system.mechanism.outputs().items():
+        if name in judged:
+            how = shown(result, name)
+            words = f"range of {output.long_name}"
+            if name == result.coordinate:
+                words = f"stroke ({output.long_name})"
+            yield _row(f"range {name}", words, result.range(name), how["shown"], how["factor"])
+
+
+def _peaks(result: Result) -> Iterator[dict[str, Any]]:
+    """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
+    ports = list(result.system.actuators())
+    for name, words, choose in (
+        ("hottest", "peak temperature", max), ("stress", "peak stress", max),
+        ("force", "peak force", max), ("martensite_fraction", "least martensite fraction", min),
+    ):  # fmt: skip
+        columns = [result.system.label(port, name) for port in ports]
+        if columns:
+            how = shown(result, columns[0])
+            value = choose(choose(result[column]) for column in columns)
+            yield _row(name, words, value, how["shown"], how["factor"], how["offset"])
+
+
+def _energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Each energy at the end, and the efficiency."""
+    for course in energies["courses"]:
+        if course["key"] != "stored":
+            yield _row(
+                course["key"], course["long_name"], course["values"][-1], course["shown"],
+                course["factor"],
+            )  # fmt: skip
+    if energies["efficiency"]:
+        share = energies["efficiency"][-1]
+        percent = units.from_si(1.0, "%", "1")
+        yield _row("efficiency", "efficiency (work over electrical)", share, "%", percent)

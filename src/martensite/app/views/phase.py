@@ -1,0 +1,62 @@
+"""The phase diagram of the bench: transformation bands of every law that is run.
+
+`{"diagrams": [{"bands": […], "highest": Pa, "sentence": ""}], "ports": {port: {diagram, x, y}}}`
+with the number of the diagram of a port and the columns of its path.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from functools import lru_cache
+from typing import Any
+
+from martensite.errors import MartensiteError
+from martensite.laws.base import AbstractLaw
+from martensite.plot.phase_diagram import LEAST_STRESS, Band, bands
+from martensite.simulate.landmarks import isobar
+from martensite.simulate.result import Result
+
+ROOM = 1.12
+"""The diagram reaches so far beyond the highest stress of the run."""
+STRESSES, TEMPERATURES = 100e6, 10.0
+"""Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
+NONE = "This law has no transformation lines in the plane of temperature and stress."
+
+
+def phase(result: Result) -> dict[str, Any]:
+    """Bands of the laws of a run; actuators with the same law share a diagram."""
+    laws: dict[AbstractLaw, int] = {}
+    ports: dict[str, dict[str, Any]] = {}
+    highest, coldest = _limits(result)
+    for port, actuator in result.system.actuators().items():
+        ports[port] = {
+            "diagram": laws.setdefault(actuator.element.law, len(laws)),
+            "x": result.system.label(port, "temperature"),
+            "y": result.system.label(port, "stress"),
+        }
+    return {"diagrams": [_diagram(law, highest, coldest) for law in laws], "ports": ports}
+
+
+def _limits(result: Result) -> tuple[float, float]:
+    """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
+    system = result.system
+    ports = list(system.actuators())
+    stress = max((max(result[system.label(p, "stress")]) for p in ports), default=0.0)
+    cold = min((min(result[system.label(p, "temperature")]) for p in ports), default=300.0)
+    highest = STRESSES * math.ceil(max(LEAST_STRESS, ROOM * stress) / STRESSES)
+    return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
+
+
+def _diagram(law: AbstractLaw, highest: float, coldest: float) -> dict[str, Any]:
+    try:
+        found = _bands(law, highest, coldest)
+    except MartensiteError as error:
+        return {"bands": [], "highest": highest, "sentence": str(error)}
+    said = "" if found else NONE
+    return {"bands": [asdict(band) for band in found], "highest": highest, "sentence": said}
+
+
+@lru_cache(maxsize=64)
+def _bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+    return bands(law, highest, min(coldest, isobar(law).M_f - 15.0))

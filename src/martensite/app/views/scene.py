@@ -1,0 +1,164 @@
+"""What the page draws of the mechanism in space: shapes once, and where they are over time.
+
+Places are whole numbers of a `quantum` [m]; shapes that stand still are sent once, so that a run is
+some ten thousand numbers. An element is drawn by what it is made of: as a wire, or as a coil.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from martensite.app.views.columns import kept_rows
+from martensite.elements.base import AbstractElement
+from martensite.io.scenario import Scenario
+from martensite.mechanisms.drawing import Point, Reading, Shape
+from martensite.runtimes import floats
+from martensite.simulate.result import Result
+from martensite.system import AbstractSystem, Actuator
+
+MOST, LEAST = 241, 61
+"""Pictures of a run: as many, and as few where there are many shapes."""
+NUMBERS = 60_000
+"""Coordinates of all pictures together."""
+FINENESS = 1e-5
+"""Quantum as a share of the size of the picture."""
+UNKNOWN = 0.1
+"""Length of an element that has none of its own [m]."""
+SHOWN = ("temperature", "martensite_fraction", "force")
+
+
+def scene(scenario: Scenario, result: Result) -> dict[str, Any]:
+    """Shapes and pictures of a run; see `Scene` in the page's types for what is what."""
+    system: AbstractSystem = scenario.system
+    lengths = assembled(system, result)
+    names = list(system.mechanism.outputs())
+    first = drawn(system, result, lengths, names, 0)
+    numbers = 3 * sum(len(shape.points) for shape in first)
+    rows = kept_rows(len(result.times), max(min(MOST, NUMBERS // max(numbers, 1)), LEAST))
+    pictures = [first, *(drawn(system, result, lengths, names, row) for row in rows[1:])]
+    low, high = _bounds(pictures)
+    quantum = _quantum(math.dist(low, high))
+    still = [_stands(pictures, k) for k in range(len(first))]
+    return {
+        "shapes": [
+            _described(shape, stands, system, quantum)
+            for shape, stands in zip(first, still, strict=True)
+        ],
+        "times": [result.times[row] for row in rows],
+        "quantum": quantum,
+        "frames": [_flat(_moving(shapes, still), quantum) for shapes in pictures],
+        "turns": [[s.turn for s in shapes if s.kind in TURNING] for shapes in pictures],
+        "low": low,
+        "high": high,
+        "ports": {
+            port: {
+                **{name: system.label(port, name) for name in SHOWN},
+                "slack": _slack(result[system.label(port, "force")], rows),
+            }
+            for port in system.actuators()
+        },
+    }
+
+
+TURNING = ("pulley", "rotor")
+"""Kinds of shapes that turn."""
+
+
+def drawn(
+    system: AbstractSystem, result: Result, lengths: Mapping[str, float], names: Sequence[str],
+    row: int,
+) -> list[Shape]:  # fmt: skip
+    """The mechanism at one row of the result, from its outputs by name."""
+    return system.mechanism.drawn(Reading({n: result[n][row] for n in names}, lengths))
+
+
+def assembled(system: AbstractSystem, result: Result) -> dict[str, float]:
+    """Length of the element at each port as the mechanism is assembled [m]."""
+    mechanism, actuators = system.mechanism, system.actuators()
+    signals = [result[name][0] for name in mechanism.signals()]
+    forces = mechanism.first_forces(floats, signals)
+    return {
+        port: _length(one, force, result[system.label(port, "drive")][0])
+        for (port, one), force in zip(actuators.items(), forces, strict=True)
+    }
+
+
+def _length(actuator: Actuator, force: float, drive: float) -> float:
+    """Of an element at rest under a force [N] and a drive signal [m]."""
+    element = actuator.element
+    state = actuator.start(floats, force, drive)
+    return _natural(element) + element.elongation(floats, state, force)
+
+
+def _natural(element: AbstractElement) -> float:
+    """Length from which elongation counts [m]."""
+    one = getattr(element, "one", None)
+    if isinstance(one, AbstractElement):
+        return _natural(one) * getattr(element, "behind", lambda: 1.0)()
+    return getattr(element, "length", getattr(element, "free_length", UNKNOWN))
+
+
+def _described(
+    shape: Shape, stands: bool, system: AbstractSystem, quantum: float
+) -> dict[str, Any]:
+    """A shape without its places, unless it stands still."""
+    found: dict[str, Any] = {
+        "name": shape.name,
+        "kind": shape.kind,
+        "size": shape.size,
+        "count": len(shape.points),
+        "still": _flat([shape], quantum) if stands else None,
+    }
+    if shape.port:
+        found |= {"port": shape.port, **_made(system.actuators()[shape.port].element)}
+    return found
+
+
+def _made(element: AbstractElement) -> dict[str, Any]:
+    """What an element is made of: diameters of wire and coil [m], and turns of the coil."""
+    one = getattr(element, "one", None)
+    if isinstance(one, AbstractElement):
+        return _made(one)
+    return {
+        "diameter": getattr(element, "diameter", 0.0),
+        "coil": getattr(element, "coil_diameter", 0.0),
+        "coils": getattr(element, "turns", 0.0),
+    }
+
+
+def _slack(force: Sequence[float], rows: Sequence[int]) -> list[int]:
+    """1 where an element hangs slack, which it does without any force."""
+    least = 1e-9 * max(map(abs, force), default=0.0)
+    return [int(force[row] <= least) for row in rows]
+
+
+def _stands(pictures: Sequence[Sequence[Shape]], k: int) -> bool:
+    """Whether a shape is at the same place in all pictures."""
+    points = pictures[0][k].points
+    return all(shapes[k].points == points for shapes in pictures)
+
+
+def _moving(shapes: Sequence[Shape], still: Sequence[bool]) -> list[Shape]:
+    return [shape for shape, stands in zip(shapes, still, strict=True) if not stands]
+
+
+def _flat(shapes: Sequence[Shape], quantum: float) -> list[int]:
+    """Coordinates, one after the other."""
+    share = 1.0 / quantum
+    return [round(x * share) for shape in shapes for point in shape.points for x in point]
+
+
+def _quantum(size: float) -> float:
+    """A round length [m] that nobody sees in a picture of a size."""
+    return 10.0 ** math.floor(math.log10(max(size, 1e-9) * FINENESS))
+
+
+def _bounds(pictures: Sequence[Sequence[Shape]]) -> tuple[Point, Point]:
+    """Corners of a box that holds all points of all pictures."""
+    columns = list(zip(*(p for shapes in pictures for s in shapes for p in s.points), strict=True))
+    if not columns:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    xs, ys, zs = columns
+    return (min(xs), min(ys), min(zs)), (max(xs), max(ys), max(zs))

@@ -1,0 +1,160 @@
+"""Which columns are drawn together over time, and which over one another.
+
+A panel holds what belongs together: a coordinate with its reference and its readings, a
+temperature with the hottest place. Columns of an actuator stand under its port, all others
+under the port with the empty name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from martensite.app.views.columns import kept_rows
+from martensite.bench.bench import Bench
+from martensite.bench.names import MEASURED
+from martensite.controllers.base import AbstractController
+from martensite.observers.base import ESTIMATED
+from martensite.plot.bench_loops import loops as controlled
+from martensite.plot.hysteresis import LOOPS, runs, senses
+from martensite.plot.labels import FRACTIONS
+from martensite.simulate.result import Result
+from martensite.system.outputs import OUTPUTS
+
+TOGETHER = {
+    "hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power",
+}  # fmt: skip
+"""Output of an actuator -> the one in whose panel it stands."""
+USUAL = ("temperature", "martensite_fraction", "stress", "drive")
+"""Panels of actuators that are shown until others are chosen."""
+TURNED = 32
+"""Most stretches of heating and cooling that are told apart."""
+Outside = Mapping[str, AbstractController]
+
+
+@dataclass
+class Panel:
+    """What is drawn together."""
+
+    key: str
+    title: str
+    usual: bool
+    includes: tuple[float, ...]
+    """Values that the axis shows in any case [SI]."""
+    ports: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
+    """Columns by port; one that equals an earlier one is left out."""
+
+    def add(self, port: str, column: str) -> None:
+        """Put a column into the panel."""
+        self.ports.setdefault(port, []).append(column)
+
+
+def traces(result: Result, outside: Outside | None = None) -> list[dict[str, Any]]:
+    """The panels over time, from top to bottom."""
+    panels: dict[str, Panel] = {}
+    homes = _homes(result, outside)
+    for name in result.columns:
+        port, key, usual = homes.get(name, ("", name, False))
+        if key not in panels:
+            title = OUTPUTS[key].long_name if key in OUTPUTS else _title(result, key, name)
+            panels[key] = Panel(key, title, usual, (0.0, 1.0) if key in FRACTIONS else ())
+        if not _repeated(result, panels[key], port, name):
+            panels[key].add(port, name)
+    for panel in panels.values():
+        if sum(name in result.system.mechanism.outputs() for name in panel.ports.get("", [])) > 1:
+            panel.title = "coordinates of the mechanism"
+    return [asdict(panel) for panel in sorted(panels.values(), key=_place)]
+
+
+def _homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str, bool]]:
+    """Column -> port, key of its panel, and whether that is usual."""
+    found = dict(_of_mechanism(result))
+    for port, actuator in result.system.actuators().items():
+        twice = actuator.source.sets_temperature
+        for name in OUTPUTS:
+            key = TOGETHER.get(name, name)
+            usual = key in USUAL and not (twice and key == "drive")
+            found[result.system.label(port, name)] = port, key, usual
+    beside = dict(_of_bench(result, outside)) | dict(_estimated(result))
+    return found | {name: found[home] for name, home in beside.items() if home in found}
+
+
+def _of_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]:
+    """Coordinates of one unit stand together."""
+    first: dict[str, str] = {}
+    judged = result.system.mechanism.judged()
+    for name, output in result.system.mechanism.outputs().items():
+        key = first.setdefault(output.unit, name)
+        yield name, ("", key, key in judged or key == result.coordinate)
+
+
+def _of_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, str]]:
+    """References and readings stand with the truth, wanted signals with what the drive got."""
+    if not isinstance(result.system, Bench):
+        return
+    plant = result.system.plant
+    for name, mounted in result.system.sensors.members().items():
+        truth = mounted.sees()[0]
+        if truth in result.outputs and result.unit(truth) == result.unit(MEASURED + name):
+            yield MEASURED + name, truth
+    drives = {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
+    for loop in controlled(result, outside):
+        names = [n for n in ("reference", f"reference.{loop.drive}") if n in result.columns]
+        yield names[-1] if names else "", loop.truth
+        if loop.wanted and loop.drive in drives:
+            yield loop.wanted, drives[loop.drive]
+
+
+def _estimated(result: Result) -> Iterator[tuple[str, str]]:
+    return ((n, n.removeprefix(ESTIMATED)) for n in result.columns if n.startswith(ESTIMATED))
+
+
+def _title(result: Result, key: str, name: str) -> str:
+    return result.outputs[key if key in result.outputs else name].long_name
+
+
+def _repeated(result: Result, panel: Panel, port: str, name: str) -> bool:
+    """Whether the panel shows these numbers already, as that of the only temperature."""
+    base = name.rpartition(".")[-1]
+    own = panel.ports.get(port, [])
+    return base in TOGETHER and any(result[name] == result[other] for other in own)
+
+
+def _place(panel: Panel) -> tuple[bool, int]:
+    """Mechanism first, then actuators in the usual order, then others; the usual ones first."""
+    order = [*USUAL, *(name for name in OUTPUTS if name not in USUAL)]
+    known = panel.key in order
+    return not panel.usual, order.index(panel.key) + 1 if known else 0 if panel.usual else 99
+
+
+def loops(result: Result) -> list[dict[str, Any]]:
+    """Quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
+
+    The first coordinate over temperature belongs to them if there is but one actuator.
+    """
+    system = result.system
+    ports = list(system.actuators())
+    found = [
+        {"key": f"{y}-{x}", "ports": {p: [system.label(p, x), system.label(p, y)] for p in ports}}
+        for x, y in LOOPS
+    ]
+    if len(ports) == 1:
+        pair = [system.label(ports[0], "temperature"), result.coordinate]
+        found.append({"key": "stroke", "ports": {ports[0]: pair}})
+    return found if ports else []
+
+
+def stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
+    """Where each actuator is heated (1), cooled (-1) or kept (0): sense, first and last row.
+
+    Rows are those of `columns`. A path that turns more often than `TURNED` times is not told
+    apart.
+    """
+    kept = kept_rows(len(result.times))
+    found: dict[str, list[tuple[int, int, int]]] = {}
+    for port in result.system.actuators():
+        column = result[result.system.label(port, "temperature")]
+        own = runs(senses([column[i] for i in kept]))
+        found[port] = own if len(own) <= TURNED else [(0, 0, len(kept) - 1)]
+    return found

@@ -1,0 +1,91 @@
+"""Alarms as the bench shows them: with the spans of time in which they occur.
+
+Margins are those by which `martensite.simulate.alarms` judges, linear between samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Any
+
+from martensite.app.views.columns import shown
+from martensite.app.views.traces import TOGETHER
+from martensite.bench.names import ALARM
+from martensite.plot.bench_loops import alarmed
+from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
+from martensite.simulate.result import Result
+
+LEVELS = ("temperature", "stress")
+"""Kinds whose limit is a level of the column itself."""
+Span = tuple[float, float]
+MOST = 400
+"""Spans that are told; what follows is one."""
+
+
+def alarms(result: Result) -> list[dict[str, Any]]:
+    """All alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
+    found = [_alarm(result, alarm) for alarm in result.alarms]
+    return [*found, *_supervised(result)]
+
+
+def _alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
+    port = alarm.port or next(iter(result.system.actuators()))
+    column = result.system.label(port, alarm.quantity)
+    spans = list(_above(result.times, margins(result, alarm, port)))
+    return {
+        **asdict(alarm), "column": column, "how": shown(result, column),
+        "panel": TOGETHER.get(alarm.quantity, alarm.quantity), "spans": _few(spans),
+        "level": alarm.limit if alarm.kind in LEVELS else None,
+    }  # fmt: skip
+
+
+def margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
+    """How far beyond its limit the quantity is at every sample."""
+    system = result.system
+    values = result[system.label(port, alarm.quantity)]
+    if alarm.kind == "slack":
+        return [1.0 if value <= 0.0 else -1.0 for value in values]
+    if alarm.kind == "supply":
+        ohms = result[system.label(port, "resistance")]
+        return undelivered_margins(system.actuators()[port].source, values, ohms)
+    judged = farthest_changes(values) if alarm.kind == "strain" else values
+    return [value - alarm.limit for value in judged]
+
+
+def _above(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
+    """Spans in which a margin, linear between samples, is above zero."""
+    begin = times[0] if margins[0] > 0.0 else None
+    for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
+        if (m0 > 0.0) == (m1 > 0.0):
+            continue
+        at = t0 + (t1 - t0) * m0 / (m0 - m1)
+        if begin is None:
+            begin = at
+        else:
+            yield begin, at
+            begin = None
+    if begin is not None:
+        yield begin, times[-1]
+
+
+def _few(spans: list[Span]) -> list[Span]:
+    """At most `MOST` spans."""
+    return spans if len(spans) <= MOST else [*spans[: MOST - 1], (spans[MOST - 1][0], spans[-1][1])]
+
+
+def _supervised(result: Result) -> Iterator[dict[str, Any]]:
+    """The alarm of the supervisor of a bench, if it was raised."""
+    spans = alarmed(result)
+    if not spans:
+        return
+    first, duration = spans[0][0], sum(end - begin for begin, end in spans)
+    yield {
+        "kind": "supervisor", "quantity": ALARM, "unit": "1", "worst": 1.0, "limit": 0.0,
+        "excess": 1.0, "first": first, "duration": duration, "worst_time": first, "port": "",
+        "sentence": f"Warning: the supervisor raised its alarm, first at t = {first:.4g} s, for "
+        f"{duration:.3g} s in all.",
+        "column": ALARM, "panel": ALARM, "how": shown(result, ALARM), "spans": _few(spans),
+        "level": None,
+    }  # fmt: skip
