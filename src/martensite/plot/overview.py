@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite import units
 from martensite.bench.bench import Bench
+from martensite.controllers.base import AbstractController
 from martensite.plot.bench import plot_bench
 from martensite.plot.files import check_format, write_figure
 from martensite.plot.hysteresis import LOOPS, draw_loops
@@ -37,7 +38,10 @@ LEFT = 0.07
 
 
 def plot_result(
-    result: Result, records: Iterable[Record] | None = None, title: str | None = None
+    result: Result,
+    records: Iterable[Record] | None = None,
+    title: str | None = None,
+    outside: Mapping[str, AbstractController] | None = None,
 ) -> Figure:
     """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
@@ -48,12 +52,13 @@ def plot_result(
         records: measured records, drawn over the simulation wherever they have the same
             quantity, with the RMS difference in the legend.
         title: first line of the figure; by default what was simulated.
+        outside: controllers that ran outside of a bench, by drive.
 
     Raises:
         DataError: a record holds nothing that can be compared with the result.
     """
     if isinstance(result.system, Bench):
-        return plot_bench(result, records, title)
+        return plot_bench(result, records, title, outside)
     measured = check_records(result, records)
     with styled():
         if not isinstance(result.system, System):
@@ -66,6 +71,7 @@ def save_figure(
     path: str | os.PathLike[str],
     records: Iterable[Record] | None = None,
     title: str | None = None,
+    outside: Mapping[str, AbstractController] | None = None,
 ) -> None:
     """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all.
 
@@ -75,7 +81,7 @@ def save_figure(
     """
     path = Path(path)
     check_format(path)
-    write_figure(plot_result(result, records, title), path)
+    write_figure(plot_result(result, records, title, outside), path)
 
 
 def _figure(result: Result, records: Sequence[Record], title: str | None) -> Figure:

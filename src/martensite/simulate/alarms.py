@@ -152,11 +152,7 @@ def _above(
 
 
 def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
-    changes: list[float] = []
-    low = high = strain[0]
-    for value in strain:
-        low, high = min(low, value), max(high, value)
-        changes.append(max(high - value, value - low))
+    changes = farthest_changes(strain)
     when = excursion(times, [change - limit for change in changes])
     if when is None:
         return None
@@ -166,6 +162,16 @@ def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Al
         f"`strain_limit` of {100 * limit:.3g} %, {when.words()}."
     )
     return _alarm(times, when, ("strain", "strain", "1"), worst, limit, sentence)
+
+
+def farthest_changes(strain: Sequence[float]) -> list[float]:
+    """Distance of every value of the strain from the farthest that it had before."""
+    changes: list[float] = []
+    low = high = strain[0]
+    for value in strain:
+        low, high = min(low, value), max(high, value)
+        changes.append(max(high - value, value - low))
+    return changes
 
 
 def _slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
@@ -189,11 +195,7 @@ def undelivered(
 ) -> Alarm | None:  # fmt: skip
     """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
     reached = [source.reach(ohms) for ohms in resistance]
-    margins = [
-        max(u - reach.most, reach.least - u) - ROUNDING * abs(u)
-        for u, reach in zip(drive, reached, strict=True)
-    ]
-    when = excursion(times, margins)
+    when = excursion(times, undelivered_margins(source, drive, resistance))
     if when is None:
         return None
     worst = drive[when.worst]
@@ -205,3 +207,14 @@ def undelivered(
         f"{when.words()}."
     )
     return _alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)
+
+
+def undelivered_margins(
+    source: AbstractSource, drive: Sequence[float], resistance: Sequence[float]
+) -> list[float]:
+    """How far each demand is beyond what the source can deliver, in its unit."""
+    reached = (source.reach(ohms) for ohms in resistance)
+    return [
+        max(u - reach.most, reach.least - u) - ROUNDING * abs(u)
+        for u, reach in zip(drive, reached, strict=True)
+    ]

@@ -1,3 +1,83 @@
+// What the run must warn about: limits that were exceeded, with when; cautions about the document.
+
+import { digits, toShown, difference } from "../lib/numbers.ts";
+import type { Alarm, Run } from "../lib/types.ts";
+import { cursor, run } from "../state/run.ts";
+import { printed } from "./drawn.ts";
+
+const KINDS: Record<string, string> = {
+  temperature: "Too hot",
+  stress: "Too much stress",
+  strain: "Too much strain",
+  slack: "Slack",
+  supply: "Supply at its limit",
+  supervisor: "Alarm of the supervisor",
+};
+
+const jump = (time: number): void => void (cursor.value = time);
+
+/** Worst value and limit, where they have a size. */
+function sizes({ kind, worst, limit, how }: Alarm): string {
+  if (kind === "slack" || kind === "supervisor") return "";
+  const shown = (value: number): string =>
+    `${digits(kind === "strain" ? difference(value, how) : toShown(value, how), 4)} ${printed(how.shown)}`.trim();
+  return `${shown(worst)} against ${shown(limit)}`;
+}
+
+function When({ alarm }: { alarm: Alarm }) {
+  return (
+    <>
+      <button type="button" onClick={() => jump(alarm.first)} title="Move the time cursor to where it begins">
+        from {digits(alarm.first)} s
+      </button>
+      {alarm.worst_time !== alarm.first && (
+        <button type="button" onClick={() => jump(alarm.worst_time)} title="Move the time cursor to the worst value">
+          worst at {digits(alarm.worst_time)} s
+        </button>
+      )}
+    </>
+  );
+}
+
+function One({ alarm }: { alarm: Alarm }) {
+  return (
+    <li class="alarm" title={alarm.sentence}>
+      <strong>
+        <span aria-hidden="true">▲</span> {KINDS[alarm.kind] ?? alarm.kind}
+        {alarm.port && ` (${alarm.port})`}
+      </strong>
+      <span>
+        {sizes(alarm)} for {digits(alarm.duration, 3)} s in all
+      </span>
+      <When alarm={alarm} />
+    </li>
+  );
+}
+
+/** Sentences that are not about an alarm that is listed. */
+function others(now: Run): string[] {
+  const told = new Set(now.alarms.map((alarm) => alarm.sentence));
+  return [...now.warnings.filter((one) => !told.has(one)).map((one) => one.replace(/^Warning: /, "")), ...now.cautions];
+}
+
 export function Warnings() {
-  return null;
+  const now = run.value;
+  if (!now) return null;
+  const sentences = others(now);
+  const count = now.alarms.length + sentences.length;
+  if (!count) return null;
+  return (
+    <section class="warnings" aria-label="Warnings">
+      <ul>
+        {now.alarms.map((alarm) => (
+          <One key={`${alarm.kind} ${alarm.column}`} alarm={alarm} />
+        ))}
+        {sentences.map((sentence) => (
+          <li key={sentence}>
+            <span aria-hidden="true">△</span> {sentence}
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
 }

@@ -61,6 +61,39 @@ class CycleEnergies:
         return self.work / given
 
 
+@dataclass(frozen=True, eq=False)
+class EnergyCourses:
+    """Energies from the start of a run to every sample, shape (samples,) [J]."""
+
+    electrical: Numbers
+    """Into all elements."""
+    lost: Numbers
+    """As heat to the surroundings."""
+    work: Numbers
+    """That the elements gave while they pulled."""
+    returned: Numbers
+    """That they took while they were stretched again."""
+
+
+def energy_courses(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
+    """Energies of a run over its samples.
+
+    Args:
+        result: a run, of a plant or of a bench.
+        ways: forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
+    """
+    times = np.asarray(result.times)
+    power, lost = (_added(result, name) for name in ("power", "heat_loss"))
+    work = np.zeros((2, len(times)))
+    for f, x in ways:
+        done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
+        work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
+        work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
+    held = result.system.sample_time() > 0.0
+    given, taken = _integral(times, power, held), _integral(times, lost, False)
+    return EnergyCourses(given, taken, work[0], work[1])
+
+
 def energy_per_cycle(
     result: Result, period: float, *, pairs: Sequence[Pair] | None = None
 ) -> CycleEnergies:
@@ -79,16 +112,13 @@ def energy_per_cycle(
     cycles = math.floor((times[-1] - times[0]) / period * (1.0 + 1e-9)) if period > 0.0 else 0
     if cycles < 1:
         raise InputError(f"A run of {times[-1] - times[0]:g} s has no whole cycle of {period:g} s.")
-    power, lost = (_added(result, name) for name in ("power", "heat_loss"))
     ends = times[0] + period * np.arange(cycles + 1)
-    work = np.zeros((2, len(times)))
-    for force, coordinate in _columns(result, pairs):
-        f, x = (np.asarray(result[name]) for name in (force, coordinate))
-        done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
-        work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
-        work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
-    held = result.system.sample_time() > 0.0
-    totals = (_integral(times, power, held), _integral(times, lost, False), *work)
+    ways = [
+        (np.asarray(result[force]), np.asarray(result[coordinate]))
+        for force, coordinate in _columns(result, pairs)
+    ]
+    over = energy_courses(result, ways)
+    totals = over.electrical, over.lost, over.work, over.returned
     found = [np.diff(np.interp(ends, times, total)) for total in totals]
     return CycleEnergies(period, *found)
 

@@ -1,0 +1,92 @@
+// Which runs are drawn, and what of them: columns in shown units, ports, limits of time.
+
+import { computed, signal } from "@preact/signals";
+import { toShown } from "../lib/numbers.ts";
+import type { Output, Run } from "../lib/types.ts";
+import { pinned, run } from "../state/run.ts";
+import { pinLook, type Look } from "./palette.ts";
+
+/** Pinned runs that are not drawn. */
+export const hidden = signal<ReadonlySet<number>>(new Set());
+
+export interface Beside {
+  id: number;
+  name: string;
+  run: Run;
+  look: Look;
+}
+
+/** Pinned runs that are drawn beneath the live one. */
+export const beside = computed<Beside[]>(() =>
+  pinned.value
+    .filter((one) => !hidden.value.has(one.id))
+    .map((one) => ({ id: one.id, name: one.name, run: one.run, look: pinLook(one.id) })),
+);
+
+/** The port that is drawn; empty for all of them. Null: not chosen yet. */
+export const portChoice = signal<string | null>(null);
+/** More ports than these are not drawn together unless that is asked for. */
+const MANY = 3;
+
+export function portsOf(of: Run): string[] {
+  const choice = portChoice.value;
+  if (choice && of.ports.includes(choice)) return [choice];
+  const first = of.ports.slice(0, 1);
+  return choice === "" || (choice === null && of.ports.length <= MANY) ? of.ports : first;
+}
+
+/** Panels that are shown, where that differs from what is usual: by key. */
+export const panelChoice = signal<Readonly<Record<string, boolean>>>({});
+
+/** Part of the time that is shown [s]; null for all. */
+export const zoom = signal<[number, number] | null>(null);
+
+export const duration = (of: Run): number => of.times.at(-1) ?? 0;
+
+export const timeLimits = computed<[number, number]>(() => {
+  if (zoom.value) return zoom.value;
+  const end = Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0)));
+  return [0, end || 1];
+});
+
+const kept = new WeakMap<Run, Map<string, Float64Array>>();
+
+/** Numbers in SI as they are shown. */
+export function shownValues(values: ArrayLike<number | null>, how: { factor: number; offset: number }): Float64Array {
+  const found = new Float64Array(values.length);
+  for (let i = 0; i < values.length; i++) {
+    const value = values[i];
+    found[i] = value === null || value === undefined ? NaN : toShown(value, how);
+  }
+  return found;
+}
+
+/** A column as it is shown; made once for every run. */
+export function shownColumn(of: Run, name: string): Float64Array {
+  let known = kept.get(of);
+  if (!known) kept.set(of, (known = new Map()));
+  let found = known.get(name);
+  const how = of.outputs[name];
+  if (!found) known.set(name, (found = how ? shownValues(of.columns[name] ?? [], how) : new Float64Array()));
+  return found;
+}
+
+const PRINTED: Record<string, string> = { degC: "°C", deg: "°", ohm: "Ω", "deg/s": "°/s" };
+
+/** A unit as it is printed. */
+export const printed = (unit: string): string => PRINTED[unit] ?? unit.replaceAll("*", "·").replaceAll("^2", "²").replaceAll("^3", "³");
+
+/** Symbol and unit of an axis, such as T [°C]. */
+export const axisLabel = (how: Pick<Output, "symbol" | "shown">): string =>
+  `${how.symbol.replace("_", " ")} [${printed(how.shown) || "–"}]`;
+
+/** Row of the run's samples at a time [s]. */
+export function rowAt(times: number[], time: number): number {
+  let [low, high] = [0, times.length - 1];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((times[middle] ?? 0) < time) low = middle + 1;
+    else high = middle;
+  }
+  return Math.max(low, 0);
+}

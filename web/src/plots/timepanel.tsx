@@ -1,0 +1,101 @@
+// One panel of curves over time, with their names and their values at the time cursor.
+
+import { useMemo } from "preact/hooks";
+import { digits } from "../lib/numbers.ts";
+import { cursor, row } from "../state/run.ts";
+import { Chart } from "./chart.tsx";
+import { printed, timeLimits, zoom } from "./drawn.ts";
+import type { Look } from "./palette.ts";
+import { around, type Level, type Numbers, type Picture, type Shade } from "./picture.ts";
+import { Swatch, Symbol } from "./symbol.tsx";
+
+const HEIGHT = 90;
+const TIME_AXIS = 36;
+
+export interface Series {
+  symbol: string;
+  /** What it is called among others of its symbol. */
+  word: string;
+  name: string;
+  unit: string;
+  times: Numbers;
+  values: Numbers;
+  look: Look;
+}
+
+export interface TimePanelProps {
+  title: string;
+  /** The live run's curves. */
+  series: Series[];
+  /** Curves of pinned runs, drawn beneath. */
+  beside: Series[];
+  includes?: number[];
+  shades?: Shade[];
+  levels?: Level[];
+  /** The time axis has its numbers here. */
+  last: boolean;
+}
+
+/** Without what is but the error of rounding. */
+const clean = (value: number | undefined): number | undefined => (Math.abs(value ?? 1) < 1e-12 ? 0 : value);
+
+/** Values of the curves at the time cursor. */
+function Readout({ series }: { series: Series[] }) {
+  const at = row.value;
+  const alike = new Set(series.map((one) => one.symbol)).size < series.length;
+  return (
+    <span class="readout">
+      {series.map((one, k) => (
+        <span key={k} title={one.name}>
+          {series.length > 1 && <Swatch look={one.look} />} {alike ? one.word : <Symbol text={one.symbol} />} = {digits(clean(one.values[at]), 4)}{" "}
+          {printed(one.unit)}
+        </span>
+      ))}
+    </span>
+  );
+}
+
+/** The levels in view only if they are near what is drawn. */
+function limits({ series, beside, includes = [], levels = [] }: TimePanelProps): [number, number] {
+  const all = [...series, ...beside].map((one) => one.values);
+  const [low, high] = around(all, includes);
+  const near = levels.map((level) => level.y).filter((y) => y > low - (high - low) && y < high + (high - low));
+  return around(all, [...includes, ...near]);
+}
+
+export function TimePanel(props: TimePanelProps) {
+  const { title, series, beside, shades, levels, last } = props;
+  const time = timeLimits.value;
+  const first = series[0];
+  const alone = series.length === 1 && first;
+  const label = `${alone ? `${first.symbol.replace("_", " ")} ` : ""}[${printed(first?.unit ?? "") || "–"}]`;
+  const picture = useMemo<Picture>(
+    () => ({
+      xLabel: "t [s]",
+      yLabel: label,
+      xLimits: time,
+      yLimits: limits(props),
+      curves: [...beside, ...series].map((one) => ({ x: one.times, y: one.values, look: one.look })),
+      shades,
+      levels,
+    }),
+    [series, beside, time, shades, levels, label],
+  );
+  return (
+    <figure class="time-panel">
+      <figcaption>
+        <span class="panel-title">{title}</span> <Readout series={series} />
+      </figcaption>
+      <Chart
+        picture={picture}
+        height={HEIGHT + (last ? TIME_AXIS : 0)}
+        about={`${title} over time`}
+        timed
+        bare={!last}
+        onPick={(x) => (cursor.value = Math.max(0, x))}
+        onZoom={(x) => (zoom.value = x)}
+        onReset={() => (zoom.value = null)}
+      />
+    </figure>
+  );
+}
