@@ -113,7 +113,9 @@ def _answer(sizing: Sizing, pick: int | None, every: bool, out: Path | None, jso
         _write(sizing, chosen, out)
     files = [] if out is None else [str(out)]
     if json:
-        show.as_json(sized.report(sizing, chosen, files))
+        from martensite.report.sizing import report
+
+        show.as_json(report(sizing, chosen, files))
         return
     sized.show_candidates(sizing, every, chosen)
     if chosen is not None:
@@ -161,6 +163,8 @@ def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     with progress_bar("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
     if json:
-        show.as_json(sized.check_report(rows, load, room))
+        from martensite.report.catalogue_check import check_report
+
+        show.as_json(check_report(rows, load, room))
     else:
         sized.show_check(rows, load, room)

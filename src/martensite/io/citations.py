@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 _FILE = Path(__file__).parents[1] / "references.bib"
 _START = re.compile(r"^@\w+\{\s*([^,\s]+)\s*,", re.MULTILINE)
 _TITLE = re.compile(r"^\s*title\s*=\s*\{(.*?)\},?\s*$", re.MULTILINE | re.DOTALL)
+_FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{[^{}]*\})*)\}")
+_ACCENTS = {
+    r"\"a": "ä", r"\"o": "ö", r"\"u": "ü", r"\'a": "á", r"\'e": "é", r"\'i": "í", r"\'o": "ó",
+    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\AA": "Å", r"\_": "_", r"\&": "&",
+    "--": "–",
+}  # fmt: skip
 
 
 @cache
@@ -55,6 +61,35 @@ def title(key: str) -> str:
     """Title of a work, without BibTeX braces."""
     found = _TITLE.search(entries([key])[0])
     return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
+
+
+def fields(text: str) -> dict[str, str]:
+    """The fields of a BibTeX entry as plain text, by name."""
+    return {name.lower(): _plain(value) for name, value in _FIELD.findall(text)}
+
+
+def _plain(value: str) -> str:
+    value = re.sub(r"\s+", " ", value)
+    for latex, letter in _ACCENTS.items():
+        value = value.replace(latex, letter)
+    return re.sub(r"[{}]", "", value)
+
+
+def reference(key: str) -> dict[str, str]:
+    """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
+
+    Raises:
+        UnknownNameError: it is not in the bibliography.
+    """
+    found = fields(entries([key])[0])
+    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
+    places = ("journal", "booktitle", "school", "organization", "volume")
+    place = " ".join(found[name] for name in places if name in found)
+    year = f"({found['year']})" if "year" in found else ""
+    pieces = (authors, found.get("title", key), f"{place} {year}".strip())
+    text = ". ".join(piece.rstrip(".") for piece in pieces if piece) + "."
+    link = f"https://doi.org/{found['doi']}" if "doi" in found else found.get("url", "")
+    return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
 
 
 def citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:

@@ -128,6 +128,7 @@ def size_wire(
     request: WireRequest,
     catalogue: WireCatalogue | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Sizing:
     """Put every size and alloy of a catalogue to a request.
 
@@ -135,6 +136,7 @@ def size_wire(
         request: force, stroke, rate and supply, with options.
         catalogue: wires to choose from; the maker's table of Flexinol if not given.
         progress: called with the number of candidates done and their total.
+        stop: asked before each candidate; once it says so, those judged so far are the answer.
 
     Raises:
         InputError: the request contradicts itself.
@@ -144,6 +146,8 @@ def size_wire(
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
     found: list[Candidate] = []
     for size, alloy in pairs:
+        if stop is not None and stop():
+            break
         found.append(judge(request, size, alloy))
         if progress is not None:
             progress(len(found), len(pairs))

@@ -94,6 +94,7 @@ def check_catalogue(
     stress: float = STRESS,
     ambient: float = AMBIENT,
     progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> list[CheckRow]:
     """Predict every size of a catalogue, thin to thick, alloy by alloy.
 
@@ -103,6 +104,7 @@ def check_catalogue(
         stress: of the weight that the wire lifts [Pa].
         ambient: room temperature [K].
         progress: called with the number of rows done and their total.
+        stop: asked before each row; once it says so, those predicted so far are the answer.
 
     Raises:
         SolveError: no current contracts a wire in 1 s.
@@ -111,6 +113,8 @@ def check_catalogue(
     rows: list[CheckRow] = []
     for alloy in alloys:
         for size in sizes:
+            if stop is not None and stop():
+                return rows
             rows.append(_row(size, Strand(size, alloy, LENGTH, ambient), stress))
             if progress is not None:
                 progress(len(rows), len(alloys) * len(sizes))

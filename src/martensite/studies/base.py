@@ -12,6 +12,9 @@ prints no number.
 
 from __future__ import annotations
 
+import sys
+import tomllib
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -104,15 +107,34 @@ class AbstractStudy:
     title: ClassVar[str] = ""
     cites: ClassVar[tuple[str, ...]] = ()
     """Bibliography keys of the paper and of everything that the rebuild rests on."""
+    guide: ClassVar[str] = ""
+    """What the paper did, what is rebuilt, what to look at: paragraphs with a blank line between
+    them."""
+    scenario_files: ClassVar[tuple[str, ...]] = ()
+    """Scenarios of the study that run by themselves: files in its folder."""
+    data: ClassVar[tuple[str, ...]] = ()
+    """Data sets that are not part of the package, without which some claims have no number."""
 
     @property
     def key(self) -> str:
         """Name of the study."""
         return self.registered_name
 
+    def parts(self) -> dict[str, Callable[[], list[Claim]]]:
+        """What computes the claims, part by part, each with words for what it is about."""
+        if type(self).claims is AbstractStudy.claims:
+            raise NotImplementedError
+        return {"all claims": self.claims}
+
     def claims(self) -> list[Claim]:
         """Every claim with its verdict, computed now."""
-        raise NotImplementedError
+        return [claim for part in self.parts().values() for claim in part()]
+
+    def scenarios(self) -> dict[str, str]:
+        """Title and text of each of its `scenario_files`."""
+        folder = Path(str(sys.modules[type(self).__module__].__file__)).parent
+        texts = [(folder / name).read_text("utf-8") for name in self.scenario_files]
+        return {str(tomllib.loads(text)["title"]): text for text in texts}
 
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the paper recognises (png, svg or pdf)."""

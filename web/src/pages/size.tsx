@@ -1,3 +1,37 @@
+// Which wire for a force, a stroke and a rate; and the model beside the maker's table.
+
+import { useEffect } from "preact/hooks";
+import { Catalogue } from "../size/catalogue.tsx";
+import { ask, check, fromAddress, show, sizing, tab, type Tab } from "../size/state.ts";
+import { Wires } from "../size/wires.tsx";
+import { place } from "../state/route.ts";
+
+const TABS: [tab: Tab, title: string][] = [
+  ["wires", "Choose a wire"],
+  ["catalogue", "Model beside the maker's table"],
+];
+
 export function Page() {
-  return <h1>Size</h1>;
+  useEffect(() => {
+    if (!sizing.job.value) void sizing.resume();
+    if (!check.job.value) void check.resume();
+  }, []);
+  useEffect(() => {
+    if (place.value.page !== "size") return;
+    fromAddress();
+    void ask();
+  }, [place.value]);
+  return (
+    <div class="stack sizing">
+      <h1>Size</h1>
+      <nav class="row" aria-label="Parts of this page">
+        {TABS.map(([name, title]) => (
+          <button key={name} type="button" class="tab" aria-pressed={tab.value === name} onClick={() => show(name)}>
+            {title}
+          </button>
+        ))}
+      </nav>
+      {tab.value === "wires" ? <Wires /> : <Catalogue />}
+    </div>
+  );
 }

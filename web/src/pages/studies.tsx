@@ -1,3 +1,16 @@
+// Published results, rebuilt: the list of studies, and one of them.
+
+import { useEffect } from "preact/hooks";
+import { place } from "../state/route.ts";
+import { StudyList } from "../studies/list.tsx";
+import { follow, work } from "../studies/state.ts";
+import { Study } from "../studies/study.tsx";
+
 export function Page() {
-  return <h1>Studies</h1>;
+  useEffect(() => {
+    if (!work.job.value) void work.resume();
+    return follow();
+  }, []);
+  const name = place.value.page === "studies" ? place.value.rest[0] : undefined;
+  return name ? <Study key={name} name={name} /> : <StudyList />;
 }

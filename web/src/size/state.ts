@@ -1,0 +1,89 @@
+// The form of a sizing, kept in the address, and the work it begins.
+
+import { computed, signal } from "@preact/signals";
+import { call } from "../lib/api.ts";
+import { watched } from "../state/jobs.ts";
+import { place, remember } from "../state/route.ts";
+import type { Checked, Fields, Form, Note, Sizing } from "./types.ts";
+
+export type Tab = "wires" | "catalogue";
+
+export const sizing = watched<Note, Sizing>("size");
+export const check = watched<Note, Checked>("size_catalogue");
+export const fields = signal<Fields>({});
+export const tab = signal<Tab>("wires");
+export const form = signal<Form | null>(null);
+/** Sentence of a form that could not be had. */
+export const trouble = signal("");
+
+/** The answer of the newest sizing. */
+export const answer = computed<Sizing | null>(() => {
+  const job = sizing.job.value;
+  return job?.state === "done" && job.outcome && typeof job.outcome === "object" ? job.outcome : null;
+});
+
+const written = (now: Fields): Fields => Object.fromEntries(Object.entries(now).filter(([, text]) => text.trim()));
+
+/** Whether the answer is for another form than the one that is shown. */
+export const outdated = computed(() => {
+  const asked = answer.value?.asked;
+  if (!asked) return false;
+  const now = written(fields.value);
+  const names = new Set([...Object.keys(asked), ...Object.keys(now)]);
+  return [...names].some((name) => (asked[name] ?? "").trim() !== (now[name] ?? "").trim());
+});
+
+function keep(): void {
+  const query = { ...written(fields.value), ...(tab.value === "catalogue" ? { tab: "catalogue" } : {}) };
+  if (place.value.page === "size") remember("size", query);
+}
+
+/** Take the form from the address; an address without one leaves the form as it is. */
+export function fromAddress(): void {
+  const found: Fields = {};
+  for (const [name, text] of place.value.query) if (name !== "tab") found[name] = text;
+  if (place.value.query.has("tab")) tab.value = "catalogue";
+  if (Object.keys(found).length > 0) fields.value = found;
+  keep();
+}
+
+export function show(next: Tab): void {
+  tab.value = next;
+  keep();
+}
+
+let waiting = 0;
+
+export function fill(next: Fields): void {
+  fields.value = next;
+  keep();
+  clearTimeout(waiting);
+  waiting = window.setTimeout(() => void ask(), 250);
+}
+
+/** Change a field; what was said about its old text no longer holds. */
+export function put(name: string, text: string): void {
+  if (form.value?.refused[name]) {
+    const { [name]: _, ...refused } = form.value.refused;
+    form.value = { ...form.value, refused };
+  }
+  fill({ ...fields.value, [name]: text });
+}
+
+/** Have the form read by the server; nothing is simulated. */
+export async function ask(): Promise<void> {
+  try {
+    const found = await call<Form>("size_form", { fields: written(fields.value) }, "size form");
+    form.value = found;
+    trouble.value = "";
+    if (found.unknown.length === 0) return;
+    trouble.value = `The address names fields that there are not: ${found.unknown.join(", ")}.`;
+    fields.value = Object.fromEntries(Object.entries(fields.value).filter(([name]) => !found.unknown.includes(name)));
+    keep();
+  } catch (error) {
+    if (error instanceof Error && !("kind" in error && error.kind === "superseded")) trouble.value = error.message;
+  }
+}
+
+export const begin = (): Promise<void> => sizing.begin({ fields: written(fields.value) });
+export const beginCheck = (): Promise<void> => check.begin({ fields: written(fields.value) });

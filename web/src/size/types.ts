@@ -1,0 +1,73 @@
+// What the server tells of a sizing; see martensite.app.calls.size_form, size and size_catalogue.
+
+export interface Field {
+  name: string;
+  unit: string | null;
+  meaning: string;
+  allowed: string;
+  required: boolean;
+  /** As one would type it; empty for none. */
+  default: string;
+  choices: string[];
+  example: string;
+}
+
+export interface Form {
+  fields: Field[];
+  /** Fields that were named but that there are not. */
+  unknown: string[];
+  refused: Record<string, string>;
+  contradiction: string;
+  example: Fields;
+}
+
+/** What is typed, by the name of the field. */
+export type Fields = Record<string, string>;
+
+export interface Margin {
+  name: string;
+  share: number;
+  used: string;
+  limit: string;
+  unit: string;
+  /** Put to its limit by the sizing itself. */
+  chosen: boolean;
+}
+
+export interface Candidate {
+  size: string;
+  alloy: string;
+  feasible: boolean;
+  reasons: string[];
+  warnings: string[];
+  cells: string[];
+  headline: string;
+  sentences: string[];
+  doubts: string[];
+  margins: Margin[];
+  tightest: Margin;
+  scenario: string | null;
+  no_scenario: string;
+}
+
+export interface Sizing {
+  asked: Fields;
+  columns: string[];
+  candidates: Candidate[];
+  /** Candidates that there are; fewer were judged if it was cancelled. */
+  of: number;
+}
+
+export interface Checked {
+  asked: Fields;
+  conditions: string;
+  columns: string[];
+  rows: string[][];
+  spread: string[];
+  doubt: string;
+}
+
+export interface Note {
+  done: number;
+  of: number;
+}
