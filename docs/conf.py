@@ -30,6 +30,8 @@ release = version = installed("martensite")
 extensions = [
     "myst_nb",
     "executed",
+    "shown",
+    "gallery",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
@@ -61,7 +63,7 @@ add_module_names = False
 html_theme = "furo"
 html_title = f"martensite {release}"
 html_static_path = ["_static"]
-html_css_files = ["tables.css"]
+html_css_files = ["tables.css", "gallery.css"]
 html_show_sourcelink = False
 html_copy_source = False
 mathjax_path = "mathjax/tex-svg.js"

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-import re
-
 from martensite.io import citations
+from martensite.io.citations import fields
 
-_FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{[^{}]*\})*)\}")
-_ACCENTS = {
-    r"\"a": "ä", r"\"o": "ö", r"\"u": "ü", r"\'a": "á", r"\'e": "é", r"\'i": "í", r"\'o": "ó",
-    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\AA": "Å", r"\_": "_", r"\&": "&",
-    "--": "–",
-}  # fmt: skip
 _ORDER = ("journal", "booktitle", "school", "organization", "edition")
 
 
@@ -23,18 +16,6 @@ def bibliography() -> str:
 
 def _entry(key: str, text: str) -> str:
     return f"(bib-{key})=\n**{key}**\n: {_sentence(fields(text))}\n"
-
-
-def fields(text: str) -> dict[str, str]:
-    """The fields of a BibTeX entry as plain text."""
-    return {name.lower(): _plain(value) for name, value in _FIELD.findall(text)}
-
-
-def _plain(value: str) -> str:
-    value = re.sub(r"\s+", " ", value)
-    for latex, letter in _ACCENTS.items():
-        value = value.replace(latex, letter)
-    return re.sub(r"[{}]", "", value)
 
 
 def _sentence(found: dict[str, str]) -> str:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+import bench
 import bibtex
 import blocks
 import commands
@@ -48,6 +49,8 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(Limits),
     "public-names": parts.public_names,
+    "app-addresses": bench.addresses,
+    "app-calls": bench.calls,
 }
 _MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 
