@@ -24,7 +24,7 @@ UV_SYNC := UV_PROJECT_ENVIRONMENT=$(VENV) $(UV) sync --frozen --inexact \
 	$(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
 
 .DEFAULT_GOAL := help
-.PHONY: help env demo test test-all lint docs bench format lock clean distclean
+.PHONY: help env demo test test-all lint docs web bench format lock clean distclean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -49,6 +49,14 @@ lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+
+# Node.js of this machine, or the one that pyright brings; packages come from the registry once.
+web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
+	@cd web && export PATH="$$PATH:$(CURDIR)/$(BIN)" && \
+	if [ node_modules/.package-lock.json -nt package-lock.json ] || \
+		npm ci --no-audit --no-fund --loglevel=error; \
+	then npm run --silent check && npm run --silent test && npm run --silent fresh; \
+	else echo "make web: skipped, for the packages of the page cannot be had here"; fi
 
 bench: $(VENV)/.stamp-bench ## run the benchmarks
 	$(BIN)/python -m benchmarks

@@ -1,33 +1,81 @@
-"""The scenario that a request means: a text, and changes to it by dotted path."""
+"""The scenario that a request means: a text, and changes to it by dotted path.
+
+Whoever writes an address of the bench writes the scenario in it. So a scenario on the bench reads
+no files but those that lie beside the packaged scenarios, and what would take without end is
+refused before it is begun.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import Any, cast
 
 from martensite.app.gallery import FOLDER
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.errors import ParameterError
+from martensite.errors import DataError, ParameterError
 from martensite.io.scenario import Scenario, read
 
 LONGEST = 2**20
 MOST_SAMPLES = 200_001
+MOST_STEPS = 5_000_000
 
 
 def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
     """Build the scenario of a request, `text` with `changes`.
 
     Raises:
-        InputError: the text is none, or a change is wrong, or it has too many samples to be shown.
+        InputError: the text is none, or a change is wrong, or it names files elsewhere, or it has
+            too many samples or steps to be shown.
     """
     text, changes = wanted(request, "text", str), wanted(request, "changes", dict, {})
     if len(text) > LONGEST:
         raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST:,} do.")
+    check_files(text, changes)
     scenario = read(text, FOLDER / "scenario.toml", changes or None)
+    if scenario.step is not None and scenario.duration > MOST_STEPS * scenario.step:
+        raise ParameterError(
+            f"[run] `step` cuts the run into more than {MOST_STEPS:,} steps, the most that the "
+            "bench makes. Use `martensite run` for more."
+        )
     if scenario.samples > MOST_SAMPLES:
         raise ParameterError(
             f"[run] `samples` is {scenario.samples:,}; the bench shows at most {MOST_SAMPLES:,}. "
             "Use `martensite run` for more."
         )
     return scenario
+
+
+def check_files(text: str, changes: Mapping[str, Any]) -> None:
+    """Refuse files that do not lie beside the packaged scenarios.
+
+    Raises:
+        DataError: a scenario, or a change to it, names one.
+    """
+    try:
+        document: Mapping[str, Any] = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError):
+        document = {}  # is refused where it is built
+    for name in (*_files(document, ""), *_files(changes, "")):
+        odd = any(letter in name for letter in "\0\\:")
+        if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
+            raise DataError(
+                f"The bench reads no file `{name[:80]}`: on it a scenario reads only files beside "
+                "the packaged ones. Use `martensite run` for a scenario with files of its own."
+            )
+
+
+def _files(node: Any, path: str) -> Iterator[str]:
+    """Names of files in a document; published data sets are no files here."""
+    if isinstance(node, dict):
+        for key, value in cast("dict[str, Any]", node).items():
+            yield from _files(value, f"{path}.{key}")
+    elif isinstance(node, list):
+        for value in cast("list[Any]", node):
+            yield from _files(value, path)
+    elif isinstance(node, str):
+        last = path.rpartition(".")[2]
+        own = node.endswith(".toml") or "/" in node or "\\" in node
+        if (last == "file" and not node.startswith("data:")) or (last == "material" and own):
+            yield node

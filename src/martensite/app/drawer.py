@@ -10,7 +10,7 @@ import re
 import secrets
 import unicodedata
 from collections.abc import AsyncIterator, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,10 +18,12 @@ from martensite.app.messages import Refusal
 from martensite.errors import DataError
 
 MOST_BYTES = 64 * 2**20
-LONGEST_NAME = 80
-_KEY = re.compile(r"^[0-9a-f]{16}$")
+LONGEST_NAME = 160
+"""In bytes; files of some systems have at most 255."""
+_KEY = re.compile(r"[0-9a-f]{16}")
 _UNSAFE = re.compile(r"[^\w.() -]+")
-_RESERVED = re.compile(r"^(con|prn|aux|nul|com\d|lpt\d)(\.|$)", re.IGNORECASE)
+_RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²³])(\W|$)", re.IGNORECASE)
+"""Names of devices, whatever their ending."""
 
 
 def safe_name(name: str) -> str:
@@ -29,8 +31,13 @@ def safe_name(name: str) -> str:
     last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
     kept = _UNSAFE.sub("_", last).strip(" .")
     stem, dot, ending = kept.rpartition(".")
-    short = f"{stem[:LONGEST_NAME]}{dot}{ending[:12]}" if dot else kept[:LONGEST_NAME]
+    short = f"{_cut(stem)}{dot}{_cut(ending, 12)}" if dot else _cut(kept)
     return f"_{short}" if not short or _RESERVED.match(short) else short
+
+
+def _cut(text: str, most: int = LONGEST_NAME) -> str:
+    """The beginning of a text, at most so many bytes, without a space at its end."""
+    return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
 
 
 @dataclass(frozen=True)
@@ -46,16 +53,23 @@ class Drawer:
             DataError: there is none.
         """
         below = self.folder / key
-        found = sorted(below.iterdir()) if _KEY.match(key) and below.is_dir() else []
+        found = sorted(below.iterdir()) if _KEY.fullmatch(key) and below.is_dir() else []
         if len(found) != 1:
             raise DataError("There is no such file here; upload it again.")
         return found[0]
 
     def place(self, name: str) -> tuple[str, Path]:
-        """A new key, and where to put the file."""
+        """A new key, and where to put the file.
+
+        Raises:
+            DataError: the folder cannot be written to.
+        """
         key = secrets.token_hex(8)
         below = self.folder / key
-        below.mkdir(parents=True)
+        try:
+            below.mkdir(parents=True)
+        except OSError as error:
+            raise DataError(f"The folder of the bench cannot be used: {error.strerror}.") from None
         return key, below / safe_name(name)
 
     async def take(self, name: str, chunks: AsyncIterator[bytes]) -> tuple[str, Path]:
@@ -81,8 +95,9 @@ class Drawer:
         try:
             yield
         except BaseException as error:
-            path.unlink(missing_ok=True)
-            path.parent.rmdir()
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+                path.parent.rmdir()
             if isinstance(error, OSError):
                 reason = error.strerror or error
                 raise Refusal(f"The file could not be kept: {reason}.", 507) from None

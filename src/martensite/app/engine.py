@@ -36,6 +36,6 @@ def _compile(scenario: Scenario, key: Hashable) -> None:
     """Compile by running; a structure that does not run in C stays on floats."""
     try:
         scenario.run(runtime="c")
-    except MartensiteError:
+    except (MartensiteError, ArithmeticError, MemoryError, OSError):
         return
     _ready.add(key)

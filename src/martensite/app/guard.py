@@ -12,7 +12,6 @@ import hmac
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
-from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -24,18 +23,20 @@ from martensite.app.messages import Refusal
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data: blob:; connect-src 'self'; font-src 'self'; base-uri 'none'; "
-    "form-action 'none'; frame-ancestors 'none'"
+    "img-src 'self' data: blob:; connect-src 'self' ws://{host}; font-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+"""Nothing but the page's own scripts; figures have styles of their own."""
 HEADERS: Mapping[str, str] = {
-    "Content-Security-Policy": POLICY,
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-cache",
 }
-NAMES = ("127.0.0.1", "localhost", "[::1]")
+NAMES = ("127.0.0.1", "localhost")
+ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
+"""Headers of which there is one at most, lest this reads one and others another."""
 STRANGER = (
     "This page needs the token of the running bench: open the address that `martensite app` "
     "printed."
@@ -61,31 +62,33 @@ class Guard:
             await self.app(scope, receive, send)
             return
         try:
-            self._place(scope)
+            host = self._place(scope)
             entered = self._entering(scope)
             if entered is None:
                 self._known(scope)
         except Refusal as refusal:
-            await _refuse(scope, receive, send, refusal)
+            sending = _with_headers(send, f"{NAMES[0]}:{self.port}")
+            await _refuse(scope, receive, sending, refusal)
             return
-        if entered is not None:
-            await entered(scope, receive, _with_headers(send))
-            return
-        await self.app(scope, receive, _with_headers(send))
+        await (entered or self.app)(scope, receive, _with_headers(send, host))
 
-    def _place(self, scope: Scope) -> None:
-        """Refuse what is meant for, or comes from, elsewhere."""
+    def _place(self, scope: Scope) -> str:
+        """The name it is asked by; what is meant for, or comes from, elsewhere is refused."""
         headers = Headers(scope=scope)
-        hosts = [f"{name}:{self.port}" for name in NAMES]
-        if headers.getlist("host") not in [[host] for host in hosts]:
+        host = headers.get("host", "")
+        if host not in [f"{name}:{self.port}" for name in NAMES]:
             raise Refusal("This server answers to its own address on this machine only.", 421)
+        doubled = next((name for name in ONCE if len(headers.getlist(name)) > 1), None)
+        if doubled is not None:
+            raise Refusal(f"There must be one header `{doubled}`.")
         origin = headers.get("origin")
-        if origin is not None and origin not in [f"http://{host}" for host in hosts]:
+        if origin is not None and origin != f"http://{host}":
             raise Refusal(f"Pages of `{origin[:80]}` may not use this server.", 403)
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             navigated = headers.get("sec-fetch-mode") == "navigate" and scope["path"] == "/"
             if not navigated:
                 raise Refusal("Other pages may not use this server.", 403)
+        return host
 
     def _known(self, scope: Scope) -> None:
         """Refuse who does not hold the token."""
@@ -106,7 +109,9 @@ class Guard:
         if not tokens or not self._right(tokens[0]):
             return None
         response = RedirectResponse("/", 303)
-        response.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
+        # lax: the first page may be opened from elsewhere, such as a terminal in a browser;
+        # what else comes from elsewhere is refused by its Sec-Fetch-Site and Origin
+        response.set_cookie(self.cookie, self.token, httponly=True, samesite="lax")
         return response
 
 
@@ -118,12 +123,13 @@ def _cookie(headers: Headers, name: str) -> str:
     return "" if found is None else found.value
 
 
-def _with_headers(send: Send) -> Send:
+def _with_headers(send: Send, host: str) -> Send:
     """Adds to answers what keeps the page to this server."""
 
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
             headers = MutableHeaders(scope=message)
+            headers["Content-Security-Policy"] = POLICY.format(host=host)
             for name, value in HEADERS.items():
                 headers.setdefault(name, value)
         await send(message)
@@ -135,8 +141,6 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
     if scope["type"] == "websocket":
         await send({"type": "websocket.close", "code": 4403, "reason": str(refusal)[:120]})
         return
-    plain: Any = scope["path"] == "/"
-    response = (
-        PlainTextResponse(str(refusal), refusal.status) if plain else refusal_response(refusal)
-    )
-    await response(scope, receive, _with_headers(send))
+    words = PlainTextResponse(str(refusal), refusal.status)
+    response = words if scope["path"] == "/" else refusal_response(refusal)
+    await response(scope, receive, send)

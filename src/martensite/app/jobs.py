@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal
+from martensite.app.messages import Refusal, refused
 from martensite.app.workers import POLITE, Worker
 
 AT_ONCE = 4
@@ -76,8 +76,10 @@ class Job:
 
     def _send(self, message: dict[str, Any]) -> None:
         for queue in self.listeners:
-            if queue.full():
-                queue.get_nowait()
+            if queue.full():  # who listens too slowly is told anew
+                while not queue.empty():
+                    queue.get_nowait()
+                message = {"job": self.whole()}
             queue.put_nowait(message)
 
     @asynccontextmanager
@@ -144,10 +146,10 @@ class Jobs:
 
     async def close(self) -> None:
         """End all jobs, at once."""
-        for job in self.known.values():
-            await job.worker.kill()
-            if job.task is not None:
-                job.task.cancel()
+        tasks = [job.task for job in self.known.values() if job.task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _work(self, job: Job) -> None:
         try:
@@ -156,6 +158,9 @@ class Jobs:
             state = "cancelled" if refusal.kind == "stopped" else "failed"
             if job.state == "running":
                 job.end(state, str(refusal))
+        except Exception as error:
+            job.end("failed", refused(error)["refused"])
+            raise
         finally:
             await job.worker.kill()
 

@@ -11,6 +11,8 @@ from martensite.errors import InputError, MartensiteError
 
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
+DEEPEST = 64
+"""Tables in tables; a scenario has a handful."""
 
 
 class Refusal(Exception):
@@ -59,8 +61,13 @@ def loads(data: bytes) -> dict[str, Any]:
     if len(data) > MOST_BYTES:
         raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")
     try:
-        found = json.loads(data.decode("utf-8"), parse_constant=_refused)
-    except UnicodeDecodeError:
+        found = json.loads(
+            data.decode("utf-8"), parse_constant=_finite, parse_float=_finite, parse_int=_whole
+        )
+        _check_depth(found)
+        if b"\\u" in data:  # halves of characters, which no file can hold
+            json.dumps(found, ensure_ascii=False).encode()
+    except UnicodeError:
         raise BadMessageError("The message is not text in UTF-8.") from None
     except RecursionError:
         raise BadMessageError("The message is nested too deeply.") from None
@@ -71,8 +78,28 @@ def loads(data: bytes) -> dict[str, Any]:
     return cast("dict[str, Any]", found)
 
 
-def _refused(constant: str) -> Any:
-    raise ValueError(f"{constant} is no number")
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text[:20]} is no number that can be used")
+    return value
+
+
+def _whole(text: str) -> int:
+    if len(text) > 300:  # no float holds it
+        raise ValueError(f"a whole number has {len(text):,} digits")
+    return int(text)
+
+
+def _check_depth(found: Any) -> None:
+    """Raise `RecursionError` if there are tables in tables in tables …."""
+    level = [found]
+    for _ in range(DEEPEST):
+        items = (item for box in level for item in (box.values() if isinstance(box, dict) else box))
+        level = [item for item in items if isinstance(item, (dict, list))]
+        if not level:
+            return
+    raise RecursionError
 
 
 def wanted(request: Mapping[str, Any], name: str, sort: type, default: Any = ...) -> Any:
@@ -113,5 +140,8 @@ def refused(error: BaseException) -> dict[str, Any]:
         return {"refused": "The document is nested too deeply.", "kind": "input"}
     if isinstance(error, MemoryError):
         return {"refused": "There is not enough memory for this.", "kind": "failed"}
+    if isinstance(error, OSError):
+        reason = error.strerror or error
+        return {"refused": f"A file could not be read or kept: {reason}.", "kind": "failed"}
     words = f"{type(error).__name__}: {error}"
     return {"refused": f"Unexpected error: {words}. Please report it.", "kind": "failed"}

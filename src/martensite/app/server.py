@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import secrets
+import signal
 import socket
+import sys
 import tempfile
-from collections.abc import Callable
-from contextlib import ExitStack
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from martensite.errors import InputError
 
@@ -37,7 +41,10 @@ def bound(port: int) -> socket.socket:
     if not 0 <= port <= 65535:
         raise InputError(f"Option `--port` must be between 0 and 65535, but is {port}.")
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    if sys.platform == "win32":  # where reusing means that others may take it over
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+    else:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         made.bind((LOOPBACK, port))
     except OSError as error:
@@ -51,7 +58,7 @@ def bound(port: int) -> socket.socket:
 def serve(
     port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None
 ) -> None:
-    """Serve the bench until it is interrupted.
+    """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
 
     Args:
         port: on loopback; 0 for a free one.
@@ -64,13 +71,18 @@ def serve(
     try:
         import uvicorn
 
-        from martensite.app.site import site
+        from martensite.app.site import STATIC, site
     except ModuleNotFoundError as error:
         raise InputError(
             f"The bench needs `{error.name}`, which is not installed; install the extra "
             "`martensite[app]`."
         ) from None
+    if not (STATIC / "index.html").is_file():
+        raise InputError(
+            f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`."
+        )
     with ExitStack() as stack:
+        stack.enter_context(_ended_by_signals())
         opened = stack.enter_context(bound(port))
         if folder is None:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
@@ -78,8 +90,37 @@ def serve(
         config = uvicorn.Config(
             site(folder.resolve(), at.token, at.port), log_level="warning", access_log=False,
             ws="websockets-sansio", ws_max_size=2**16, timeout_graceful_shutdown=2,
-            server_header=False,
+            server_header=False, proxy_headers=False, lifespan="on",
         )  # fmt: skip
+        server = uvicorn.Server(config)
         opened.listen(64)
         ready(at)
-        uvicorn.Server(config).run(sockets=[opened])
+        server.run(sockets=[opened])
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Take signals that mean the end as one, so that what is open is closed and cleared away.
+
+    While the server runs it takes SIGINT and SIGTERM itself, and raises them once it has ended.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {number: signal.signal(number, _end) for number in numbers}
+    try:
+        with suppress(_Ended):
+            yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Ended(SystemExit):
+    """A signal came that means the end."""
+
+
+def _end(number: int, frame: Any) -> None:
+    raise _Ended

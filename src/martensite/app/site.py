@@ -15,10 +15,13 @@ goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status
 
 from __future__ import annotations
 
+import asyncio
+import mimetypes
 import os
 import re
+import time
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -35,14 +38,21 @@ from martensite.app import messages
 from martensite.app.answers import json_response, refusal_response
 from martensite.app.drawer import Drawer
 from martensite.app.guard import Guard
-from martensite.app.jobs import Jobs
-from martensite.app.messages import BadMessageError, Refusal, loads, wanted
+from martensite.app.jobs import Job, Jobs
+from martensite.app.messages import BadMessageError, Refusal, loads, refused, wanted
 from martensite.app.workers import Pool
 from martensite.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
-_TAB = re.compile(r"^[0-9A-Za-z-]{4,64}$")
+_TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
+SWALLOWED, PATIENCE = 2**30, 20.0
+"""Bytes of a refused upload that are read and thrown away, and for how long [s].
+
+Browsers read the answer only after they have sent all.
+"""
+for _ending, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
+    mimetypes.add_type(_type, _ending)  # on Windows others may have changed them
 
 
 @dataclass(frozen=True)
@@ -83,57 +93,85 @@ class Site:
         try:
             job = self.jobs.find(_tab(socket.query_params.get("tab")), socket.path_params["id"])
         except (Refusal, InputError) as error:
+            await socket.accept()
             await socket.close(4404, str(error)[:120])
             return
         await socket.accept()
+        tasks = [asyncio.create_task(work) for work in (_told(job, socket), _left(socket))]
         try:
-            async with job.listening() as queue:
-                over = False
-                while not over:
-                    message = await queue.get()
-                    over = message.get("job", {}).get("state", "running") != "running"
-                    await socket.send_text(messages.dumps(message).decode())
-            await socket.close()
-        except (WebSocketDisconnect, RuntimeError):
-            return
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
 
     async def upload(self, request: Request) -> Response:
         """Take a file."""
         name = request.query_params.get("name", "")
         if not name:
             raise Refusal("An upload needs `?name=`, what the file is called.")
-        key, path = await self.drawer.take(name, request.stream())
+        stream = request.stream()
+        try:
+            key, path = await self.drawer.take(name, stream)
+        except Refusal:
+            await _swallow(stream)
+            raise
         return json_response({"key": key, "name": path.name, "bytes": path.stat().st_size}, 201)
 
     async def download(self, request: Request) -> Response:
         """Give a file away."""
         path = self.drawer.path(request.path_params["key"])
-        return FileResponse(path, filename=path.name)
+        return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+
+
+async def _told(job: Job, socket: WebSocket) -> None:
+    """Send what is known of a job, and what comes, until it ends."""
+    with suppress(WebSocketDisconnect, RuntimeError):  # nobody is there any more
+        async with job.listening() as queue:
+            over = False
+            while not over:
+                message = await queue.get()
+                over = message.get("job", {}).get("state", "running") != "running"
+                await socket.send_text(messages.dumps(message).decode())
+        await socket.close()
+
+
+async def _left(socket: WebSocket) -> None:
+    """Pass over what the page sends, until it leaves."""
+    while (await socket.receive())["type"] != "websocket.disconnect":
+        pass
 
 
 def _tab(name: str | None) -> str:
     """The tab that asks."""
-    if name is None or not _TAB.match(name):
+    if name is None or not _TAB.fullmatch(name):
         raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
     return name
 
 
 async def _body(request: Request) -> bytes:
     """The body of a request, refused as soon as it is too long."""
-    most = messages.MOST_BYTES
-    said = request.headers.get("content-length", "0")
-    parts: list[bytes] = []
-    size = int(said) if said.isdigit() else 0
-    if size <= most:
-        size = 0
-        async for chunk in request.stream():
-            parts.append(chunk)
-            size += len(chunk)
-            if size > most:
-                break
-    if size > most:
-        raise Refusal(f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413)
+    most, parts, size = messages.MOST_BYTES, list[bytes](), 0
+    stream = request.stream()
+    async for chunk in stream:
+        parts.append(chunk)
+        size += len(chunk)
+        if size > most:
+            parts.clear()
+            await _swallow(stream)
+            raise Refusal(
+                f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413
+            )
     return b"".join(parts)
+
+
+async def _swallow(stream: AsyncIterator[bytes]) -> None:
+    """Read the rest of a body that is refused, so that its sender reads why."""
+    size, end = 0, time.monotonic() + PATIENCE
+    async for chunk in stream:
+        size += len(chunk)
+        if size > SWALLOWED or time.monotonic() > end:
+            return
 
 
 def _status(request: Request) -> Response:
@@ -156,6 +194,11 @@ def _nowhere(request: Request, error: Exception) -> Response:
         status, "There is nothing at this address."
     )
     return refusal_response(Refusal(words, status))
+
+
+def _failed(request: Request, error: Exception) -> Response:
+    """The answer to an error that nobody has thought of; the server goes on."""
+    return refusal_response(Refusal(refused(error)["refused"], 500, "failed"))
 
 
 def _gone(request: Request, error: Exception) -> Response:
@@ -190,7 +233,7 @@ def site(folder: Path, token: str, port: int) -> ASGIApp:
         ],
         exception_handlers={
             Refusal: _refused, InputError: _refused, 404: _nowhere, 405: _nowhere,
-            ClientDisconnect: _gone,
+            ClientDisconnect: _gone, Exception: _failed,
         },
         lifespan=lifespan,
     )  # fmt: skip

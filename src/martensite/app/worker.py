@@ -12,12 +12,14 @@ without the server there is no worker. A call is a module of `martensite.app.cal
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
 import threading
 import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
@@ -25,10 +27,12 @@ from pkgutil import iter_modules
 from queue import SimpleQueue
 from typing import Any, BinaryIO
 
-from martensite.app.messages import BadMessageError, dumps, loads, refused
+from martensite.app.messages import BadMessageError, dumps, refused
 from martensite.errors import suggestion
 
 PACKAGE = "martensite.app.calls"
+MEMORY = 4 * 2**30
+"""Bytes that a worker may hold, threads and what they reserve included."""
 
 
 @dataclass
@@ -72,18 +76,35 @@ class _Lines:
             self._out.flush()
 
 
-def _listen(source: BinaryIO, work: SimpleQueue[dict[str, Any]], stop: threading.Event) -> None:
+_Work = SimpleQueue[tuple[dict[str, Any], threading.Event]]
+"""Calls, each with what tells it to stop."""
+
+
+def _listen(source: BinaryIO, work: _Work) -> None:
     """Put calls on the pile, and end with the input."""
+    stop = threading.Event()
     for line in source:
-        message = loads(line)
+        message = json.loads(line)
         if message.get("stop"):
             stop.set()
         else:
-            work.put(message)
+            stop = threading.Event()
+            work.put((message, stop))
     if hasattr(os, "killpg") and os.getpgid(0) == os.getpid():
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        os.killpg(0, signal.SIGTERM)
+        os.killpg(0, signal.SIGKILL)
     os._exit(0)
+
+
+def limit_memory() -> None:
+    """Let a run that grows without end fail here, before it drives others out of memory."""
+    try:
+        import resource
+    except ModuleNotFoundError:  # Windows
+        return
+    most = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    if most == resource.RLIM_INFINITY or most > MEMORY:
+        with suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, most))
 
 
 def _private_streams() -> tuple[BinaryIO, BinaryIO]:
@@ -99,13 +120,12 @@ def main() -> None:
     """Answer calls until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server
     source, out = _private_streams()
-    work: SimpleQueue[dict[str, Any]] = SimpleQueue()
-    stop, lines = threading.Event(), _Lines(out)
-    threading.Thread(target=_listen, args=(source, work, stop), daemon=True).start()
+    work, lines = _Work(), _Lines(out)
+    threading.Thread(target=_listen, args=(source, work), daemon=True).start()
+    limit_memory()
     import_module(PACKAGE + ".run")  # before the first call, that it be quick
     while True:
-        message = work.get()
-        stop.clear()
+        message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
         try:
             lines.send({"answer": answer(message["call"], message["request"], desk)})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import os
 import signal
 import sys
@@ -14,11 +15,20 @@ from typing import Any
 
 from martensite.app.messages import Refusal, dumps
 
-LONGEST_LINE = 256 * 2**20
+COMMAND = (sys.executable, "-m", "martensite.app.worker")
+LONGEST_LINE = 64 * 2**20
 QUICK = 60.0
 """Seconds after which a quick call is given up."""
 POLITE = 5.0
 """Seconds that a call is given to stop by itself."""
+
+LOOKED_AFTER = 1.0
+"""Seconds after which a silent process is looked after."""
+LOST = (
+    "The process that computed this ended unexpectedly (out of memory?); try a shorter run or "
+    "fewer samples."
+)
+GARBLED = "The process that computed this gave an answer that cannot be read. Please report it."
 
 Tell = Callable[[dict[str, Any]], None]
 
@@ -29,12 +39,15 @@ class Worker:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._process: asyncio.subprocess.Process | None = None
+        self._stopped = False
 
     async def start(self) -> asyncio.subprocess.Process:
         """The process; a new one if there is none or it has ended."""
-        if self._process is None or self._process.returncode is not None:
+        if self._process is not None and self._process.returncode is not None:
+            await self.kill()  # what it has started may live on
+        if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "martensite.app.worker", start_new_session=True,
+                *COMMAND, start_new_session=True,
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, limit=LONGEST_LINE,
             )  # fmt: skip
         return self._process
@@ -45,35 +58,35 @@ class Worker:
         Raises:
             Refusal: the call was refused or failed, or the process died over it.
         """
-        process = await self.start()
-        message = {"call": call, "request": request, "folder": str(self.folder)}
         try:
-            await _write(process, message)
-            while line := await _line(process):
-                said = _read(line)
-                if "tell" in said:
-                    if tell is not None:
-                        tell(said["tell"])
-                    continue
-                return _answer(said)
-        except asyncio.CancelledError:  # what it would answer later is not for the next call
+            process = await self.start()
+            await _write(process, {"call": call, "request": request, "folder": str(self.folder)})
+            if self._stopped:  # before it had begun
+                await _write(process, {"stop": True})
+            while True:
+                said = _read(await _line(process))
+                if "tell" not in said:
+                    break
+                if tell is not None:
+                    tell(said["tell"])
+        except OSError as error:
+            await self.kill()
+            raise Refusal(f"No process could be started: {error}.", 500, "lost") from None
+        except BaseException:  # what it would answer later is not for the next call
             await self.kill()
             raise
-        await self.kill()
-        raise Refusal(
-            "The process that computed this ended unexpectedly (out of memory?); try a shorter "
-            "run or fewer samples.", 500, "lost",
-        )  # fmt: skip
+        return _answer(said)
 
     async def stop(self) -> None:
         """Ask what is being done to end."""
+        self._stopped = True
         if self._process is not None and self._process.returncode is None:
             with contextlib.suppress(ConnectionError):
                 await _write(self._process, {"stop": True})
 
     async def kill(self) -> None:
         """End the process and all that it has started."""
-        process, self._process = self._process, None
+        process, self._process, self._stopped = self._process, None, False
         if process is None:
             return
         with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -81,7 +94,8 @@ class Worker:
                 os.killpg(process.pid, signal.SIGKILL)
             else:
                 process.kill()
-        await process.wait()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(process.wait(), POLITE)
 
 
 async def _write(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:
@@ -96,17 +110,33 @@ async def _line(process: asyncio.subprocess.Process) -> bytes:
     """The next line; empty once the process has ended."""
     if process.stdout is None:
         return b""
+    reading = asyncio.ensure_future(process.stdout.readline())
     try:
-        return await process.stdout.readline()
+        while not (await asyncio.wait({reading}, timeout=LOOKED_AFTER))[0]:
+            if process.returncode is not None:  # others that it has started hold its output open
+                return b""
+        return reading.result()
     except ValueError:
-        return dumps({"refused": "The answer is too long to be shown.", "kind": "failed"})
+        raise Refusal("The answer is too long to be shown.", 422, "failed") from None
+    finally:
+        reading.cancel()
 
 
 def _read(line: bytes) -> dict[str, Any]:
-    """A line of a worker, however long."""
-    import json
+    """What a worker says in a line.
 
-    return json.loads(line)
+    Raises:
+        Refusal: the line is empty, for the process has ended, or nothing that a worker says.
+    """
+    if not line.endswith(b"\n"):
+        raise Refusal(LOST, 500, "lost")
+    try:
+        said = json.loads(line)
+        if "tell" in said or "answer" in said or (said["refused"] and said["kind"]):
+            return said
+    except (ValueError, TypeError, LookupError):
+        pass
+    raise Refusal(GARBLED, 500, "lost")
 
 
 def _answer(said: dict[str, Any]) -> Any:
@@ -122,6 +152,8 @@ class Pool:
 
     folder: Path
     size: int = 2
+    quick: float = QUICK
+    """[s]"""
     idle: list[Worker] = field(default_factory=list[Worker])
     """The last used is the next: it remembers what it has compiled."""
     waiting: dict[str, asyncio.Future[Worker]] = field(
@@ -145,11 +177,11 @@ class Pool:
         """
         worker = await self._worker(lane)
         try:
-            return await asyncio.wait_for(worker.ask(call, request), QUICK)
+            return await asyncio.wait_for(worker.ask(call, request), self.quick)
         except TimeoutError:
             raise Refusal(
-                f"This took longer than {QUICK:g} s and was given up; make the run shorter or its "
-                "tolerance larger.", 422, "failed",
+                f"This took longer than {self.quick:g} s and was given up; make the run shorter or "
+                "its tolerance larger.", 422, "failed",
             ) from None  # fmt: skip
         finally:
             self._free(worker)

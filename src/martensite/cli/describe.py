@@ -2,100 +2,20 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-import sys
 from typing import Any
 
 from martensite.cli import show
 from martensite.errors import UnknownNameError
-from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.io.catalogue import described, registries, summary
 from martensite.registry import Registry
 from martensite.signals.base import DRIVE
 from martensite.units import OF_READINGS
 
-
-def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
-    """Every registry of parts, by the word for one of its entries, and that of blocks if wanted.
-
-    Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
-    all the rest.
-    """
-    from martensite.bench.faults.base import FAULTS
-    from martensite.bench.supervisor import SUPERVISORS
-    from martensite.bench.supervisors.checks.base import CHECKS
-    from martensite.controllers.base import CONTROLLERS
-    from martensite.electrical.base import RESISTANCES, SOURCES
-    from martensite.elements.base import ELEMENTS
-    from martensite.laws.base import LAWS
-    from martensite.mechanisms.base import MECHANISMS
-    from martensite.observers.base import OBSERVERS
-    from martensite.sensors.base import SENSORS
-    from martensite.signals.base import WAVEFORMS
-    from martensite.thermal.base import COOLING
-    from martensite.thermal.ends import ENDS
-    from martensite.thermal.fluids.base import FLUIDS
-
-    found: list[Registry[Any]] = [
-        ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS, SENSORS,
-        OBSERVERS, CONTROLLERS, SUPERVISORS, CHECKS, FAULTS,
-    ]  # fmt: skip
-    if blocks:
-        from martensite.identify.blocks.base import BLOCKS
-
-        found.append(BLOCKS)
-    return {registry.kind: registry for registry in found}
-
-
-def summary(cls: type[Parametrised]) -> str:
-    """First line of the class's description."""
-    return (inspect.getdoc(cls) or "").partition("\n")[0]
-
-
-def described(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
-    """Everything about a registered class, ready for JSON."""
-    return {
-        "name": cls.registered_name,
-        "kind": kind,
-        "summary": summary(cls),
-        "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
-        "cites": list(cls.cites),
-        "parameters": [_declared(name, d) for name, d in cls.declarations.items()],
-    }
-
-
-def _declared(name: str, declared: Declared) -> dict[str, Any]:
-    required = declared.default is REQUIRED
-    default = None if required else declared.default
-    if isinstance(default, Parametrised):
-        default = default.registered_name or type(default).__name__
-    low, high = (v if math.isfinite(v) else None for v in declared.bounds)
-    return {
-        "name": name,
-        "unit": declared.unit if declared.kind == "parameter" else None,
-        "meaning": declared.doc,
-        "allowed": _allowed(declared),
-        "low": low,
-        "high": high,
-        "required": required,
-        "default": default,
-    }
-
-
-def _allowed(declared: Declared) -> str:
-    if declared.unit == DRIVE:
-        return "any level in the unit of the source"
-    if declared.unit in OF_READINGS:
-        return f"{declared.allowed()}, in the unit of the reading"
-    if declared.kind == "parameter":
-        return declared.allowed()
-    if declared.kind == "option":
-        return " | ".join(declared.choices)
-    if declared.kind == "text":
-        return "text, or a list of texts" if isinstance(declared.default, tuple) else "text"
-    if declared.registry is None:
-        return "table" if isinstance(declared.default, Parametrised) else "list"
-    return " | ".join(declared.registry.names())
+__all__ = [
+    "anywhere", "default_of", "described", "listed", "one", "print_list", "print_part",
+    "registries", "summary",
+]  # fmt: skip
 
 
 def one(registry: Registry[Any], name: str) -> dict[str, Any]:

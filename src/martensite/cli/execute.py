@@ -199,15 +199,9 @@ def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
 
 def _draw(path: Path, scenario: Scenario, result: Result, records: list[Record] | None) -> None:
     """The standard figure."""
-    if scenario.bench is None:
-        from martensite.plot.overview import save_figure
+    from martensite.plot.overview import save_figure
 
-        save_figure(result, path, records, scenario.title)
-    else:
-        from martensite.plot.bench import plot_bench
-        from martensite.plot.files import write_figure
-
-        write_figure(plot_bench(result, records, scenario.title, scenario.outside), path)
+    save_figure(result, path, records, scenario.title, scenario.outside)
 
 
 def _record(scenario: Scenario, wanted: Wanted) -> Record | None:

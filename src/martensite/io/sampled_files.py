@@ -71,13 +71,24 @@ def read_log(
     ending = "" if str(path).startswith(PREFIX) else Path(path).suffix.lower()
     if str(path).startswith(PREFIX) or ending in TEXT:
         return _text(path, interval)
+    return _table(Path(path), read_arrays(Path(path)), names, interval, units)
+
+
+def read_arrays(path: Path) -> dict[str, Any]:
+    """Columns of a file that is no text, by heading, with its unit if the file knows it.
+
+    Raises:
+        DataError: the file is missing, of no known kind, or malformed.
+        InputError: it is a Parquet file and pyarrow is not installed.
+    """
     readers = {".parquet": _parquet, ".mat": _mat, ".nc": _netcdf}
+    ending = path.suffix.lower()
     if ending not in readers:
         known = ", ".join((*TEXT, *readers))
         raise DataError(f"The log `{path}` has no ending that can be read; use one of {known}.")
-    if not Path(path).is_file():
+    if not path.is_file():
         raise DataError(f"There is no file `{path}`.")
-    return _table(Path(path), readers[ending](Path(path)), names, interval, units)
+    return readers[ending](path)
 
 
 def write_sampled(record: Sampled, path: str | Path) -> None:

@@ -1,0 +1,72 @@
+"""Make a file of a sweep, to be taken away.
+
+{"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from martensite.app.drawer import Drawer
+from martensite.app.messages import wanted
+from martensite.app.sweeping.shelf import Shelf
+from martensite.app.worker import Desk
+from martensite.errors import InputError, suggestion
+from martensite.io.sweeps.reading import read_sweep
+from martensite.status import Status
+from martensite.sweep.table import NOT_MADE
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""What a text begins with that a spreadsheet would compute."""
+
+
+def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Write the file."""
+    store = Shelf(desk.folder).path(wanted(request, "key", str))
+    kind = wanted(request, "kind", str)
+    if kind not in KINDS:
+        raise InputError(f"There is no export `{kind}`. {suggestion(kind, KINDS)}")
+    ending, write = KINDS[kind]
+    key, path = Drawer(desk.folder).place(f"{store.stem}{ending}")
+    write(store, path)
+    return {"file": key, "name": path.name, "bytes": path.stat().st_size}
+
+
+def _csv(store: Path, path: Path) -> None:
+    """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
+    table = read_sweep(store)
+    columns = {**table.varied, **table.measures}
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
+        writer.writerow(["run", "status", *map(safe, heads)])
+        values = [one.values.tolist() for one in columns.values()]
+        for row, status in enumerate(table.status.tolist()):
+            if status != NOT_MADE:
+                word = Status(status).name.lower()
+                writer.writerow([row, word, *(_number(column[row]) for column in values)])
+
+
+def _number(value: float) -> str:
+    return "" if math.isnan(value) else repr(value)
+
+
+def safe(text: str) -> str:
+    """A text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def _zip(store: Path, path: Path) -> None:
+    """The store as it is, in a folder; its chunks are compressed already."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as made:
+        for one in sorted(store.rglob("*")):
+            if one.is_file():
+                made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
+
+
+KINDS = {"csv": (".csv", _csv), "zarr": (".zarr.zip", _zip)}

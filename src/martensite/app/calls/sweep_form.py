@@ -1,0 +1,110 @@
+"""What can be asked of a sweep of a scenario: its numbers, samples, and measures.
+
+{"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from importlib.util import find_spec
+from typing import Any
+
+from martensite import units
+from martensite.app.documents import scenario_of
+from martensite.app.sweeping.words import exact
+from martensite.app.worker import Desk
+from martensite.errors import MartensiteError
+from martensite.io.scenario import Scenario
+from martensite.io.sweeps.job import MEASURES as USUAL
+from martensite.io.sweeps.subject import targets_of, waveforms_of
+from martensite.parameters import Declared
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, measure
+from martensite.simulate.variants import RUNTIMES
+from martensite.sweep.axes import Target
+from martensite.sweep.backends.processes import cores
+from martensite.sweep.designs.base import DESIGNS
+from martensite.sweep.extras import extra
+
+
+def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Everything that the form offers."""
+    scenario = scenario_of(request, desk)
+    return {
+        "title": scenario.title,
+        "text": scenario.text,
+        "missing": _missing(),
+        "targets": list(_targets(scenario)),
+        "designs": [{"name": n, "about": _first(DESIGNS[n])} for n in _grid_first(DESIGNS.names())],
+        "measures": [_measure(name, scenario) for name in MEASURES.names()],
+        "outputs": [
+            {"name": name, "about": one.long_name, "unit": units.readable(one.unit)}
+            for name, one in scenario.whole.outputs().items()
+        ],
+        "usual": list(USUAL),
+        "runtimes": list(RUNTIMES),
+        "cores": cores(),
+    }
+
+
+def _missing() -> str:
+    """The sentence on what must be installed first; empty if nothing."""
+    if find_spec("zarr") is not None:
+        return ""
+    try:
+        extra("zarr")
+    except MartensiteError as error:
+        return str(error)
+    return ""
+
+
+def _grid_first(names: list[str]) -> list[str]:
+    return sorted(names, key=lambda name: (name != "grid", name))
+
+
+def _targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
+    """Numbers that can be varied: value and bounds in a unit that people read."""
+    leaves: dict[str | None, dict[str, Declared]] = {
+        None: {one.path: one.declared for one in scenario.whole.leaves()}
+    }
+    for name, wave in waveforms_of(scenario).items():
+        leaves[name] = {one.path: one.declared for one in wave.leaves()}
+    for target in targets_of(scenario).values():
+        yield _target(target, leaves[target.drive][target.path])
+
+
+def _target(one: Target, declared: Declared) -> dict[str, Any]:
+    shown = units.familiar(one.nominal, one.unit)
+    same = declared.unit == one.unit
+    low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
+    return {
+        "name": one.name,
+        "about": one.doc,
+        "unit": "" if shown == "1" else shown,
+        "value": units.from_si(one.nominal, shown, one.unit),
+        "words": exact(one.nominal, one.unit),
+        "low": units.from_si(low, shown, one.unit),
+        "high": units.from_si(high, shown, one.unit),
+        "open": declared.open_low,
+    }
+
+
+def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
+    """A measure: whether it needs an output, or stands alone."""
+    kind = MEASURES[name]
+    alone = True
+    try:
+        measure(name).columns(scenario.whole)
+    except MartensiteError:
+        alone = False
+    return {"name": name, "about": _first(kind), "alone": alone, "usual": _usual(name, kind)}
+
+
+def _usual(name: str, kind: type[AbstractMeasure]) -> str:
+    """What is looked at if nothing is named."""
+    return str(kind.declarations["of"].default or "the first coordinate")
+
+
+def _first(kind: type[Any]) -> str:
+    """The first sentence of a docstring."""
+    return (kind.__doc__ or "").strip().splitlines()[0]

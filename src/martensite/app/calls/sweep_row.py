@@ -1,0 +1,36 @@
+"""The scenario of one run of a sweep, with exactly its numbers.
+
+{"key": …, "row": 12} -> {"text": TOML, "values": [SI], "status": …}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from martensite.app.gallery import FOLDER
+from martensite.app.messages import wanted
+from martensite.app.sweeping.shelf import Shelf
+from martensite.app.sweeping.stored import asked_of, scenario_in
+from martensite.app.sweeping.words import exact
+from martensite.app.worker import Desk
+from martensite.errors import DataError
+from martensite.io.scenario import read
+from martensite.io.sweeps.job import plan_of
+from martensite.io.sweeps.store import Store
+
+
+def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Put the numbers of a run into the scenario of its sweep; it need not be made yet."""
+    spec = Store(Shelf(desk.folder).path(wanted(request, "key", str))).spec
+    row = wanted(request, "row", int)
+    plan = plan_of(scenario_in(spec), asked_of(spec))
+    if not 0 <= row < plan.size:
+        raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
+    values = plan.values(range(row, row + 1))[0].tolist()
+    changes = {
+        one.target.name: exact(value, one.target.unit)
+        for one, value in zip(plan.axes, values, strict=True)
+    }
+    scenario = read(spec["scenario"], FOLDER / "scenario.toml", changes)
+    return {"text": scenario.text, "values": values, "changes": changes}

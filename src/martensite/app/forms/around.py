@@ -1,0 +1,138 @@
+"""What is around a component of another kind: ports, signals, levels, references, cooling.
+
+Candidates keep less and less of it; who tries them takes the first that builds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from copy import deepcopy
+from typing import Any
+
+from martensite.app.forms import documents, starts
+from martensite.app.forms.documents import Table
+from martensite.app.forms.filling import KIND, Filler
+from martensite.app.forms.switched import Switched
+from martensite.app.forms.tree import placed
+from martensite.electrical.base import SOURCES
+from martensite.io.assemble import GROUP, SIGNALS
+from martensite.io.bench_tables import REFERENCE, SECTIONS
+from martensite.io.scenario import Scenario
+from martensite.parameters import Parametrised
+from martensite.signals.base import DRIVE, WAVEFORMS
+from martensite.thermal.base import COOLING
+
+
+def loosened(scenario: Scenario, one: Switched) -> Iterator[Switched]:
+    """A candidate, and those that keep less of what is around the system."""
+    yield one
+    less = _single_port(scenario, one)
+    if less is not None:
+        yield less
+    around = [name for name in SECTIONS if name in one.document]
+    if (
+        around
+        and less is None
+        and _names_of(one.document) != _names_of(documents.parsed(scenario.text))
+    ):
+        bare = deepcopy(one)
+        for name in around:
+            del bare.document[name]
+        _with_waveform(bare, scenario)
+        bare.notes.append(
+            f"What does not fit any more was taken out: {', '.join(f'[{n}]' for n in around)}."
+        )
+        yield bare
+
+
+def followed(scenario: Scenario, one: Switched, place: str) -> Iterator[Switched]:
+    """Candidates in which a controller follows something else, in the units that there are."""
+    name = place.partition(".")[2]
+    path = f"references.{name}" if name else REFERENCE
+    if documents.entry(one.document, f"{place}.{REFERENCE}") is not None:
+        path = f"{place}.{REFERENCE}"
+    for unit in dict.fromkeys(o.unit for o in reversed(scenario.system.outputs().values())):
+        made = deepcopy(one)
+        _relevel(made, path, unit)
+        made.notes.append(f"The reference is a start value in {unit}, which this kind follows.")
+        yield made
+
+
+def _names_of(document: Table) -> tuple[Any, Any]:
+    """Kinds of mechanism and source."""
+    drive = "driver" if "driver" in document else "drive"
+    return tuple(documents.entry(document, f"{n}.kind") for n in ("mechanism", drive))  # type: ignore[return-value]
+
+
+def _single_port(scenario: Scenario, one: Switched) -> Switched | None:
+    """Without what other ports and signals had, for a mechanism that has none of them."""
+    if GROUP not in one.document and SIGNALS not in one.document:
+        return None
+    made, drive = deepcopy(one), scenario.places.drive
+    ports = documents.table(made.document, GROUP).values()
+    waveforms = [documents.entry(port, f"{drive}.waveform") for port in ports]
+    for name in (GROUP, SIGNALS, *SECTIONS):
+        if name in made.document:
+            del made.document[name]
+            made.notes.append(f"[{name}] was taken out: it belonged to the other mechanism.")
+    found = next((w for w in waveforms if w is not None), None)
+    if found is not None:
+        documents.put(made.document, f"{drive}.waveform", found)
+    _with_waveform(made, scenario)
+    return made
+
+
+def _with_waveform(one: Switched, scenario: Scenario) -> None:
+    """A waveform for a drive that has none."""
+    drive = scenario.places.drive
+    path = f"{drive}.waveform"
+    if documents.entry(one.document, path) is None:
+        source = SOURCES[str(documents.entry(one.document, f"{drive}.{KIND}"))]
+        _begin_waveform(one, path, source.unit)
+
+
+def _begin_waveform(one: Switched, path: str, unit: str) -> None:
+    cls = WAVEFORMS[str(starts.starts()["parts"]["waveform"])]
+    filler = Filler(placed(unit))
+    documents.put(one.document, path, filler.table(cls, WAVEFORMS, {}, path))
+    one.assumed += filler.assumed
+
+
+def source_changed(
+    one: Switched, scenario: Scenario, place: str, unit: str, cls: type[Parametrised]
+) -> None:
+    """Levels in the unit of the new source, and cooling where the old one needed none."""
+    new = str(getattr(cls, "unit", "1"))
+    drive = place.rpartition(".")[2]
+    places = [drive, *(f"{GROUP}.{name}.{drive}" for name in documents.table(one.document, GROUP))]
+    if new != unit:
+        for path in (f"{p}.waveform" for p in places):
+            if documents.entry(one.document, path) is not None:
+                _relevel(one, path, new)
+        one.notes.append("Levels of the drive are start values in its new unit.")
+    if not getattr(cls, "sets_temperature", False):
+        _cooled(one)
+
+
+def _relevel(one: Switched, path: str, unit: str) -> None:
+    """A waveform with levels in another unit; the rest of it stays."""
+    old = documents.table(one.document, path)
+    cls = WAVEFORMS[str(old[KIND])]
+    if cls.unit not in (None, unit) or "times" in cls.declarations:
+        _begin_waveform(one, path, unit)
+        return
+    levels = [name for name, declared in cls.declarations.items() if declared.unit == DRIVE]
+    rest = {key: value for key, value in old.items() if key not in levels}
+    filler = Filler(placed(unit))
+    documents.put(one.document, path, filler.table(cls, WAVEFORMS, rest, path))
+    one.assumed += filler.assumed
+
+
+def _cooled(one: Switched) -> None:
+    """A heat-loss model, where there is none."""
+    path = "environment.cooling"
+    if documents.entry(one.document, path) is None:
+        cls = COOLING[str(starts.starts()["parts"]["cooling"])]
+        filler = Filler()
+        documents.put(one.document, path, filler.table(cls, COOLING, {}, path))
+        one.assumed += filler.assumed

@@ -1,0 +1,65 @@
+"""Entries of a TOML document by dotted path: looked up, replaced, taken away."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any, cast
+
+from martensite.errors import DataError
+
+Table = dict[str, Any]
+
+
+def parsed(text: str) -> Table:
+    """The document in a text.
+
+    Raises:
+        DataError: it is not TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(f"The scenario is not valid TOML: {error}.") from None
+
+
+def entry(document: Mapping[str, Any], path: str) -> Any:
+    """What stands at a path, or None."""
+    node: Any = document
+    for key in path.split("."):
+        if not isinstance(node, dict) or key not in node:
+            return None
+        node = cast("Table", node)[key]
+    return node
+
+
+def table(document: Mapping[str, Any], path: str) -> Table:
+    """The table at a path; a bare text is its kind, and nothing an empty one."""
+    found = entry(document, path)
+    if isinstance(found, str):
+        return {"kind": found}
+    return cast("Table", found) if isinstance(found, dict) else {}
+
+
+def put(document: Table, path: str, value: Any) -> None:
+    """Put a value at a path; tables on the way are made, bare kinds become tables."""
+    *above, last = path.split(".")
+    node = document
+    for key in above:
+        below = node.get(key)
+        if not isinstance(below, dict):
+            below = {"kind": below} if isinstance(below, str) else {}
+            node[key] = below
+        node = cast("Table", below)
+    node[last] = value
+
+
+def removed(document: Table, path: str) -> None:
+    """Take an entry away, and the tables above it that are empty then."""
+    head, _, last = path.rpartition(".")
+    owner = entry(document, head) if head else document
+    if not isinstance(owner, dict) or last not in owner:
+        return
+    del cast("Table", owner)[last]
+    if head and not owner and "." in head:
+        removed(document, head)

@@ -1,0 +1,250 @@
+"""Tables of components chosen anew: what fits is kept, what is missing is filled in.
+
+A table for a new kind keeps numbers of the same name and unit, options whose word the new kind
+knows, and components from the same registry. What is required and stands nowhere comes from the
+material or from the start values; what has none is noted as missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+from martensite.app.forms import starts
+from martensite.errors import InputError
+from martensite.io.build import ASSUMED_KINDS, LAW
+from martensite.io.components import component_class, is_members
+from martensite.materials.base import Material
+from martensite.materials.names import NAMES
+from martensite.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.registry import Registry
+from martensite.signals.base import DRIVE
+
+Table = dict[str, Any]
+KIND = "kind"
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A number that nothing is known for."""
+
+    path: str
+    name: str
+    declared: Declared
+    unit: str
+    owner: str
+    """The kind that needs it."""
+
+
+@dataclass
+class Filler:
+    """Fills tables; notes what it assumed and what is missing."""
+
+    unit: Callable[[Leaf], str] = lambda leaf: leaf.declared.unit
+    """SI unit of a number at a path of the document."""
+    material: Material | None = None
+    """What numbers may be left to."""
+    elsewhere: tuple[str, ...] = ()
+    """Entries that are described elsewhere, or stay as they are."""
+    fresh: bool = False
+    """Whether components are begun anew instead of being taken into what holds several."""
+    assumed: list[str] = field(default_factory=list[str])
+    """Paths of start values."""
+    missing: list[Missing] = field(default_factory=list[Missing])
+
+    def table(
+        self, cls: type[Parametrised], registry: Registry[Any] | None, old: Table, path: str,
+        was: type[Parametrised] | None = None,
+    ) -> Table:  # fmt: skip
+        """The table of a class from that of another one, or from its own, completed."""
+        was = was or cls
+        made: Table = {KIND: cls.registered_name} if registry is not None else {}
+        if was is cls:
+            made |= {key: value for key, value in old.items() if key not in cls.declarations}
+        spread = self._spread(old, was, registry)
+        for name, declared in cls.declarations.items():
+            below = f"{path}.{name}"
+            if name in self.elsewhere:
+                found = old.get(name)
+            elif declared.kind == "part":
+                found = self._part(cls, registry, name, old, below, was)
+            else:
+                found = self._single(cls, registry, name, declared, spread, below)
+            if found is not None:
+                made[name] = found
+        return made
+
+    def _spread(
+        self, old: Table, was: type[Parametrised], registry: Registry[Any] | None
+    ) -> dict[str, tuple[Any, Declared]]:
+        """Entries by name with their declarations, those of a component of the same sort too."""
+        found: dict[str, tuple[Any, Declared]] = {}
+        for name, declared in was.declarations.items():
+            if name not in old:
+                continue
+            if registry is not None and declared.registry is registry:
+                inner = as_kind(old[name])
+                if KIND in inner:
+                    found = {**self._spread(inner, registry[str(inner[KIND])], registry), **found}
+            else:
+                found[name] = old[name], declared
+        return found
+
+    def _single(
+        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str,
+        declared: Declared, old: dict[str, tuple[Any, Declared]], path: str,
+    ) -> Any:  # fmt: skip
+        """Value of a number, option or text; None if it can be left out."""
+        if name in old and self._fits(declared, *old[name], path):
+            return old[name][0]
+        if declared.default is not REQUIRED:
+            return None
+        if self.material is not None and name in self.material.values:
+            return None
+        unit = self.unit(Leaf(path, declared, None))
+        owner = cls.registered_name or cls.__name__
+        kind = registry.kind if registry is not None else "component"
+        value = starts.start(kind, owner, name, declared, unit)
+        if value is None:
+            self.missing.append(Missing(path, name, declared, unit, owner))
+        else:
+            self.assumed.append(path)
+            if isinstance(value, str) and value.startswith("="):  # the same as another entry
+                value = old[value[1:]][0] if value[1:] in old else None
+        return value
+
+    def _fits(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
+        """Whether what stood under a name may stay there."""
+        if (declared.kind, declared.unit) != (was.kind, was.unit):
+            return False
+        if declared is was:
+            return True
+        if declared.kind == "option":
+            return str(value) in declared.choices
+        if declared.kind != "parameter" or self.unit(Leaf(path, declared, None)) != declared.unit:
+            return True
+        try:
+            declared.convert("", "", value)
+        except InputError:
+            return False
+        return True
+
+    # ---------------------------------------------------------------- components
+
+    def _part(
+        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, old: Table,
+        path: str, was: type[Parametrised],
+    ) -> Any:  # fmt: skip
+        """Table of a component; None if it can be left out."""
+        declared = cls.declarations[name]
+        before = was.declarations.get(name)
+        given = old.get(name) if before is not None and _alike(before, declared) else None
+        if declared.registry is None:
+            return self._known(cls, registry, name, given, path)
+        if registry is not None and declared.registry is registry and not given and was is not cls:
+            given = self._taken_in(cls, registry, name, old, path, was)
+        return self._chosen(name, declared, given, path)
+
+    def _known(
+        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, given: Any,
+        path: str,
+    ) -> Any:  # fmt: skip
+        """A component whose class is known, or a row of numbers."""
+        declared, inner = cls.declarations[name], component_class(cls, name)
+        if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
+            return self._begun_row(cls, registry, name, path) if given is None else given
+        if given is None and declared.default is not REQUIRED:
+            return None
+        return self.table(inner, None, cast("Table", given or {}), path) or None
+
+    def _begun_row(
+        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, path: str
+    ) -> Any:
+        """Start value of what is no single number, such as the samples of a table."""
+        start = starts.of_kind(registry.kind if registry else "component", cls.registered_name).get(
+            name
+        )
+        if start is None:
+            return None
+        self.assumed.append(path)
+        if start != starts.SAMPLES:
+            return start
+        return starts.samples(self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None)))
+
+    def _taken_in(
+        self, cls: type[Parametrised], registry: Registry[Any], name: str, old: Table, path: str,
+        was: type[Parametrised],
+    ) -> Any:  # fmt: skip
+        """What was there becomes one of several, or what it had several of does."""
+        inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
+        if inner is not None and inner in old:
+            return old[inner]
+        start = starts.of_kind(registry.kind, cls.registered_name).get(name)
+        taken = next(n for n, d in cls.declarations.items() if d.registry is registry)
+        if name != taken:
+            return start
+        if not self.fresh or start is None:
+            rest = {key: value for key, value in old.items() if key in (*was.declarations, KIND)}
+            return {**rest, KIND: was.registered_name}
+        return self.table(registry[as_kind(start)[KIND]], registry, old, path, was)
+
+    def _chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
+        """A component from a registry, completed; None if the one that is meant needs nothing."""
+        registry = cast("Registry[Any]", declared.registry)
+        full = as_kind(given) if given is not None else {}
+        meant = self._meant(name, declared, full)
+        if meant is None:
+            if declared.default is REQUIRED:
+                full = self._begun(registry, name)
+            if KIND not in full:
+                return given
+            meant = full
+        cls = registry[str(meant[KIND])]
+        made = self.table(cls, registry, {**full, KIND: meant[KIND]}, path)
+        if (
+            not full
+            and all(made.get(key) == value for key, value in meant.items())
+            and len(made) == 1
+        ):
+            return None
+        implied = set(made) - set(full) == {KIND} and KIND not in full
+        return given if implied and given is not None else made
+
+    def _meant(self, name: str, declared: Declared, full: Table) -> Table | None:
+        """The kind that a table names, or that is meant without one."""
+        if KIND in full:
+            return full
+        if name == LAW and self.material is not None and self.material.law:
+            return {**self.material.law}
+        if name in ASSUMED_KINDS:
+            return {KIND: ASSUMED_KINDS[name]}
+        if isinstance(declared.default, Parametrised):
+            return {KIND: declared.default.registered_name}
+        return None
+
+    def _begun(self, registry: Registry[Any], name: str) -> Table:
+        """What the start values have for a component."""
+        start = starts.starts()["parts"].get(name, starts.starts()["parts"].get(registry.kind))
+        return as_kind(start) if start is not None else {}
+
+
+def as_kind(value: Any) -> Table:
+    """A table; a bare text is its kind."""
+    return {KIND: value} if isinstance(value, str) else dict(cast("Table", value))
+
+
+def _alike(one: Declared, other: Declared) -> bool:
+    """Whether a component may stand where another one stood."""
+    return one.kind == other.kind and one.registry is other.registry
+
+
+def without_material(table: Table, material: Material | None) -> Table:
+    """A table of an element without numbers that a material has, at any depth."""
+    if material is None:
+        return table
+    return {
+        key: without_material(cast("Table", value), material) if isinstance(value, dict) else value
+        for key, value in table.items()
+        if key not in material.values or key not in NAMES
+    }

@@ -1,0 +1,159 @@
+"""Another kind in a scenario: a law, material, mechanism, cooling, drive, waveform or element.
+
+The rest of the scenario stays. Where that does not build, less is kept: what was taken into a
+bundle is begun anew, then what is around the system is left out. What was assumed and what was
+dropped is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from copy import deepcopy
+from typing import Any
+
+from martensite.app.forms import documents, starts
+from martensite.app.forms.around import followed, loosened, source_changed
+from martensite.app.forms.documents import Table
+from martensite.app.forms.filling import KIND, Filler
+from martensite.app.forms.material import with_material
+from martensite.app.forms.sections import MATERIAL, Sections
+from martensite.app.forms.switched import Switched
+from martensite.app.forms.tree import flat
+from martensite.app.gallery import FOLDER, scenarios
+from martensite.bench.mounted import Mounted
+from martensite.electrical.base import SOURCES
+from martensite.errors import InputError, ParameterError
+from martensite.io.bench_tables import MODEL, NAME, PERIOD, REFERENCE
+from martensite.io.components import nested
+from martensite.io.overrides import as_toml
+from martensite.io.scenario import Scenario, read
+from martensite.materials.base import Material
+from martensite.parameters import Leaf, Parametrised
+from martensite.registry import Registry
+
+Unit = Callable[[Leaf], str]
+
+
+def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched:
+    """Put another kind into a scenario.
+
+    Args:
+        scenario: as it is.
+        path: of the kind, such as `element.law.kind`, or `element.material`.
+        kind: its name.
+        given: numbers that go over it, by path.
+
+    Raises:
+        InputError: there is no such place or kind, or nothing that holds it can be built.
+    """
+    document = documents.parsed(scenario.text)
+    if path == MATERIAL:
+        found = [with_material(document, kind)]
+    else:
+        found = list(_candidates(scenario, document, path, kind))
+    fault: InputError | None = None
+    for one in found:
+        for name, value in given.items():
+            documents.put(one.document, name, value)
+        one.missing = [m for m in one.missing if documents.entry(one.document, m.path) is None]
+        if one.missing:
+            return one
+        try:
+            read(as_toml(one.document), FOLDER / "scenario.toml")
+        except InputError as error:
+            fault = fault or error
+        else:
+            return one
+    raise fault or ParameterError(f"`{path}` cannot be `{kind}`.")
+
+
+# ---------------------------------------------------------------- places
+
+
+def _candidates(scenario: Scenario, document: Table, path: str, kind: str) -> Iterator[Switched]:
+    """Documents with the other kind, the one that keeps most first."""
+    group = _place(scenario, path)
+    registry = _registry(group["kind"]["registry"])
+    cls, example = registry[kind], starts.of_kind(registry.kind, kind).get("example")
+    if example is not None:
+        note = f"`{kind}` needs more than one number, so a whole packaged scenario is on the bench."
+        yield Switched(documents.parsed(scenarios()[example]), [note])
+        return
+    for fresh in (False, True):
+        made = _put(scenario, document, group, cls, registry, fresh)
+        yield from loosened(scenario, made)
+    if registry.kind == "controller":
+        yield from followed(scenario, made, path.removesuffix(f".{KIND}"))
+
+
+def _place(scenario: Scenario, path: str) -> Table:
+    """The group whose kind stands at a path."""
+    for one in flat(Sections(scenario).all()):
+        if one.get("kind") and one["kind"]["path"] == path:
+            return one
+    raise ParameterError(f"The scenario has no kind at `{path}`.")
+
+
+def _registry(kind: str) -> Registry[Any]:
+    from martensite.io.catalogue import registries
+
+    return registries()[kind]
+
+
+def _put(
+    scenario: Scenario, document: Table, group: Table, cls: type[Parametrised],
+    registry: Registry[Any], fresh: bool,
+) -> Switched:  # fmt: skip
+    """The document with a table for another class in the place of a group."""
+    made, place = deepcopy(document), group["kind"]["path"].removesuffix(f".{KIND}")
+    walk, at, part = group["_spot"]
+    was, old = type(part), documents.table(made, place)
+    elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
+    filler = Filler(
+        _units(walk.unit, at, place), _drawn(scenario, place), elsewhere.get(registry.kind, ()),
+        fresh,
+    )  # fmt: skip
+    kept = _kept(registry, cls, was, old, fresh)
+    full = {**old, KIND: was.registered_name}
+    table = {**kept, **filler.table(cls, registry, full, place, was)}
+    documents.put(made, place, table)
+    found = Switched(made, [], filler.assumed, filler.missing)
+    if registry is SOURCES and isinstance(part, Parametrised):
+        source_changed(found, scenario, place, getattr(part, "unit", "1"), cls)
+    return found
+
+
+def _units(unit: Unit, at: str, place: str) -> Unit:
+    """Units of numbers at paths of the document, as the walk knows them by paths of objects."""
+
+    def known(leaf: Leaf) -> str:
+        rest = leaf.path.removeprefix(place).removeprefix(".")
+        return unit(Leaf(f"{at}.{rest}" if at else rest, leaf.declared, None))
+
+    return known
+
+
+def _drawn(scenario: Scenario, place: str) -> Material | None:
+    """The material, for what may draw on it."""
+    return scenario.material if "element" in place.split(".")[:3] else None
+
+
+def _kept(
+    registry: Registry[Any], cls: type[Parametrised], was: type[Parametrised], old: Table,
+    fresh: bool,
+) -> Table:  # fmt: skip
+    """Entries of a table that belong to no kind."""
+    inner = [name for name, _ in nested(cls)]
+    names = {
+        "element": ["material"],
+        "drive": ["waveform"],
+        "sensor": [n for n in (*Mounted.declarations, NAME) if n != "of" or not fresh],
+        "controller": [PERIOD, REFERENCE, *(n for n in inner if inner.count(n) == 1)],
+    }.get(registry.kind, [])
+    own = (
+        cls.declarations
+        if registry.kind != "controller"
+        else {**cls.declarations, **was.declarations}
+    )
+    always = (PERIOD, REFERENCE)
+    return {n: old[n] for n in names if n in old and (n not in own or n in always)}

@@ -1,0 +1,214 @@
+"""The sections of a form: element, environment, mechanism, drive, actuators, bench, run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+from martensite.app.forms import conduct, controls, documents
+from martensite.app.forms.controls import Control, Spot
+from martensite.app.forms.tree import Walk, bare, below, flat, placed
+from martensite.electrical.base import SOURCES
+from martensite.elements.base import ELEMENTS
+from martensite.io.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
+from martensite.io.scenario import Scenario
+from martensite.materials.base import load_material, material_names
+from martensite.mechanisms.base import MECHANISMS
+from martensite.parameters import Declared, Parametrised
+from martensite.signals.base import WAVEFORMS
+from martensite.simulate.driven import by_name
+
+MATERIAL = "element.material"
+NO_MATERIAL = ""
+ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
+    "Material and element", "Environment", "Mechanism", "Drive", "Actuators",
+)  # fmt: skip
+
+
+class Sections:
+    """Makes the form of a scenario."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+        self.document = documents.parsed(scenario.text)
+        self.prefix = "plant." if scenario.bench is not None else ""
+        places = scenario.places
+        self.walk = Walk(
+            self.document, scenario.origins, places.path, places.path, places.unit,
+            skipped=places.is_copy,
+        )  # fmt: skip
+
+    def all(self) -> list[Control]:
+        """All sections, in the order in which one thinks of them."""
+        if MODEL in self.document:
+            found = [self._model(), self._drive_alone()]
+        else:
+            found = [*self._actuator(), self._drive(), *self._actuators()]
+        loops = conduct.bench_section(self.scenario, self.walk)
+        return [*found, *loops, conduct.run_section(self.scenario, self.walk)]
+
+    def _actuator(self) -> Iterator[Control]:
+        """Element, environment and mechanism."""
+        port, common = self._common()
+        element = common.group(
+            port.element, f"{self._at}element", "element", "what is made of the alloy", ELEMENTS
+        )
+        element |= {"title": ELEMENT, "items": [self._material(), *element["items"]]}
+        element["note"] = self._shared
+        yield element
+        own = replace(common, material=None)
+        yield {
+            **own.group(port.environment, f"{self._at}environment", ENVIRONMENT),
+            "note": self._shared,
+        }
+        system = self.scenario.system
+        yield {
+            **self.walk.group(
+                system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on",
+                MECHANISMS,
+            ),
+            "title": MECHANISM,
+        }  # fmt: skip
+
+    @property
+    def _at(self) -> str:
+        return "" if self._several else self.prefix
+
+    @property
+    def _several(self) -> bool:
+        return hasattr(self.scenario.system, "group")
+
+    @property
+    def _shared(self) -> str:
+        return "The same at every port; [actuators] says what is different." if (
+            self._several
+        ) else ""  # fmt: skip
+
+    def _common(self) -> tuple[Any, Walk]:
+        """An actuator, and how its numbers are reached: those of all ports in the common sections.
+
+        Of several the one is taken that has least for itself.
+        """
+        actuators = self.scenario.system.actuators()
+        own = documents.table(self.document, GROUP)
+        drive = self.scenario.places.drive
+        if not self._several:
+            element = next(iter(actuators.values()))
+            return element, replace(self.walk, material=self.scenario.material)
+        port = min(actuators, key=lambda name: len(_paths(own.get(name, {}), drive)))
+        different = set(_paths(own.get(port, {}), drive))
+        walk = Walk(
+            self.document, self.scenario.origins,
+            written=lambda path: scenario_path(path, drive),
+            noted=lambda path: scenario_path(f"group.{port}.{path}", drive),
+            unit=lambda leaf: leaf.declared.unit, material=self.scenario.material, seen=different,
+        )  # fmt: skip
+        return actuators[port], walk
+
+    def _material(self) -> Control:
+        """The choice of a material; a file of one's own stands under its path."""
+        given = documents.entry(self.document, MATERIAL)
+        known = _materials()
+        own = {} if given is None or given in known else {given: "a file of your own"}
+        declared = Declared("option", "where numbers come from that the scenario leaves out", "")
+        spot = Spot(MATERIAL, "material", declared, "default" if given is None else "scenario")
+        names = {NO_MATERIAL: "none: every number is given here", **known, **own}
+        material = self.scenario.material
+        return {
+            **controls.option(spot, given or NO_MATERIAL), "sort": "material", "changed": False,
+            "choices": [{"name": name, "summary": about} for name, about in names.items()],
+            "about": "" if material is None else material.summary,
+            "limits": "" if material is None else material.limits,
+        }  # fmt: skip
+
+    # ---------------------------------------------------------------- drives
+
+    def _drive(self) -> Control:
+        """Source and waveform; where there are several ports, the source alone."""
+        port, common = self._common()
+        made = replace(common, material=None).group(
+            port.source, f"{self._at}source", DRIVE, "what heats the element", SOURCES
+        )
+        made |= {"title": DRIVE, "note": self._shared}
+        name = self.scenario.places.drive
+        made["path"] = name
+        if made["kind"]:
+            made["kind"]["path"] = f"{name}.kind"
+        if not self._several:
+            made["items"] += self._waveforms()
+        return made
+
+    def _drive_alone(self) -> Control:
+        return {**bare(self.scenario.places.drive, DRIVE), "items": list(self._waveforms())}
+
+    def _waveforms(self, only: str | None = None) -> Iterator[Control]:
+        """Groups of the waveforms, or of that of one drive."""
+        system, scenario = self.scenario.system, self.scenario
+        units = {drive.name: drive.unit for drive in system.drives()}
+        for name, waveform in by_name(system, scenario.waveform).items():
+            if only not in (None, name):
+                continue
+            begin = waveform_path(system, name, scenario.places.drive)
+            place = partial(below, begin)
+            unit = placed(units[name])
+            walk = Walk(self.document, scenario.origins, place, place, unit, seen=self.walk.seen)
+            signal = begin.startswith(SIGNALS)
+            yield walk.group(waveform, "", f"signal {name}" if signal else "waveform",
+                             f"in {units[name]}", WAVEFORMS)  # fmt: skip
+
+    def _actuators(self) -> Iterator[Control]:
+        """What every port has for itself."""
+        if not self._several:
+            return
+        made = {**bare(GROUP, ACTUATORS), "note": "What every port has for itself."}
+        system, drive = self.scenario.system, self.scenario.places.drive
+        for port, actuator in system.actuators().items():
+            place = f"{GROUP}.{port}"
+            group = {**bare(place, port.replace("_", " ")), "items": list(self._waveforms(port))}
+            own = set(_paths(documents.table(self.document, place), drive))
+            group["items"] += self._different(port, actuator, own)
+            made["items"].append(group)
+        signals = [
+            n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)
+        ]
+        made["items"] += [one for name in signals for one in self._waveforms(name)]
+        if made["items"]:
+            yield made
+
+    def _different(self, port: str, actuator: Parametrised, own: set[str]) -> list[Control]:
+        """Controls of what a port has otherwise than the others."""
+        begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
+        place = partial(_member, port, drive)
+        walk = replace(self.walk, written=place, noted=place, material=self.scenario.material,
+                       unit=lambda leaf: leaf.declared.unit)  # fmt: skip
+        found = walk.group(actuator, "", port)["items"]
+        return [one for one in flat(found) if one["path"].removeprefix(begin) in own
+                and one["sort"] != "group"]  # fmt: skip
+
+    def _model(self) -> Control:
+        file = documents.entry(self.document, f"{MODEL}.file")
+        note = f"A model of blocks from the file `{file}`: its numbers are those of the file."
+        return {**bare(MODEL, "Model"), "note": note}
+
+
+@cache
+def _materials() -> dict[str, str]:
+    """Names and titles of the materials that come with the package."""
+    return {name: load_material(name).title for name in material_names()}
+
+
+def _member(port: str, drive: str, path: str) -> str:
+    return scenario_path(f"group.{port}.{path}", drive) if path else f"{GROUP}.{port}"
+
+
+def _paths(table: Any, drive: str, prefix: str = "") -> list[str]:
+    """Dotted paths of what a port has for itself, its waveform aside."""
+    found: list[str] = []
+    for key, value in table.items() if isinstance(table, dict) else ():
+        path = f"{prefix}{key}"
+        if path == f"{drive}.waveform":
+            continue
+        found += _paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
+    return found

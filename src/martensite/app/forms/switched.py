@@ -1,0 +1,19 @@
+"""A document with another kind in it, and what is to be said about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from martensite.app.forms.documents import Table
+from martensite.app.forms.filling import Missing
+
+
+@dataclass
+class Switched:
+    """A document with another kind in it."""
+
+    document: Table
+    notes: list[str] = field(default_factory=list[str])
+    assumed: list[str] = field(default_factory=list[str])
+    """Paths of start values."""
+    missing: list[Missing] = field(default_factory=list[Missing])

@@ -1,0 +1,183 @@
+"""From components to groups of controls, along their declarations.
+
+A walk goes over the objects that a scenario has built. What it is called in the document, where
+it came from and in which unit it stands is asked of the scenario; nothing is known by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from martensite.app.forms import controls, documents, starts, words
+from martensite.app.forms.controls import Control, Spot
+from martensite.controllers.row import Row
+from martensite.io.components import is_plain
+from martensite.materials.base import Material
+from martensite.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.registry import Registry
+from martensite.signals.base import DRIVE
+from martensite.signals.table import Table
+from martensite.system import Members
+
+Paths = Callable[[str], str]
+COMPONENT = "component"
+"""Stands for the registry of what no registry names."""
+
+
+@dataclass
+class Walk:
+    """Makes groups of some components of a scenario."""
+
+    document: dict[str, Any]
+    origins: dict[str, str]
+    written: Paths
+    """From the path of an object to where the document has it."""
+    noted: Paths
+    """From the path of an object to where its origin is noted."""
+    unit: Callable[[Leaf], str]
+    """SI unit of a number in its place."""
+    material: Material | None = None
+    """What the numbers may come from."""
+    skipped: Callable[[str], bool] = lambda path: False
+    """Objects that stand elsewhere in the document, or not at all."""
+    seen: set[str] = field(default_factory=set[str])
+    """Paths in the document that have a control already."""
+    kinds: dict[int, str] = field(default_factory=dict[int, str])
+    """Identity of a component -> word for the entries of its registry."""
+
+    def group(
+        self, part: Parametrised, path: str, title: str, meaning: str = "",
+        registry: Registry[Any] | None = None, default: Any = REQUIRED,
+    ) -> Control:  # fmt: skip
+        """The controls of a component, those of its components in groups below."""
+        place = self.written(path)
+        made: Control = {
+            "sort": "group", "path": place, "title": words.title(title), "meaning": meaning,
+            "note": "", "kind": None, "items": [],
+        }  # fmt: skip
+        if registry is not None and part.registered_name:
+            self.kinds[id(part)] = registry.kind
+            made["kind"] = self._kind(part, place, registry, default)
+            made["_spot"] = (self, path, part)
+        made["items"] = list(self._items(part, path, made))
+        return made
+
+    def _kind(
+        self, part: Parametrised, place: str, registry: Registry[Any], default: Any
+    ) -> Control:
+        usual = default.registered_name if isinstance(default, Parametrised) else None
+        return {
+            "path": f"{place}.kind", "value": part.registered_name, "registry": registry.kind,
+            "default": usual,
+            "changed": usual is not None and usual != part.registered_name,
+        }  # fmt: skip
+
+    def _items(self, part: Parametrised, path: str, owner: Control) -> Iterator[Control]:
+        table, later = isinstance(part, Table), list[Control]()
+        for name, declared in part.declarations.items():
+            below = f"{path}.{name}" if path else name
+            if table:
+                yield from self._listed(below, name, declared)
+            elif declared.kind != "part":
+                yield from self._single(part, below, name, declared)
+            elif is_plain(type(part), name) or isinstance(part.__dict__[name], Row):
+                yield from self._row(part, below, name, declared)
+            else:
+                later += self._parts(part, below, name, declared, owner)
+        yield from later
+
+    def _parts(
+        self, part: Parametrised, path: str, name: str, declared: Declared, owner: Control
+    ) -> list[Control]:
+        value = part.__dict__[name]
+        if not isinstance(value, Parametrised) or self.skipped(path):
+            return []
+        if isinstance(value, Members):
+            return [self.members(value, path, name, declared.doc)]
+        made = self.group(value, path, name, declared.doc, declared.registry, declared.default)
+        if made["path"] == owner["path"]:  # both stand in one table, such as a mounted sensor
+            owner["kind"], owner["_spot"] = made["kind"], made.get("_spot")
+            return made["items"]
+        return [made] if made["items"] or made["kind"] else []
+
+    def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> Control:
+        """Components by names of the user's own."""
+        below = [
+            self.group(one, f"{path}.{name}", name, "", value.registry)
+            for name, one in value.members().items()
+        ]
+        return {
+            "sort": "group", "path": self.written(path), "title": words.title(title),
+            "meaning": meaning, "note": "", "kind": None, "items": below,
+        }  # fmt: skip
+
+    def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> Spot | None:
+        """Where an entry stands; None if it has a control already."""
+        place, noted = self.written(path), self.noted(path)
+        if place in self.seen:
+            return None
+        self.seen.add(place)
+        said = self.origins.get(noted, self.origins.get(place, "default"))
+        kind = part.registered_name or type(part).__name__
+        if said == "scenario" and declared.kind == "parameter":
+            raw = documents.entry(self.document, place)
+            registry = self.kinds.get(id(part), COMPONENT)
+            unit = self.unit(Leaf(path, declared, None))
+            if starts.is_start(registry, kind, name, declared, unit, raw):
+                said = "start"
+        return Spot(place, name, declared, said, self.material)
+
+    def _single(
+        self, part: Parametrised, path: str, name: str, declared: Declared
+    ) -> Iterator[Control]:
+        spot = self._spot(part, path, name, declared)
+        value = part.__dict__[name]
+        if spot is None:
+            return
+        if declared.kind == "parameter":
+            yield controls.number(spot, value, self.unit(Leaf(path, declared, value)))
+        else:
+            yield (controls.option if declared.kind == "option" else controls.text)(spot, value)
+
+    def _row(
+        self, part: Parametrised, path: str, name: str, declared: Declared
+    ) -> Iterator[Control]:
+        spot = self._spot(part, path, name, declared)
+        value = part.__dict__[name]
+        if spot is not None:
+            raw = documents.entry(self.document, spot.path)
+            value = list(value.numbers) if isinstance(value, Row) else value
+            yield controls.row(spot, value if raw is None else raw)
+
+    def _listed(self, path: str, name: str, declared: Declared) -> Iterator[Control]:
+        """Samples as the document lists them; what a file holds is not shown."""
+        raw = documents.entry(self.document, self.written(path))
+        if raw is not None:
+            yield controls.row(Spot(self.written(path), name, declared, "scenario"), raw)
+
+
+def placed(drive_unit: str) -> Callable[[Leaf], str]:
+    """Units of the numbers of a waveform of a drive."""
+    return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
+
+
+def bare(path: str, title: str) -> Control:
+    """A group with nothing in it."""
+    return {
+        "sort": "group", "path": path, "title": title, "meaning": "", "note": "", "kind": None,
+        "items": [],
+    }  # fmt: skip
+
+
+def below(begin: str, path: str) -> str:
+    """A path below a beginning that ends in a dot."""
+    return f"{begin}{path}" if path else begin.removesuffix(".")
+
+
+def flat(items: list[Control]) -> Iterator[Control]:
+    """All controls and groups below some, at any depth."""
+    for item in items:
+        yield item
+        yield from flat(item.get("items", []))

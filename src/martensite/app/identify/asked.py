@@ -1,0 +1,107 @@
+"""From the request for a fit to its task: the records, the scenario, what is free, how to search.
+
+    "text": TOML, and the table as `identify.mapped` takes it
+    "free": [{"name": "A_s", "low": 313.0, "high": 363.0, "start": 340.0}]    SI; all but the name
+    "each": [{"name": "offset.strain"}, {"name": "delay"}]                    may be left out
+    "compare": ["strain"], "hold_out": "auto" (or names), "method": "trf", "loss": "linear",
+    "starts": 0, "seed": 0, "noise": {"strain": 2e-4}, "step": null
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, cast
+
+from martensite.app.documents import check_files
+from martensite.app.gallery import FOLDER
+from martensite.app.identify.mapped import records_of
+from martensite.app.messages import BadMessageError, wanted
+from martensite.app.worker import Desk
+from martensite.errors import DataError, InputError, ParameterError
+from martensite.identify.fitting.free import Wish
+from martensite.io.fitting.hold_out import AUTO
+from martensite.io.fitting.logs import Log
+from martensite.io.fitting.task import Search, Task
+from martensite.io.scenario import Scenario, read
+from martensite.signals.records import Record
+
+MOST_STARTS = 64
+MOST_ROWS = 50_000
+"""Rows of a record: each is a step of every run where the scenario follows it."""
+
+
+def scenario_for(request: Mapping[str, Any], record: Record) -> Scenario:
+    """The scenario of a request, with a record that it may follow.
+
+    Raises:
+        InputError: it is none, or follows a column that the record has not.
+    """
+    text = wanted(request, "text", str)
+    check_files(text, {})
+    return read(text, FOLDER / "scenario.toml", None, log=record)
+
+
+def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:
+    """The task of a request.
+
+    Raises:
+        InputError: something in it is none, or does not fit.
+    """
+    records = records_of(request, desk)
+    long = next((one for one in records if len(one) > MOST_ROWS), None)
+    if long is not None:
+        raise DataError(
+            f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}."
+        )
+    logs = tuple(Log(one, scenario_for(request, one), name=one.name) for one in records)
+    free = _wishes(request, "free")
+    if not free:
+        raise ParameterError("Nothing is free; choose at least one parameter to be found.")
+    return Task(
+        logs=logs,
+        free=free,
+        each=_wishes(request, "each"),
+        hold_out=_hold_out(request),
+        columns=[str(name) for name in wanted(request, "compare", list, [])] or None,
+        noise=_noise(request),
+        step=None if request.get("step") is None else wanted(request, "step", float),
+        search=_search(request),
+    )
+
+
+def _wishes(request: Mapping[str, Any], name: str) -> list[Wish]:
+    found: list[Wish] = []
+    for entry in wanted(request, name, list, []):
+        if not isinstance(entry, dict):
+            raise BadMessageError(f"`{name}` must hold tables with a `name`.")
+        table = cast("dict[str, Any]", entry)
+        ends = (_number(table, key) for key in ("low", "high", "start"))
+        found.append(Wish(wanted(table, "name", str), *ends))
+    return found
+
+
+def _number(table: Mapping[str, Any], key: str) -> float | None:
+    return None if table.get(key) is None else wanted(table, key, float)
+
+
+def _hold_out(request: Mapping[str, Any]) -> str | list[str]:
+    given = request.get("hold_out", AUTO)
+    if isinstance(given, list):
+        return [str(name) for name in cast("list[Any]", given)]
+    return wanted(request, "hold_out", str, AUTO)
+
+
+def _noise(request: Mapping[str, Any]) -> dict[str, float]:
+    given = wanted(request, "noise", dict, {})
+    return {str(name): wanted(given, name, float) for name in given}
+
+
+def _search(request: Mapping[str, Any]) -> Search:
+    usual = Search()
+    starts = wanted(request, "starts", int, usual.starts)
+    if not 0 <= starts <= MOST_STARTS:
+        raise InputError(f"Further starts must be 0 to {MOST_STARTS}, but are {starts}.")
+    return Search(
+        wanted(request, "method", str, usual.method), wanted(request, "loss", str, usual.loss),
+        starts, wanted(request, "seed", int, usual.seed),
+    )  # fmt: skip

@@ -1,0 +1,146 @@
+"""Scenarios that follow a column of a log; and such a scenario with the log written into it.
+
+The bench has no log at hand: for it, what follows one becomes a waveform of listed times.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import Any, cast
+
+from martensite import units
+from martensite.app.identify.thin import corners
+from martensite.electrical.base import SOURCES
+from martensite.errors import DataError, ParameterError
+from martensite.io.assemble import GROUP, SIGNALS, drive_section, waveform_path
+from martensite.io.overrides import as_toml, changed
+from martensite.io.recorded import KIND, LOG, NATURAL, from_zero
+from martensite.io.scenario import Scenario
+from martensite.signals.records import Record
+
+WAVEFORM = "waveform"
+SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
+"""Unit of a column -> the source that takes it as it is."""
+
+
+def document_of(text: str) -> dict[str, Any]:
+    """A scenario as a table.
+
+    Raises:
+        DataError: it is not valid TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(f"The scenario is not valid TOML: {error}.") from None
+
+
+def drives_of(document: Mapping[str, Any]) -> list[dict[str, str]]:
+    """What may follow a column: path of its waveform, kind of source, column that it follows.
+
+    Raises:
+        ParameterError: a section is no table.
+    """
+    return [_drive(path, table) for path, table in _driven(document)]
+
+
+def _driven(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Path of every waveform, and the table that holds it."""
+    drive = drive_section(document)
+    if isinstance(document.get(drive), dict):
+        yield f"{drive}.{WAVEFORM}", document[drive]
+    for port, table in _tables(document.get(GROUP)):
+        if WAVEFORM in dict(_tables(table)).get(drive, {}):
+            yield f"{GROUP}.{port}.{drive}.{WAVEFORM}", table[drive]
+    for name, table in _tables(document.get(SIGNALS)):
+        yield f"{SIGNALS}.{name}", {WAVEFORM: table}
+
+
+def _tables(given: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name, table in cast("dict[str, Any]", given if isinstance(given, dict) else {}).items():
+        if isinstance(table, dict):
+            yield name, cast("dict[str, Any]", table)
+
+
+def _drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
+    given = table.get(WAVEFORM)
+    waveform = cast("dict[str, Any]", given if isinstance(given, dict) else {"kind": given})
+    kind = str(table.get("kind", ""))
+    natural = NATURAL.get(SOURCES[kind].unit, "") if kind in SOURCES.names() else ""
+    followed = str(waveform.get("column", natural)) if waveform.get("kind") == LOG else ""
+    signal = path.startswith(f"{SIGNALS}.")
+    return {
+        "path": path,
+        "kind": kind,
+        "waveform": str(waveform.get("kind") or ""),
+        "column": followed,
+        "what": f"signal `{path.rpartition('.')[2]}`" if signal else f"drive `{kind}`",
+    }
+
+
+def following(document: dict[str, Any], path: str, column: str, unit: str) -> dict[str, Any]:
+    """A scenario whose drive, or signal, follows a column of a log in such a unit.
+
+    A source of another unit gives way to the one that takes the column as it is. A fixed
+    duration is taken out: the run takes as long as the log.
+
+    Raises:
+        ParameterError: there is no such drive, or no source takes the unit.
+    """
+    known = dict(_driven(document))
+    if path not in known:
+        raise ParameterError(f"The scenario has no drive or signal at `{path}`.")
+    waveform = {"kind": LOG, "column": column}
+    kind, changes = str(known[path].get("kind", "")), {path: waveform}
+    if not path.startswith(f"{SIGNALS}."):
+        if kind not in SOURCES.names() or SOURCES[kind].unit != unit:
+            if unit not in SOURCE_OF:
+                raise ParameterError(
+                    f"No source takes `{column}`, which is in {unit}; a drive follows a voltage, "
+                    "a current, a power, or a temperature."
+                )
+            above = path.rpartition(".")[0]
+            changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
+    found = changed(document, changes)
+    run = found.get("run")
+    if isinstance(run, dict):
+        cast("dict[str, Any]", run).pop("duration", None)
+    return found
+
+
+def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
+    """The document of a scenario with other numbers, by dotted path, that needs no log.
+
+    Args:
+        scenario: that may follow a log.
+        log: which it follows.
+        numbers: texts of quantities to put in.
+    """
+    record, section = from_zero(log), scenario.places.drive
+    changes: dict[str, Any] = dict(numbers)
+    for name, column in scenario.follows.items():
+        path = waveform_path(scenario.system, name, section).removesuffix(".")
+        changes[path] = _listed(record, column)
+    document = changed(document_of(scenario.text), changes)
+    run = document.get("run")
+    if scenario.follows and isinstance(run, dict):
+        cast("dict[str, Any]", run).pop("lead", None)
+    return as_toml(document)
+
+
+def _listed(record: Record, column: str) -> dict[str, Any]:
+    """A waveform through the corners of a column."""
+    known = [
+        (t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)
+    ]
+    times, values = zip(*known, strict=True)
+    rows, unit = corners(times, values), record.units[column]
+    spelling = units.readable(unit)
+    label = "" if spelling == "1" else f" {spelling}"
+    return {
+        "kind": KIND,
+        "times": [f"{times[row]:.6g} s" for row in rows],
+        "values": [f"{units.from_si(values[row], spelling, unit):.6g}{label}" for row in rows],
+    }

@@ -1,0 +1,144 @@
+"""An uploaded table with the meaning that its columns were given: a record, cut into records.
+
+    "columns": [{"at": 0, "name": "time", "unit": "s"}, …]   columns that are not listed are not used
+    "interval": 0.1      time between rows [s], where no column is the time
+    "drop": true         leave out rows that cannot be read
+    "cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole if empty
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, cast
+
+from martensite import units
+from martensite.app.drawer import Drawer
+from martensite.app.identify.raw import BINARY, read_raw
+from martensite.app.messages import BadMessageError, wanted
+from martensite.app.worker import Desk
+from martensite.errors import DataError
+from martensite.io.layout import IGNORED, Layout, read_headings
+from martensite.io.sheets import read_sheet
+from martensite.io.tables import read_table
+from martensite.signals.records import Record, out_of_order
+
+FEWEST = 8
+"""Rows of a record without which nothing can be fitted."""
+MOST_RECORDS = 40
+
+
+def record_of(request: Mapping[str, Any], desk: Desk) -> Record:
+    """The whole table in SI.
+
+    Raises:
+        InputError: a column has no or a wrong unit, a cell is no number, time does not increase.
+    """
+    path = Drawer(desk.folder).path(wanted(request, "key", str))
+    interval = request.get("interval")
+    if interval is not None:
+        interval = wanted(request, "interval", float)
+    return _record(
+        path, tuple(_columns(request)), interval, wanted(request, "drop", bool, False),
+        wanted(request, "separator", str, "auto"),
+    )  # fmt: skip
+
+
+def records_of(request: Mapping[str, Any], desk: Desk) -> list[Record]:
+    """The records that a table was cut into, in the order of the request.
+
+    Raises:
+        InputError: as of `record_of`; or a cut is none.
+    """
+    whole = record_of(request, desk)
+    cuts = [_table(cut, "cuts") for cut in wanted(request, "cuts", list, [])]
+    if len(cuts) > MOST_RECORDS:
+        raise DataError(f"{len(cuts)} records are too many; at most {MOST_RECORDS} are fitted.")
+    return [_cut(whole, cut) for cut in cuts] if cuts else [whole]
+
+
+def _columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
+    """Place, name and unit of every column that is used."""
+    found = [_table(entry, "columns") for entry in wanted(request, "columns", list)]
+    columns = [
+        (wanted(x, "at", int), wanted(x, "name", str).strip(), wanted(x, "unit", str, "").strip())
+        for x in found
+    ]
+    if not columns:
+        raise DataError("No column is used; say what at least two of them are.")
+    return columns
+
+
+def _table(entry: Any, name: str) -> dict[str, Any]:
+    if not isinstance(entry, dict):
+        raise BadMessageError(f"`{name}` must hold tables, but holds {str(entry)[:40]!r}.")
+    return cast("dict[str, Any]", entry)
+
+
+@lru_cache(maxsize=2)
+def _record(
+    path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool,
+    separator: str,
+) -> Record:  # fmt: skip
+    """The record of a file; the last ones are remembered."""
+    headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
+    if path.suffix.lower() in BINARY:
+        return _arrays(path, headings, interval)
+    width = len(read_sheet(path, Layout((), separator)).rows[0])
+    _check_places(headings, width)
+    listed = [headings.get(at, IGNORED) for at in range(width)]
+    return read_table(
+        path, listed, interval=interval, separator=separator, drop=drop, gaps=True
+    )
+
+
+def _check_places(headings: Mapping[int, str], count: int) -> None:
+    wrong = next((at for at in headings if not 0 <= at < count), None)
+    if wrong is not None:
+        raise DataError(f"There is no column {wrong + 1}; the file has {count}.")
+
+
+def _arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> Record:
+    """The record of a file that is no text; its columns in the order of the preview."""
+    raw = read_raw(path)
+    _check_places(headings, len(raw.columns))
+    found: dict[str, list[float]] = {}
+    spelt: dict[str, str] = {}
+    meant = read_headings(headings.values(), f"`{path.name}`")
+    for at, column in zip(headings, meant, strict=True):
+        factor, offset = units.conversion(column.spelling, column.unit)
+        found[column.name] = [x * factor + offset for x in raw.columns[at].numbers]
+        spelt[column.name] = column.unit
+    if "time" not in found:
+        if interval is None or not interval > 0.0:
+            raise DataError(f"`{path.name}` has no time; give the time between rows.")
+        times = [k * interval for k in range(raw.rows)]
+        return Record(
+            path.stem, {"time": times} | found, {"time": "s"} | spelt, path, interval=interval
+        )
+    row = out_of_order(found["time"])
+    if row is not None or not all(map(math.isfinite, found["time"])):
+        where = f", but not at row {row + 1}" if row is not None else ", and none may be missing"
+        raise DataError(f"`{path.name}`: time must increase from row to row{where}.")
+    return Record(path.stem, found, spelt, path)
+
+
+def _cut(whole: Record, cut: Mapping[str, Any]) -> Record:
+    """The rows of a stretch of time, every so many of them."""
+    times = whole.times
+    first, last = wanted(cut, "from", float, times[0]), wanted(cut, "to", float, times[-1])
+    every = wanted(cut, "every", int, 1)
+    name = wanted(cut, "name", str, "").strip().replace(",", " ")[:60] or whole.name
+    if every < 1:
+        raise DataError(f"Record `{name}`: every {every}th row cannot be taken; 1 is the least.")
+    rows = range(bisect_left(times, first), bisect_right(times, last), every)
+    if len(rows) < FEWEST:
+        raise DataError(
+            f"Record `{name}`, {first:.6g} s to {last:.6g} s, has {len(rows)} rows; a fit needs "
+            f"at least {FEWEST}."
+        )
+    columns = {key: [column[row] for row in rows] for key, column in whole.columns.items()}
+    return Record(name, columns, whole.units, whole.source, whole.dropped, whole.interval)

@@ -1,0 +1,61 @@
+"""All numbers of a scenario that could be free, with what is declared about each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from martensite import units
+from martensite.app.identify.shown import shown_number
+from martensite.errors import ParameterError
+from martensite.identify.fitting.free import Wish, free_parameters
+from martensite.io.scenario import Scenario
+from martensite.parameters import Leaf
+
+
+def numbers_of(scenario: Scenario) -> list[dict[str, Any]]:
+    """One entry per number, or per numbers of one name and value, which then move together."""
+    leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
+    endings: dict[str, list[Leaf]] = {}
+    for leaf in leaves:
+        endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
+    return [entry for name, group in endings.items() for entry in _entries(scenario, name, group)]
+
+
+def _can_be_free(leaf: Leaf) -> bool:
+    return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
+
+
+def _entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[dict[str, Any]]:
+    if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
+        yield _entry(scenario, name, group)
+    else:
+        yield from (_entry(scenario, leaf.path, [leaf]) for leaf in group)
+
+
+def _entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
+    leaf = group[0]
+    path, declared = scenario.places.path(leaf.path), leaf.declared
+    low, high = _box(scenario, name)
+    return {
+        "name": name,
+        "group": path.rpartition(".")[0],
+        "places": len(group),
+        "value": leaf.value,
+        "low": low,
+        "high": high,
+        "allowed": declared.allowed(),
+        "doc": declared.doc,
+        "origin": scenario.origins.get(path, ""),
+        **shown_number(leaf.value, declared.unit),
+    }
+
+
+def _box(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
+    """The bounds that a fit would choose; none where it has to be told."""
+    try:
+        (free,) = free_parameters([Wish(name)], [scenario.system])
+    except ParameterError:
+        return None, None
+    return free.low, free.high

@@ -1,0 +1,113 @@
+"""A finished fit as the page shows it: numbers, errors, what the data leave open, curves, files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from martensite.app.identify.followed import with_log_inside
+from martensite.app.identify.shown import shown, shown_difference
+from martensite.app.identify.thin import kept
+from martensite.app.identify.watching import parameter, rounded
+from martensite.identify.fit_rows import Compared, compared
+from martensite.identify.fit_verdicts import predictions, warnings
+from martensite.identify.fitting.free import Free
+from martensite.identify.fitting.nuisance import is_nuisance
+from martensite.io.exact_text import exact_text
+from martensite.io.fitting.task import LogFit
+
+DRAWN = 800
+
+
+def outcome(fit: LogFit) -> dict[str, Any]:
+    """All that is shown of a fit; numbers in SI."""
+    return {
+        "title": fit.scenario.title if fit.scenario else "",
+        "reason": fit.reason,
+        "method": fit.method,
+        "loss": fit.loss,
+        "cost": fit.cost,
+        "simulations": fit.simulations,
+        "jacobians": fit.jacobians,
+        "seconds": fit.seconds,
+        "parameters": [_parameter(fit, free) for free in fit.problem.free],
+        "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
+        "scores": [
+            {**score.to_dict(), **shown_difference(score.output, score.unit)}
+            for score in fit.scores
+        ],
+        "determined": fit.identifiability.determined,
+        "open": list(fit.identifiability.sentences),
+        "weak": [one.to_dict() for one in fit.identifiability.weak],
+        "uncertainty": list(fit.uncertainty.sentences),
+        "correlation": [list(row) for row in fit.uncertainty.correlation],
+        "whiteness": [one.sentence for one in fit.whiteness],
+        "predictions": predictions(fit),
+        "warnings": list(dict.fromkeys([*fit.cautions, *_others(fit)])),
+        "notes": list(fit.notes),
+        "history": [list(pair) for pair in _thinned(fit.history)],
+        "rows": [_curves(one) for one in compared(fit)],
+        "scenario": fitted_text(fit),
+    }
+
+
+def _others(fit: LogFit) -> list[str]:
+    """Warnings but those that say what the data leave open, which is told by itself."""
+    told = {one.sentence for one in fit.identifiability.weak}
+    return [sentence for sentence in warnings(fit) if sentence not in told]
+
+
+def _parameter(fit: LogFit, free: Free) -> dict[str, Any]:
+    low, high = fit.uncertainty.widened(free.name)
+    known = math.isfinite(low) and math.isfinite(high)
+    return {
+        **parameter(free),
+        "value": fit[free.name],
+        "interval": [low, high] if known else None,
+        "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
+        "mark": _mark(fit, free.name, known),
+    }
+
+
+def _mark(fit: LogFit, name: str, known: bool) -> str:
+    """What speaks against a number, in two words."""
+    if not known:
+        return "not determined"
+    if name in fit.at_bound():
+        return "at a bound"
+    return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
+
+
+def _thinned(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
+    return [history[row] for row in kept(len(history))]
+
+
+def _curves(one: Compared) -> dict[str, Any]:
+    """A record and output, measured and modelled; what was kept back is flagged."""
+    rows = kept(len(one.times), DRAWN)
+    return {
+        "record": one.record,
+        "output": one.output,
+        "long_name": one.described.long_name,
+        "times": [float(one.times[row]) for row in rows],
+        "measured": [rounded(one.measured[row]) for row in rows],
+        "model": [rounded(one.model[row]) for row in rows],
+        "held": [bool(one.held[row]) for row in rows],
+        **shown(one.output, one.described.unit),
+    }
+
+
+def fitted_text(fit: LogFit) -> str:
+    """The scenario of the first record with the fitted numbers, and with its log in it."""
+    scenario, first = fit.scenario, fit.problem.experiments[0]
+    if scenario is None:
+        return ""
+    numbers: Mapping[str, str] = {
+        scenario.places.path(leaf.path): exact_text(fit[free.name], leaf.declared.unit, 9)
+        for free in fit.problem.free
+        if free.record in (None, first.name) and not is_nuisance(free)
+        for leaf in scenario.system.leaves()
+        if free.moves(leaf.path)
+    }
+    return with_log_inside(scenario, first.record, numbers)

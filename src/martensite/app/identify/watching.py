@@ -1,0 +1,130 @@
+"""What the page is told while a fit runs: cost, numbers, and now and then the curves."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from threading import Event
+from typing import Any
+
+from martensite.app.identify.shown import shown, shown_difference, shown_number
+from martensite.app.identify.thin import DRAWN, kept
+from martensite.identify.fitting.experiment import Experiment
+from martensite.identify.fitting.fit import Fit
+from martensite.identify.fitting.free import Free
+from martensite.identify.fitting.nuisance import is_nuisance
+from martensite.identify.fitting.problem import Problem
+from martensite.identify.fitting.watch import Note
+
+EVERY = 0.4
+"""Seconds between two notes."""
+SHARE = 0.1
+"""Of the time that may go into curves that are only shown."""
+DIGITS = 5
+
+
+@dataclass
+class Watching:
+    """Told of every evaluation of a search, it tells the page, and ends the search if asked."""
+
+    problem: Problem
+    """With the records that the search sees."""
+    tell: Callable[[Mapping[str, Any]], None]
+    stop: Event
+    began: float = field(default_factory=time.monotonic)
+    _next: float = 0.0
+    _next_curves: float = 0.0
+    _drawn: tuple[float, ...] = ()
+
+    def __call__(self, note: Note) -> None:
+        """Tell, at most every so often.
+
+        Raises:
+            KeyboardInterrupt: the search shall end; it keeps the best so far.
+        """
+        if self.stop.is_set():
+            raise KeyboardInterrupt
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + EVERY
+        self.tell(
+            {
+                "stage": note.stage,
+                "cost": note.cost,
+                "simulations": note.simulations,
+                "share": note.share,
+                "seconds": now - self.began,
+                "values": self.problem.numbers(note.values),
+                **self._curves(note.values, now),
+            }
+        )
+
+    def ended(self, fit: Fit) -> None:
+        """Tell of the end of the search."""
+        pairs = zip(self.problem.experiments, fit.evaluation.fitted, strict=True)
+        self.tell(
+            {
+                "stage": "looking at the result",
+                "cost": fit.cost,
+                "simulations": fit.simulations,
+                "share": 1.0,
+                "seconds": time.monotonic() - self.began,
+                "values": fit.numbers,
+                "curves": [curves(one, fitted.model) for one, fitted in pairs],
+            }
+        )
+
+    def _curves(self, values: tuple[float, ...], now: float) -> dict[str, Any]:
+        """What the best so far gives, unless that was shown already, or takes too long."""
+        if now < self._next_curves or values == self._drawn:
+            return {}
+        found = self.problem.evaluate(values)
+        self._next_curves = time.monotonic() + (time.monotonic() - now) / SHARE
+        if found is None:
+            return {}
+        self._drawn = values
+        pairs = zip(self.problem.experiments, found.fitted, strict=True)
+        return {"curves": [curves(one, fitted.model) for one, fitted in pairs]}
+
+
+def curves(one: Experiment, model: Any) -> list[list[float]]:
+    """Modelled outputs of a record at the rows that are drawn."""
+    rows = kept(len(one.times), DRAWN)
+    return [[rounded(model[row, k]) for row in rows] for k in range(len(one.outputs))]
+
+
+def rounded(value: float) -> float:
+    """As much of a number as can be seen."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def measured(one: Experiment) -> dict[str, Any]:
+    """A record as it was measured, at the rows that are drawn."""
+    rows, known = kept(len(one.times), DRAWN), one.system.outputs()
+    return {
+        "name": one.name,
+        "times": [float(one.times[row]) for row in rows],
+        "held": [bool(one.kept_back[row]) for row in rows],
+        "outputs": [
+            {
+                "name": name,
+                "long_name": known[name].long_name,
+                "measured": [rounded(one.measured[row, k]) for row in rows],
+                **shown(name, known[name].unit),
+            }
+            for k, name in enumerate(one.outputs)
+        ],
+    }
+
+
+def parameter(free: Free) -> dict[str, Any]:
+    """A parameter that is searched: where from, between which bounds, shown in which unit."""
+    how = shown_number(free.start, free.unit)
+    if is_nuisance(free):
+        how = shown_difference(free.ending.removeprefix("offset."), free.unit)
+    return {
+        "name": free.name, "record": free.record, "start": free.start, "low": free.low,
+        "high": free.high, "doc": free.doc, **how,
+    }  # fmt: skip

@@ -1,0 +1,144 @@
+"""What a request asks of a sweep, in the words that the command takes; and what is wrong with it.
+
+{"text": TOML, "changes": {…}, "over": ["diameter=0.1..0.5 mm:9"], "sample": "grid",
+ "measures": ["stroke"], "seed": 0, "step": "20 ms", "runtime": "c", "workers": 0}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from martensite import units
+from martensite.app.messages import BadMessageError, wanted
+from martensite.errors import MartensiteError, ParameterError
+from martensite.io.scenario import Scenario
+from martensite.io.sweeps.api import How
+from martensite.io.sweeps.job import Wanted, plan_of
+from martensite.io.sweeps.subject import course_of, targets_of
+from martensite.simulate.measures.base import measure
+from martensite.sweep.axes import Axis, axis
+from martensite.sweep.designs.base import AbstractDesign, design
+from martensite.sweep.plan import Plan
+
+T = TypeVar("T")
+MOST_RUNS = 1_000_000
+MOST_WORDS = 64
+
+
+def wanted_of(request: Mapping[str, Any]) -> Wanted:
+    """What is asked for, as the library takes it.
+
+    Raises:
+        InputError: an entry is missing or of another sort, or the step is none.
+    """
+    step = str(wanted(request, "step", str, "")).strip()
+    return Wanted(
+        over=_texts(request, "over"), sample=wanted(request, "sample", str, "grid"),
+        measures=_texts(request, "measures"), seed=wanted(request, "seed", int, 0),
+        step=step_of(step), runtime=wanted(request, "runtime", str, "") or None,
+    )  # fmt: skip
+
+
+def how_of(request: Mapping[str, Any]) -> How:
+    """Who runs it: as many processes as are asked for, or what the library chooses."""
+    workers = wanted(request, "workers", int, 0)
+    if not 0 <= workers <= 256:
+        raise ParameterError(f"Processes must be between 0 and 256, but are {workers}.")
+    return How(workers=workers)
+
+
+def step_of(words: str) -> float | None:
+    """A longest step [s]; None if the library shall choose it."""
+    if not words:
+        return None
+    found = units.parse(words, "s")
+    if not found > 0.0:
+        raise ParameterError(f"A step must be above 0, but is {words}.")
+    return found
+
+
+def sized(plan: Plan) -> Plan:
+    """A plan that is not too large for the page.
+
+    Raises:
+        ParameterError: it is.
+    """
+    if plan.size > MOST_RUNS:
+        raise ParameterError(
+            f"This sweep has {plan.size:,} runs; the page starts at most {MOST_RUNS:,}. Use "
+            "`martensite sweep` for more."
+        )
+    return plan
+
+
+def _texts(request: Mapping[str, Any], name: str) -> tuple[str, ...]:
+    given = wanted(request, name, list)
+    if len(given) > MOST_WORDS or not all(isinstance(one, str) for one in given):
+        raise BadMessageError(f"`{name}` must be a list of at most {MOST_WORDS} texts.")
+    return tuple(given)
+
+
+class Faults(dict[str, str]):
+    """Field of the form -> sentence on what is wrong there."""
+
+    def attempt(self, field: str, action: Callable[[], T]) -> T | None:
+        """What an action gives; None, and its sentence beside the field, if it is refused."""
+        try:
+            return action()
+        except MartensiteError as error:
+            self.setdefault(field, str(error))
+            return None
+
+
+def checked(scenario: Scenario, request: Mapping[str, Any]) -> tuple[Plan | None, Faults]:
+    """The plan that a request asks for, or what is wrong with it, by field of the form.
+
+    Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
+    `workers`, and `` (the whole).
+    """
+    found = Faults()
+    found.attempt("step", lambda: step_of(str(wanted(request, "step", str, "")).strip()))
+    found.attempt("workers", lambda: how_of(request))
+    known = found.attempt("", lambda: wanted_of({**request, "step": ""}))
+    if known is None:
+        return None, found
+    found.attempt("runtime", lambda: course_of(scenario, None, known.runtime))
+    _measures(scenario, known, found)
+    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: _design(known))
+    _axes(scenario, known, chosen, found)
+    if found:
+        return None, found
+    step = step_of(str(request.get("step") or "").strip())
+    plan = found.attempt("", lambda: plan_of(scenario, replace(known, step=step)))
+    if plan is not None:
+        found.attempt("sample", lambda: sized(plan))
+    if plan is not None and not found:
+        found.attempt("", lambda: plan.lost(range(1)))
+    return (None if found else plan), found
+
+
+def _design(known: Wanted) -> AbstractDesign:
+    return design(known.sample, known.seed)
+
+
+def _measures(scenario: Scenario, known: Wanted, found: Faults) -> None:
+    for k, words in enumerate(known.measures):
+        found.attempt(f"measures.{k}", lambda words=words: measure(words).unit_in(scenario.whole))
+
+
+def _axes(scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, found: Faults) -> None:
+    """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
+    targets = targets_of(scenario)
+    for k, words in enumerate(known.over):
+        one = found.attempt(f"over.{k}", lambda words=words: axis(words, targets))
+        if one is not None:
+            found.attempt(f"over.{k}", lambda one=one: _alone(scenario, one, chosen))
+
+
+def _alone(scenario: Scenario, one: Axis, chosen: AbstractDesign | None) -> None:
+    course = course_of(scenario)
+    Plan(course, (one,), design("monte-carlo:1"), {"stroke": measure("stroke")})
+    if chosen is not None and chosen.registered_name == "grid":
+        one.levels()

@@ -1,0 +1,120 @@
+"""The sweeps of a server: stores in its folder, by keys that are made here.
+
+A name from outside is never a path: a store is found by its key, and what a title leaves in the
+name of its folder has nothing in it that could lead elsewhere.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from martensite.errors import DataError
+
+PLACE = "sweeps"
+LONGEST = 40
+_KEY = re.compile(r"^[0-9a-f]{16}$")
+_STORE = re.compile(r"^[a-z0-9-]+-([0-9a-f]{16})\.zarr$")
+
+
+def slug(title: str) -> str:
+    """Small letters, digits and dashes that are left of a title."""
+    short = re.sub(r"[^a-z0-9]+", "-", title.lower())[:LONGEST].strip("-")
+    return short or "sweep"
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """Stores of sweeps by key."""
+
+    folder: Path
+    """That of the server."""
+
+    @property
+    def place(self) -> Path:
+        """Where the stores lie."""
+        return self.folder / PLACE
+
+    def new(self, title: str) -> tuple[str, Path]:
+        """A new key, and where its store shall be; nothing is made there."""
+        key = secrets.token_hex(8)
+        self.place.mkdir(parents=True, exist_ok=True)
+        return key, self.place / f"{slug(title)}-{key}.zarr"
+
+    def path(self, key: str) -> Path:
+        """The store of a key.
+
+        Raises:
+            DataError: there is none.
+        """
+        found = sorted(self.place.glob(f"*-{key}.zarr")) if _KEY.match(key) else []
+        if len(found) != 1:
+            raise DataError("There is no such sweep in this folder; it may have been deleted.")
+        return found[0]
+
+    def all(self) -> dict[str, Path]:
+        """All stores, the newest first."""
+        if not self.place.is_dir():
+            return {}
+        found = {m[1]: p for p in self.place.iterdir() if (m := _STORE.match(p.name))}
+        return dict(sorted(found.items(), key=lambda one: -one[1].stat().st_mtime))
+
+    def delete(self, key: str) -> None:
+        """Remove a store.
+
+        Raises:
+            DataError: there is none, or it is being written.
+        """
+        path = self.path(key)
+        with busy(path):
+            gone = path.with_name(f".{path.name}.gone")
+            path.rename(gone)
+        shutil.rmtree(gone)
+
+
+@contextmanager
+def busy(path: Path) -> Iterator[None]:
+    """Hold a store while it is written; the hold ends with the process, whatever ends it.
+
+    Where the system has no such locks, as on Windows, nothing is held.
+
+    Raises:
+        DataError: somebody else holds it.
+    """
+    if find_spec("fcntl") is None:
+        yield
+        return
+    locks: Any = import_module("fcntl")
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        locks.flock(handle, locks.LOCK_EX | locks.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise DataError("This sweep is running already; wait for it, or cancel it.") from None
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+def is_busy(path: Path) -> bool:
+    """Whether a store is being written."""
+    try:
+        with busy(path):
+            return False
+    except DataError:
+        return True
+
+
+def bytes_of(path: Path) -> int:
+    """Size of a store on disk [B]."""
+    return sum(one.stat().st_size for one in path.rglob("*") if one.is_file())

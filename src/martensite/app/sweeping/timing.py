@@ -1,0 +1,50 @@
+"""How long a sweep will take, from one block of its runs; and how many runs go into a chunk.
+
+Runs march together in blocks (`martensite.simulate.variants`): a block costs the same however few
+runs are in it. A chunk takes about half a second, so that the picture moves and a cancel is heard.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from martensite.simulate.variants import LANES
+from martensite.sweep.backends.processes import cores
+from martensite.sweep.plan import CHUNK, Plan
+
+ABOUT = 0.4
+"""Time that a chunk shall take [s]."""
+MOST_CHUNKS = 500
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A block of runs, and how long it took."""
+
+    runs: int
+    lanes: int
+    seconds: float
+
+    def total(self, size: int, workers: int) -> float:
+        """Time of so many runs on so many processes [s]."""
+        return -(-size // self.lanes) * self.seconds / max(workers or cores(), 1)
+
+
+def timed(plan: Plan) -> Timed:
+    """Time one block of a plan; it is run twice, as the first one compiles."""
+    lanes = LANES.get(plan.course.runtime, CHUNK)
+    rows = range(min(lanes, plan.size))
+    plan.compute(rows if plan.course.runtime != "floats" else range(1))
+    begin = time.perf_counter()
+    plan.compute(rows)
+    return Timed(len(rows), lanes, time.perf_counter() - begin)
+
+
+def chunk_for(plan: Plan) -> int:
+    """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
+    one = timed(plan)
+    blocks = max(int(ABOUT / max(one.seconds, 1e-6)), 1)
+    usual = min(blocks * one.lanes, CHUNK)
+    least = -(-plan.size // MOST_CHUNKS)
+    return max(usual, -(-least // one.lanes) * one.lanes)

@@ -1,0 +1,47 @@
+"""The command line that makes the same sweep, and numbers as a scenario holds them."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+from martensite import units
+from martensite.io.sweeps.job import Wanted
+from martensite.sweep.plan import CHUNK
+
+_PLAIN = re.compile(r"^[\w./:=,-]+$")
+_QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
+
+
+def quoted(words: str) -> str:
+    """Words as a shell takes them: in double quotes, which all shells know, where that is safe."""
+    if _PLAIN.match(words):
+        return words
+    return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
+
+
+def command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
+    """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
+    pieces = ["martensite sweep", quoted(f"{name}.toml")]
+    pieces += [f"--over {quoted(words)}" for words in asked.over]
+    if asked.sample != "grid":
+        pieces.append(f"--sample {quoted(asked.sample)}")
+    pieces += [f"--output {quoted(words)}" for words in asked.measures]
+    options = {
+        "seed": asked.seed or None, "step": quoted(step) if step else None,
+        "runtime": asked.runtime, "workers": workers or None,
+        "chunk-size": asked.chunk if asked.chunk != CHUNK else None,
+    }  # fmt: skip
+    pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
+    return " ".join(pieces)
+
+
+def exact(value: float, unit: str) -> str:
+    """A quantity as text that reads as exactly this number, in the unit people prefer if it can."""
+    shown = units.familiar(value, unit)
+    for digits in (6, 12, 15, 16, 17):
+        number = f"{units.from_si(value, shown, unit):.{digits}g}"
+        text = number if shown == "1" else f"{number} {shown}"
+        if units.parse(text, unit) == value:
+            return text
+    return repr(value) if unit == "1" else f"{value!r} {unit}"

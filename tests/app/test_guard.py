@@ -1,0 +1,205 @@
+"""Who may speak to the server of the bench."""
+
+import re
+import socket
+import subprocess
+import sys
+
+import httpx
+import pytest
+from app_server import TAB, Bench
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from martensite.app.guard import NAMES
+from martensite.app.server import bound
+from martensite.errors import InputError
+
+ELSEWHERE = ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", "")
+"""Origins of other pages; an empty one is none that a browser sends."""
+
+
+def raw(bench: Bench, text: str) -> str:
+    """The answer to bytes of one's own, headers included."""
+    with socket.create_connection(("127.0.0.1", bench.port), timeout=10) as wire:
+        wire.sendall(text.replace("\n", "\r\n").encode("latin-1"))
+        parts: list[bytes] = []
+        while part := wire.recv(65536):
+            parts.append(part)
+    return b"".join(parts).decode("utf-8", "replace")
+
+
+def asked(bench: Bench, *headers: str, host: str = "", path: str = "/api/status") -> str:
+    """First line of the answer to a request with the token and some more headers."""
+    lines = [f"Host: {host or f'127.0.0.1:{bench.port}'}", f"Authorization: Bearer {bench.token}"]
+    more = "\n".join([*lines, *headers, "Connection: close"])
+    return raw(bench, f"GET {path} HTTP/1.1\n{more}\n\n").partition("\r\n")[0]
+
+
+def test_who_holds_the_token_comes_in(bench: Bench) -> None:
+    with bench.client() as client:
+        assert client.get("/api/status").json()["name"] == "martensite"
+    for host in (f"{name}:{bench.port}" for name in NAMES):
+        assert " 200 " in asked(bench, f"Origin: http://{host}", host=host)
+
+
+@pytest.mark.parametrize("origin", ELSEWHERE)
+def test_pages_of_elsewhere_are_refused(bench: Bench, origin: str) -> None:
+    with bench.client(Origin=origin) as client:
+        answer = client.get("/api/status")
+        assert answer.status_code == 403
+        assert "may not use this server" in answer.json()["error"]
+        assert client.post("/api/call/scenarios", json={}).status_code == 403
+        preflight = client.options(
+            "/api/call/scenarios",
+            headers={"Access-Control-Request-Method": "POST"},
+        )
+    assert preflight.status_code == 403
+    assert not [name for name in preflight.headers if name.startswith("access-control")]
+
+
+@pytest.mark.parametrize("site", ["cross-site", "same-site", "nonsense"])
+def test_requests_made_by_other_pages_are_refused(bench: Bench, site: str) -> None:
+    with bench.client(**{"Sec-Fetch-Site": site}) as client:
+        assert client.get("/api/status").status_code == 403
+        assert client.get("/bench.js").status_code == 403
+        moved = {"Sec-Fetch-Mode": "navigate"}
+        assert client.get("/", headers=moved).status_code == 200
+        assert client.get("/api/status", headers=moved).status_code == 403
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:{port}", "[::1]"]
+)
+def test_other_names_of_this_machine_are_refused(bench: Bench, host: str) -> None:
+    assert " 421 " in asked(bench, host=host.format(port=bench.port))
+
+
+@pytest.mark.parametrize("headers", [
+    ("Origin: http://evil.example", "Origin: http://127.0.0.1:{port}"),
+    ("Origin: http://127.0.0.1:{port}", "Origin: http://evil.example"),
+    ("Authorization: Bearer x",), ("Sec-Fetch-Site: none", "Sec-Fetch-Site: cross-site"),
+    ("Cookie: a=1", "Cookie: b=2"), ("Host: evil.example",),
+])  # fmt: skip
+def test_doubled_headers_are_refused(bench: Bench, headers: tuple[str, ...]) -> None:
+    line = asked(bench, *(header.format(port=bench.port) for header in headers))
+    assert re.match(r"HTTP/1.1 (400|403) ", line), line
+
+
+def test_a_page_of_another_name_of_this_machine_is_elsewhere(bench: Bench) -> None:
+    assert " 403 " in asked(bench, f"Origin: http://localhost:{bench.port}")
+
+
+@pytest.mark.parametrize("path", ["/", "/bench.js", "/api/status", "/api/jobs", "/nothing"])
+def test_strangers_are_refused_everywhere(bench: Bench, path: str) -> None:
+    with httpx.Client(base_url=bench.origin) as stranger:
+        answers = [
+            stranger.get(path),
+            stranger.get(path, headers={"Authorization": "Bearer wrong"}),
+            stranger.get(path, headers={"Authorization": f"Basic {bench.token}"}),
+            stranger.get(path, headers={"Authorization": bench.token}),
+            stranger.get(path, headers={"X-Token": bench.token}),
+            stranger.get(path, headers={"Cookie": f"martensite-{bench.port}=wrong"}),
+            stranger.get(path, headers={"Cookie": f"martensite-{bench.port + 1}={bench.token}"}),
+            stranger.get(path, headers={"Cookie": 'a="; martensite'}),
+            stranger.get(path, params={"token": "wrong"}),
+        ]
+        if path != "/":
+            answers.append(stranger.get(path, params={"token": bench.token}))
+    assert {answer.status_code for answer in answers} == {401}
+    assert all("open the address that `martensite app` printed" in a.text for a in answers)
+
+
+def test_the_token_is_left_in_no_address(bench: Bench) -> None:
+    with httpx.Client(base_url=bench.origin) as client:
+        entered = client.get("/", params={"token": bench.token})
+        assert (entered.status_code, entered.headers["location"]) == (303, "/")
+        cookie = entered.headers["set-cookie"]
+        assert "HttpOnly" in cookie
+        assert "samesite=lax" in cookie.lower()
+        page = client.get("/")
+        assert page.status_code == 200
+        assert page.headers["referrer-policy"] == "no-referrer"
+        assert bench.token not in page.text
+        assert client.get("/api/status").status_code == 200
+
+
+@pytest.mark.parametrize("headers", [
+    {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "cross-site"},
+    {"Host": "evil.example"},
+])  # fmt: skip
+def test_sockets_of_elsewhere_are_refused(bench: Bench, headers: dict[str, str]) -> None:
+    known = {"Authorization": f"Bearer {bench.token}"}
+    with pytest.raises(InvalidStatus):
+        connect(watched(bench), additional_headers={**known, **headers}, open_timeout=5)
+
+
+def test_sockets_without_the_token_are_refused(bench: Bench) -> None:
+    for headers in ({}, {"Authorization": "Bearer wrong"}):
+        with pytest.raises(InvalidStatus, match="403"):
+            connect(watched(bench), additional_headers=headers, open_timeout=5)
+
+
+def watched(bench: Bench) -> str:
+    return f"{bench.origin.replace('http', 'ws')}/api/jobs/{'0' * 16}/watch?tab={TAB}"
+
+
+@pytest.mark.parametrize(
+    "method", ["HEAD", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT", "BREW"]
+)
+def test_other_methods_are_refused_by_a_sentence(bench: Bench, method: str) -> None:
+    with bench.client() as client:
+        for path in ("/api/call/run", "/api/jobs", "/api/files", "/bench.js"):
+            answer = client.request(method, path)
+            refused = answer.status_code in (400, 404, 405)
+            assert refused or method == "HEAD", f"{path}: {answer.status_code}"
+            assert "Traceback" not in answer.text
+        assert client.get("/api/status").status_code == 200
+
+
+@pytest.mark.parametrize("path", [
+    "/../pyproject.toml", "/..%2fserver.py", "/%2e%2e/server.py", "/..%5cserver.py", "/%00",
+    "//etc/passwd", "/%2fetc%2fpasswd", "/static/", "/.", "/api", "/api/", "/a" * 500, "/%ff",
+    "/C:%5cwindows", "/bench.js%00.css",
+])  # fmt: skip
+def test_nothing_beside_the_page_is_served(bench: Bench, path: str) -> None:
+    line = asked(bench, path=path)
+    assert re.match(r"HTTP/1.1 (400|404|405|431) ", line), line
+
+
+def test_every_answer_keeps_the_page_to_this_server(bench: Bench) -> None:
+    with bench.client() as client:
+        answers = [
+            client.get("/"), client.get("/bench.js"), client.get("/nothing"),
+            client.post("/api/call/run", content=b"["), client.get("/api/jobs"),
+            client.get("/api/status", headers={"Authorization": "Bearer wrong"}),
+            client.get("/api/status", headers={"Origin": "null"}),
+        ]  # fmt: skip
+    for answer in answers:
+        policy = answer.headers["content-security-policy"]
+        assert policy.startswith("default-src 'none'; script-src 'self';")
+        assert f"connect-src 'self' ws://127.0.0.1:{bench.port};" in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert "server" not in answer.headers
+
+
+def test_without_its_packages_the_bench_says_what_to_install() -> None:
+    blocked = "import sys; sys.modules['uvicorn'] = None; from martensite.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", blocked, "app", "--no-browser"],
+        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert "martensite[app]" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_a_port_that_is_none(port: int) -> None:
+    with pytest.raises(InputError, match="between 0 and 65535"):
+        bound(port)
+
+
+def test_a_port_that_is_taken(bench: Bench) -> None:
+    with pytest.raises(InputError, match=f"Port {bench.port} cannot be used"):
+        bound(bench.port)

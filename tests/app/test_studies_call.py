@@ -1,0 +1,121 @@
+"""Studies as the page asks for them: what they are, their claims part by part, what is kept."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from app_server import Bench
+
+from martensite.app.calls import _studies, study, study_page
+from martensite.app.worker import Desk
+from martensite.errors import UnknownNameError
+from martensite.io.scenario import read
+from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
+
+QUICK = "wire-heating"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("studies")
+
+
+@pytest.fixture(scope="module")
+def notes() -> list[dict[str, Any]]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def computed(folder: Path, notes: list[dict[str, Any]]) -> dict[str, Any]:
+    return study.answer({"name": QUICK}, Desk(folder, lambda note: notes.append(dict(note))))
+
+
+def test_every_study_is_listed_with_source_and_guide(bench: Bench) -> None:
+    found = {one["name"]: one for one in bench.call("studies", {})["studies"]}
+    assert sorted(found) == study_names()
+    for one in found.values():
+        assert one["sources"][0]["text"].endswith(".")
+        assert len(one["guide"]) == 3, one["name"]
+        assert one["figure"]
+        assert one["tally"] is None
+
+
+def test_the_claims_are_those_of_the_study(computed: dict[str, Any]) -> None:
+    assert computed["claims"] == [claim.to_dict() for claim in load_study(QUICK).claims()]
+    assert sum(computed["tally"].values()) == len(computed["claims"])
+    assert computed["tally"]["not reproduced"] > 0
+
+
+def test_notes_tell_the_part_and_bring_its_claims(
+    computed: dict[str, Any], notes: list[dict[str, Any]]
+) -> None:
+    parts = list(load_study(QUICK).parts())
+    assert [note["doing"] for note in notes] == [*parts, "the figure"]
+    assert [claim for note in notes for claim in note["claims"]] == computed["claims"]
+
+
+def test_results_are_kept_until_the_figure_is_gone(computed: dict[str, Any], folder: Path) -> None:
+    desk = Desk(folder)
+    assert study_page.answer({"name": QUICK}, desk)["results"] == computed
+    figure = folder / computed["figure"] / f"{QUICK}.svg"
+    assert b"<svg" in figure.read_bytes()[:1000]
+    figure.rename(figure.with_name("away"))
+    figure.parent.rename(folder / "elsewhere")
+    assert study_page.answer({"name": QUICK}, desk)["results"] is None
+    (folder / "elsewhere").rename(figure.parent)
+    figure.with_name("away").rename(figure)
+    assert study_page.answer({"name": QUICK}, desk)["results"] == computed
+
+
+@pytest.mark.parametrize("damaged", ["", "[]", "{}", '{"figure": 1, "missing": []}', "\x00"])
+def test_a_damaged_file_is_as_none(tmp_path: Path, damaged: str) -> None:
+    one = load_study(QUICK)
+    _studies.keep(one, tmp_path, {"figure": "0" * 16, "missing": []})
+    (file,) = (tmp_path / "studies").iterdir()
+    file.write_text(damaged)
+    assert _studies.kept(one, tmp_path) is None
+
+
+def test_results_hold_for_the_data_that_were_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MARTENSITE_DATA", str(tmp_path / "none"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "none"))
+    one = load_study("electrothermal-staircase")
+    (absent,) = _studies.missing(one)
+    assert absent["fetch"] == "martensite data fetch flexinol-electrothermal"
+    (tmp_path / ("0" * 16)).mkdir()
+    (tmp_path / ("0" * 16) / "figure.svg").touch()
+    _studies.keep(one, tmp_path, {"figure": "0" * 16, "missing": [absent["name"]]})
+    assert _studies.kept(one, tmp_path)
+    monkeypatch.setattr(_studies, "is_here", lambda key: True)
+    assert _studies.kept(one, tmp_path) is None
+
+
+def test_scenarios_stand_by_themselves(bench: Bench, tmp_path: Path) -> None:
+    texts = [text for name in study_names() for text in load_study(name).scenarios().values()]
+    assert len(texts) == 8
+    for text in texts:
+        assert read(text, tmp_path / "scenario.toml").samples <= 200_001
+    page = bench.call("study_page", {"name": "migaone"})
+    (only,) = page["scenarios"]
+    assert bench.call("run", {"text": only["text"]})["title"] == only["title"]
+
+
+def test_what_is_no_study_is_refused(bench: Bench) -> None:
+    for name in ("study_page", "study"):
+        assert "Did you mean `migaone`" in bench.call(name, {"name": "migaon"})["error"]
+        assert "`name`" in bench.call(name, {})["error"]
+        assert "error" in bench.call(name, {"name": "../../etc/passwd"})
+    with pytest.raises(UnknownNameError):
+        _studies.named({"name": "/tmp"})
+
+
+def test_a_study_without_parts_is_one_part() -> None:
+    class Own(AbstractStudy):
+        def claims(self) -> list[Claim]:
+            return [Claim.reported("a", "a number", "here", 1.0, "1", "none")]
+
+    assert [part() for part in Own().parts().values()] == [Own().claims()]
+    with pytest.raises(NotImplementedError):
+        AbstractStudy().claims()

@@ -1,0 +1,153 @@
+"""Uploaded tables: what is in them, what their columns may mean, and what is refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from app_server import Bench
+
+from martensite.app.calls.fit_records import answer as records
+from martensite.app.calls.table import answer as table
+from martensite.app.drawer import Drawer
+from martensite.app.worker import Desk
+from martensite.errors import InputError
+
+LOG = "Time_s;T (C);F/N;remark\n0;20,5;1;=cmd()\n1;;2;\n2;21,5;3;+1+1\n"
+BAD = {
+    "binary": ("a.csv", bytes(range(256)) * 20, "not a text file"),
+    "utf-16": ("a.csv", "t,T\n1,2\n".encode("utf-16"), "UTF-16; save the table as CSV in UTF-8"),
+    "utf-16 unmarked": ("a.csv", "t,T\n1,2\n".encode("utf-16-le"), "not a text file"),
+    "empty": ("a.csv", b"", "is empty"),
+    "comments": ("a.csv", b"# nothing\n\n", "is empty"),
+    "headings": ("a.csv", b"t [s],T [C]\n", "no rows of numbers"),
+    "ragged": ("a.csv", b"t,T,F\n1,2\n1\n", "as many cells as the first"),
+    "open quote": ("a.csv", b't,T\n1,"2\n3,4\n', "close the quote"),
+    "wide": ("a.csv", b"a," * 500 + b"a\n" + b"1," * 500 + b"1\n", "501 columns; at most 200"),
+    "workbook": ("a.xlsx", b"PK\x03\x04" + bytes(60), "save the table as CSV"),
+    "no mat": ("a.mat", b"\0\1\2\3" * 99, "cannot be read as"),
+    "empty mat": ("a.mat", b"", "cannot be read as"),
+    "no netcdf": ("a.nc", b"what", "cannot be read as .nc"),
+}
+
+
+@pytest.fixture
+def desk(tmp_path: Path) -> Desk:
+    return Desk(tmp_path)
+
+
+def put(desk: Desk, data: bytes | str, name: str = "log.csv") -> str:
+    key, path = Drawer(desk.folder).place(name)
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+    return key
+
+
+def columns(*named: tuple[int, str, str]) -> list[dict[str, Any]]:
+    return [{"at": at, "name": name, "unit": unit} for at, name, unit in named]
+
+
+def test_columns_are_guessed_and_counted(desk: Desk) -> None:
+    found = table({"key": put(desk, LOG)}, desk)
+    assert (found["rows"], found["separator"]) == (3, "semicolon")
+    guessed = [(one["name"], one["unit"]) for one in found["columns"]]
+    assert guessed == [("time", "s"), ("temperature", "degC"), ("force", "N"), ("", "")]
+    warm = found["columns"][1]
+    assert (warm["min"], warm["max"], warm["missing"], warm["wrong"]) == (20.5, 21.5, 1, 0)
+    assert set(found["names"]["temperature"]) == {"degC", "degF", "K"}
+
+
+def test_formulas_are_text_and_no_numbers(desk: Desk) -> None:
+    found = table({"key": put(desk, LOG)}, desk)
+    assert [row[3] for row in found["preview"]] == ["=cmd()", "", "+1+1"]
+    remark = found["columns"][3]
+    assert (remark["wrong"], remark["first_wrong"], remark["min"]) == (2, "row 2: =cmd()", None)
+    mapped = columns((0, "time", "s"), (3, "force", "N"))
+    with pytest.raises(InputError, match=r"row 2, column `force`: `=cmd\(\)` is not a number"):
+        records({"key": put(desk, LOG), "columns": mapped}, desk)
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_files_are_refused_with_a_sentence(desk: Desk, case: str) -> None:
+    name, data, words = BAD[case]
+    with pytest.raises(InputError, match=words) as caught:
+        table({"key": put(desk, data, name)}, desk)
+    assert str(desk.folder) not in str(caught.value)
+
+
+def test_doubtful_files_come_with_notes(desk: Desk) -> None:
+    alone = table({"key": put(desk, "strain [%]\n1\n2\n")}, desk)["notes"]
+    assert any("one column only" in note for note in alone)
+    assert any("time between rows" in note for note in alone)
+    ragged = table({"key": put(desk, "t [s],T [C]\n1,2\n3\n4,5,6\n7,8\n")}, desk)["notes"]
+    assert any("2 rows have more or fewer cells" in note and "row 3" in note for note in ragged)
+    infinite = table({"key": put(desk, "t [s],T [C]\n1,inf\n2,nan\n3,4\n")}, desk)["columns"][1]
+    assert (infinite["wrong"], infinite["missing"], infinite["max"]) == (1, 1, 4.0)
+    assert not table({"key": put(desk, "t [s],T [C]\n1,2\n3,4\n")}, desk)["notes"]
+
+
+def test_other_encodings_and_files_without_headings(desk: Desk) -> None:
+    latin = table({"key": put(desk, "t [s],T [°C]\n1,2\n".encode("latin-1"))}, desk)
+    assert latin["columns"][1]["unit"] == "degC"
+    plain = table({"key": put(desk, "0,20\n1,21\n")}, desk)
+    assert (plain["headed"], plain["rows"]) == (False, 2)
+
+
+def test_mat_files_are_read(desk: Desk) -> None:
+    scipy_io = pytest.importorskip("scipy.io")
+    key, path = Drawer(desk.folder).place("log.mat")
+    rows = {"t": np.arange(12.0), "T_degC": 20.0 + np.arange(12.0), "other": np.eye(3)}
+    scipy_io.savemat(path, rows)
+    found = table({"key": key}, desk)
+    assert sorted(one["name"] for one in found["columns"]) == ["temperature", "time"]
+    at = [{"at": k, **{n: one[n] for n in ("name", "unit")}} for k, one in
+          enumerate(found["columns"])]  # fmt: skip
+    for one in at:
+        one["unit"] = one["unit"] or "s"
+    record = records({"key": key, "columns": at}, desk)
+    assert record["columns"][0]["values"][0] == 293.15
+    assert (record["begin"], record["end"]) == (0.0, 11.0)
+
+
+def test_units_are_checked_when_columns_are_mapped(desk: Desk) -> None:
+    key = put(desk, LOG)
+    for unit, words in (("", "has no unit"), ("bar", "cannot be converted"), ("x]y", "not a name with a unit")):
+        with pytest.raises(InputError, match=words):
+            records({"key": key, "columns": columns((0, "time", "s"), (2, "force", unit))}, desk)
+    with pytest.raises(InputError, match="two columns `force`"):
+        records({"key": key, "columns": columns((1, "force", "N"), (2, "force", "N"))}, desk)
+    with pytest.raises(InputError, match="no column 9; the file has 4"):
+        records({"key": key, "columns": columns((8, "force", "N"))}, desk)
+
+
+def test_rows_that_cannot_be_read_are_left_out_if_asked(desk: Desk) -> None:
+    rows = "".join(f"{k},{20 + k}\n" for k in range(10))
+    request = {
+        "key": put(desk, f"t [s],T [C]\n{rows}oops\n10,30\n"),
+        "columns": columns((0, "time", "s"), (1, "temperature", "degC")),
+    }
+    with pytest.raises(InputError, match="row 12 has 1 cells"):
+        records(request, desk)
+    found = records(request | {"drop": True}, desk)
+    assert (found["rows"], found["end"]) == (11, 10.0)
+
+
+def test_long_columns_keep_their_lows_and_highs(desk: Desk) -> None:
+    rows = [f"{k},{1000.0 if k == 4567 else 0.0}" for k in range(20_000)]
+    key = put(desk, "\n".join(["t [s],F [N]", *rows]))
+    found = records({"key": key, "columns": columns((0, "time", "s"), (1, "force", "N"))}, desk)
+    (force,) = found["columns"]
+    assert len(force["times"]) <= 900
+    assert max(force["values"]) == 1000.0
+
+
+def test_over_http(bench: Bench) -> None:
+    with bench.client() as client:
+        made = client.post("/api/files?name=../../etc/pass%00wd.csv", content=LOG).json()
+        assert made["name"] == "pass_wd.csv"
+        binary = client.post("/api/files?name=log.csv", content=bytes(range(256))).json()
+    found = bench.call("table", {"key": made["key"]})
+    assert found["preview"][0][3] == "=cmd()"
+    refused = bench.call("table", {"key": binary["key"]})
+    assert (refused["kind"], "text file" in refused["error"]) == ("input", True)
+    assert "upload it again" in bench.call("table", {"key": "../../../etc/passwd"})["error"]
+    assert not list(bench.folder.glob("*.csv"))

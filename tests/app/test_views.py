@@ -1,0 +1,205 @@
+"""What the charts are told of a run, against the run itself."""
+
+import math
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from martensite.app.calls import differences
+from martensite.app.messages import BadMessageError
+from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, energy, straight_length
+from martensite.app.views.key_results import key_results
+from martensite.app.views.phase import phase
+from martensite.app.views.traces import loops, stretches, traces
+from martensite.app.views.warnings import alarms
+from martensite.app.worker import Desk
+from martensite.control.analysis.energy import energy_per_cycle
+from martensite.io.scenario import load
+from martensite.simulate.result import Result
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@cache
+def ran(name: str, *changes: tuple[str, Any]) -> Result:
+    return load(EXAMPLES / f"{name}.toml", dict(changes) or None).run(runtime="floats")
+
+
+def power(watt: str) -> Result:
+    return ran("constant_power", ("drive.waveform.high", watt))
+
+
+def test_every_column_stands_in_one_panel() -> None:
+    for name in ("closed_loop_guarded", "closed_loop_platform", "closed_loop_sensorless"):
+        result = ran(name)
+        found = [c for panel in traces(result) for own in panel["ports"].values() for c in own]
+        assert len(found) == len(set(found))
+        missing = set(result.columns) - set(found)
+        assert {c.rpartition(".")[-1] for c in missing} <= {
+            "hottest", "oriented_fraction", "heat_loss",
+        }  # fmt: skip
+
+
+def test_what_belongs_together_stands_together() -> None:
+    panels = {panel["key"]: panel for panel in traces(ran("closed_loop_guarded"))}
+    assert panels["position"]["ports"][""] == ["position", "measured.position", "reference"]
+    assert panels["drive"]["ports"]["element"] == ["drive", "wanted"]
+    assert panels["temperature"]["ports"]["element"] == ["temperature", "measured.heat"]
+    assert panels["martensite_fraction"]["includes"] == (0.0, 1.0)
+    assert not panels["alarm"]["usual"]
+
+
+def test_ports_of_several_actuators_stand_apart() -> None:
+    result = ran("closed_loop_platform")
+    panels = {panel["key"]: panel for panel in traces(result)}
+    ports = list(result.system.actuators())
+    assert list(panels["stress"]["ports"]) == ports
+    assert panels["alpha"]["ports"][""][:2] == ["alpha", "beta"]
+    assert [loop["key"] for loop in loops(result)][-1] == "stress-strain"
+    assert loops(result)[0]["ports"]["first"] == ["first.temperature", "first.martensite_fraction"]
+
+
+def test_a_system_without_elements_has_no_loops() -> None:
+    result = ran("model_run")
+    assert loops(result) == []
+    assert stretches(result) == {}
+    assert phase(result) == {"diagrams": [], "ports": {}}
+    assert energy(result)["sentence"] == NO_ELEMENT
+
+
+def test_stretches_cover_the_path() -> None:
+    parts = stretches(power("0.45 W"))["element"]
+    assert parts[0][1] == 0
+    assert parts[-1][2] == 1000
+    assert all(one[2] == other[1] for one, other in zip(parts, parts[1:], strict=False))
+    assert [one[0] for one in parts] == [1, -1]
+
+
+def test_the_energies_are_those_of_the_analysis() -> None:
+    result = power("0.45 W")
+    whole = energy_per_cycle(result, result.times[-1])
+    last = {course["key"]: course["values"][-1] for course in energy(result)["courses"]}
+    assert last["electrical"] == pytest.approx(whole.electrical[0], rel=1e-12)
+    assert last["lost"] == pytest.approx(whole.lost[0], rel=1e-12)
+    assert last["work"] == pytest.approx(whole.work[0], rel=1e-12)
+    assert last["returned"] == pytest.approx(whole.returned[0], rel=1e-12)
+    assert last["stored"] == pytest.approx(whole.kept[0], abs=1e-12)
+    assert energy(result)["efficiency"][-1] == pytest.approx(whole.efficiency[0])
+
+
+def test_a_wire_on_a_line_works_by_its_own_shortening() -> None:
+    """F dx over the position of a bias spring is F dL over the strain of the wire."""
+    result = power("0.45 W")
+    (actuator,) = result.system.actuators().values()
+    length = straight_length(actuator.element)
+    assert length is not None
+    shortening = -length * np.asarray(result["strain"])
+    moved = np.asarray(result["position"])
+    assert np.ptp(shortening - moved) < 1e-9 * np.ptp(moved)
+
+
+def test_prescribed_temperatures_have_no_balance() -> None:
+    drive = {"kind": "temperature", "waveform": {"kind": "constant", "level": "25 degC"}}
+    found = energy(load(EXAMPLES / "constant_power.toml", {"drive": drive}).run())
+    assert found["sentence"] == PRESCRIBED
+    assert found["courses"] == []
+
+
+def test_the_bands_are_those_of_the_parameters() -> None:
+    result = power("0.45 W")
+    (actuator,) = result.system.actuators().values()
+    values = {leaf.path: leaf.value for leaf in actuator.element.law.leaves()}
+    found = phase(result)
+    assert found["ports"]["element"] == {"diagram": 0, "x": "temperature", "y": "stress"}
+    bands = {band["process"]: band for band in found["diagrams"][0]["bands"]}
+    assert bands["forward"]["start"]["temperature"][0] == values["M_s"]
+    assert bands["reverse"]["finish"]["temperature"][0] == values["A_f"]
+    assert found["diagrams"][0]["highest"] >= max(result["stress"])
+
+
+def test_equal_laws_share_a_diagram() -> None:
+    found = phase(ran("closed_loop_platform"))
+    assert len(found["diagrams"]) == 1
+    assert len(found["ports"]) == 3
+
+
+def spans_of(result: Result) -> dict[str, dict[str, Any]]:
+    return {alarm["kind"]: alarm for alarm in alarms(result)}
+
+
+def test_spans_add_up_to_the_duration_of_the_alarm() -> None:
+    limits = {
+        "element.limits.temperature_limit": "90 degC", "element.limits.stress_limit": "80 MPa",
+        "element.limits.strain_limit": "2 %",
+    }  # fmt: skip
+    result = ran("constant_power", *limits.items())
+    found = spans_of(result)
+    assert set(found) == {"temperature", "stress", "strain"}
+    for alarm in found.values():
+        assert alarm["spans"][0][0] == pytest.approx(alarm["first"])
+        total = sum(end - begin for begin, end in alarm["spans"])
+        assert total == pytest.approx(alarm["duration"], rel=1e-9)
+    assert found["temperature"]["panel"] == "temperature"
+    assert found["temperature"]["level"] == pytest.approx(363.15)
+    assert found["strain"]["level"] is None
+
+
+def test_a_supply_at_its_limit_has_spans() -> None:
+    alarm = spans_of(ran("closed_loop_platform"))["supply"]
+    assert alarm["port"] == "first"
+    assert alarm["column"] == "first.drive"
+    total = sum(end - begin for begin, end in alarm["spans"])
+    assert total == pytest.approx(alarm["duration"], rel=1e-6)
+
+
+def test_the_alarm_of_the_supervisor_is_told() -> None:
+    alarm = spans_of(ran("closed_loop_guarded"))["supervisor"]
+    assert alarm["duration"] == pytest.approx(sum(b - a for a, b in alarm["spans"]))
+    assert alarm["first"] == alarm["spans"][0][0] > 0.0
+
+
+def test_a_run_without_alarms_tells_none() -> None:
+    assert alarms(power("0.1 W")) == []
+
+
+def test_key_results_are_those_of_the_run() -> None:
+    result = power("0.45 W")
+    found = {row["key"]: row for row in key_results(result, energy(result))}
+    assert found["range position"]["value"] == result.stroke
+    assert found["hottest"]["value"] == max(result["hottest"])
+    kelvin = found["hottest"]["value"] * found["hottest"]["factor"] + found["hottest"]["offset"]
+    assert kelvin == pytest.approx(max(result["hottest"]) - 273.15)
+    assert found["beyond"]["value"] == 0.0
+
+
+def test_more_power_is_hotter() -> None:
+    """The same of another run: these rows can tell runs apart."""
+    rows = [key_results(r, energy(r)) for r in (power("0.45 W"), power("0.5 W"))]
+    cold, hot = ({row["key"]: row["value"] for row in found} for found in rows)
+    assert hot["hottest"] > cold["hottest"]
+    assert math.isfinite(hot["efficiency"])
+
+
+def asked(*texts: Any) -> list[dict[str, Any]]:
+    return differences.answer({"texts": list(texts)}, Desk(Path()))["rows"]
+
+
+def test_documents_are_compared_by_path() -> None:
+    one = 'title = "a"\n[element]\nkind = "wire"\ndiameter = "0.2 mm"\n'
+    other = one.replace("0.2", "0.3") + '[run]\nduration = "1 s"\n'
+    assert asked(one, one) == []
+    assert asked(one, other) == [
+        {"path": "element.diameter", "values": ["0.2 mm", "0.3 mm"]},
+        {"path": "run.duration", "values": [None, "1 s"]},
+    ]
+    assert tomllib.loads(other)["run"]
+
+
+@pytest.mark.parametrize("texts", [["a = "], [1], ["a = 1"] * 13])
+def test_what_is_no_document_is_refused(texts: list[Any]) -> None:
+    with pytest.raises(BadMessageError):
+        asked(*texts)

@@ -1,0 +1,128 @@
+"""The page Identify in a browser: from a file to a fitted material."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from fit_cases import HEATED, TRUTH, cycle, heated, measured, read_rows, write_log, write_rows
+from playwright.sync_api import Page, expect
+
+SCENARIO = (Path(__file__).parents[2] / "examples/isobaric_log.toml").read_text("utf-8")
+HEADINGS = ["Time_s", "T (C)", "sigma [MPa]", "Strain %", "<img src=x onerror=alert(1)>"]
+SLOW = ["h", "A_s", "A_f", "M_s", "M_f", "C_A", "C_M"]
+PATIENT = 30_000
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """An isobaric cycle with headings of somebody else, and a formula in it."""
+    path = tmp_path / "cycle.csv"
+    write_log(measured(cycle(), SCENARIO, ["strain"], TRUTH, 0.01), path)
+    rows = read_rows(str(path))[1:]
+    write_rows(path, [HEADINGS, *([*row, "=cmd()"] for row in rows)])
+    return path
+
+
+def opened(page: Page) -> None:
+    page.goto(page.url.partition("#")[0] + "#/identify")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Identify")
+
+
+def choose(page: Page, path: Path) -> None:
+    page.get_by_label("Drop a log here").set_input_files(str(path))
+
+
+def step(page: Page, name: str) -> None:
+    page.get_by_role("button", name=f"Next: {name}").click()
+
+
+def free(page: Page, *names: str) -> None:
+    for name in names:
+        page.get_by_role("checkbox", name=name, exact=True).check()
+
+
+def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
+    opened(page)
+    choose(page, log)
+    for heading, name, unit in zip(
+        HEADINGS, ("time", "temperature", "stress", "strain"), ("s", "degC", "MPa", "%"),
+        strict=False,
+    ):  # fmt: skip
+        expect(page.get_by_label(f"Meaning of {heading}")).to_have_value(name)
+        expect(page.get_by_label(f"Unit of {heading}")).to_have_value(unit)
+    step(page, "records")
+    expect(page.get_by_label("temperature over time, with the records shaded")).to_be_visible()
+    step(page, "scenario")
+    page.get_by_label("Scenario").first.select_option("isobaric_log")
+    free(page, "A_s", "A_f")
+    page.get_by_role("button", name="Fit 2 parameters").click()
+    told = page.get_by_role("region", name="Parameters, with intervals of 95 %")
+    expect(told).to_contain_text("A_s", timeout=PATIENT)
+    expect(page.get_by_text("The data determine all that was free")).to_be_visible()
+    values = re.findall(r"([\d.]+) °C", told.inner_text())
+    assert [float(x) for x in values] == pytest.approx([72.0, 84.0], abs=0.5)
+    with page.expect_download(timeout=PATIENT) as saved:
+        page.get_by_role("button", name="Save the material").click()
+    assert saved.value.suggested_filename == "cycle.toml"
+    material = tomllib.loads(saved.value.path().read_text("utf-8"))
+    assert material["values"]["A_s"]["kind"] == "fitted"
+    assert material["fit"]["records"][0]["file"] == "cycle.csv"
+
+
+def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:
+    opened(page)
+    choose(page, log)
+    page.get_by_text("First 20 rows").click()
+    shown = page.get_by_role("region", name="First rows of the file")
+    expect(shown.get_by_role("columnheader").last).to_have_text(HEADINGS[-1])
+    expect(shown.get_by_role("cell", name="=cmd()", exact=True).first).to_be_visible()
+    assert shown.locator("img").count() == 0
+    page.get_by_label("Unit of T (C)").fill("bar")
+    page.get_by_label("Unit of T (C)").press("Tab")
+    step(page, "records")
+    expect(page.get_by_role("alert")).to_contain_text("`bar` cannot be converted to `K`")
+    binary = tmp_path / "binary.csv"
+    binary.write_bytes(bytes(range(256)) * 8)
+    choose(page, binary)
+    expect(page.get_by_role("alert")).to_contain_text("not a text file", timeout=PATIENT)
+
+
+def test_records_are_cut_with_the_keyboard(page: Page, log: Path) -> None:
+    opened(page)
+    choose(page, log)
+    step(page, "records")
+    handle = page.get_by_label("cycle: to", exact=True)
+    handle.focus()
+    handle.press("Home")
+    expect(page.get_by_label("to [s]")).to_have_value("0.12")
+    page.get_by_label("to [s]").fill("60")
+    page.get_by_label("to [s]").press("Tab")
+    expect(page.get_by_text("61 rows")).to_be_visible()
+    page.get_by_role("button", name="Add a record").click()
+    expect(page.get_by_label("from [s]").last).to_have_value("60")
+    expect(page.get_by_text("61 rows").last).to_be_visible()
+
+
+def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_path: Path) -> None:
+    log, scenario = tmp_path / "pulse.csv", tmp_path / "heated.toml"
+    write_log(heated(), log)
+    scenario.write_text(HEATED, encoding="utf-8")
+    opened(page)
+    choose(page, log)
+    step(page, "records")
+    step(page, "scenario")
+    page.get_by_label("or a file (TOML)").set_input_files(str(scenario))
+    free(page, *SLOW)
+    page.get_by_label("Method").select_option("coordinate")
+    page.get_by_role("button", name=f"Fit {len(SLOW)} parameters").click()
+    working = page.get_by_role("status").filter(has_text="coordinate search")
+    expect(working).to_be_visible(timeout=PATIENT)
+    page.reload()
+    expect(working).to_be_visible(timeout=PATIENT)
+    expect(page.get_by_label("position of pulse, measured and modelled")).to_be_visible()
+    page.get_by_role("button", name="Stop and keep the best").click()
+    open_sets = page.get_by_role("region", name="What the data cannot tell")
+    expect(open_sets).to_be_visible(timeout=PATIENT)
+    expect(page.get_by_text("The search did not converge: interrupted.")).to_be_visible()
+    expect(page.get_by_role("button", name="Go on with the search")).to_be_visible()

@@ -1,0 +1,149 @@
+"""The mechanism in space: it plays, it scrubs, it rests, and it does without WebGL."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from app_server import Bench
+from playwright.sync_api import Locator, Page, expect
+
+from martensite.app.address import packed
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+Opened = Callable[[str], Locator]
+
+
+def shortened(text: str) -> str:
+    """A scenario whose run takes no time."""
+    text = re.sub(r'duration = "\d+ s"', 'duration = "6 s"', text)
+    return re.sub(r"samples = \d+", "samples = 121", text)
+
+
+@pytest.fixture
+def opened(page: Page, bench: Bench) -> Opened:
+    """Puts an example on the bench; answers with its view, once that is drawn."""
+
+    def put(name: str) -> Locator:
+        text = (EXAMPLES / f"{name}.toml").read_text("utf-8")
+        page.goto(f"{bench.origin}/#/bench?scenario={packed(shortened(text))}")
+        page.reload()
+        view = page.locator(".scene-view")
+        expect(view).to_have_attribute("data-rendered", re.compile(r"[1-9]"))
+        expect(view).to_have_attribute("aria-label", re.compile("at 0 s"))
+        return view
+
+    return put
+
+
+def scrub(page: Page, share: float) -> None:
+    page.locator(".player input[type=range]").evaluate(
+        "(e, s) => { e.value = String(+e.max * s);"
+        " e.dispatchEvent(new Event('input', { bubbles: true })); }",
+        share,
+    )
+
+
+def rendered(view: Locator) -> int:
+    return int(view.get_attribute("data-rendered") or 0)
+
+
+def drawn_at(view: Locator) -> float:
+    return float(view.get_attribute("data-time") or -1.0)
+
+
+def seen_at(page: Page, view: Locator, share: float) -> bytes:
+    """What the view looks like once it shows a share of the run of 6 s."""
+    scrub(page, share)
+    expect(view).to_have_attribute("data-time", re.compile(rf"^{6 * share:g}"))
+    return view.screenshot()
+
+
+@pytest.mark.parametrize("name", ["constant_power", "finger", "hand", "closed_loop_platform"])
+def test_what_is_drawn_moves_with_the_cursor(page: Page, opened: Opened, name: str) -> None:
+    view = opened(name)
+    first = seen_at(page, view, 0.0)
+    assert seen_at(page, view, 0.75) != first
+    assert seen_at(page, view, 0.0) == first
+
+
+def test_it_plays_and_pauses(page: Page, opened: Opened) -> None:
+    view = opened("finger")
+    before = view.screenshot()
+    page.get_by_role("button", name="Play").click()
+    expect(view).to_have_attribute("aria-label", re.compile(r"at [1-9]"))
+    page.get_by_role("button", name="Pause").click()
+    assert drawn_at(view) > 0.5
+    assert view.screenshot() != before
+    count = rendered(view)
+    page.wait_for_function("new Promise(done => setTimeout(() => done(true), 400))")
+    assert rendered(view) == count  # nothing is drawn while nothing changes
+
+
+def test_keys(page: Page, opened: Opened) -> None:
+    view = opened("constant_power")
+    before = view.screenshot()
+    view.focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("+")
+    expect(view).not_to_have_attribute("data-rendered", "1")
+    turned = view.screenshot()
+    assert turned != before
+    page.keyboard.press("0")
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+    page.locator(".player input[type=range]").focus()
+    scrub(page, 0.0)
+    page.keyboard.press("ArrowRight")
+    expect(view).to_have_attribute("aria-label", re.compile(r"at 0\.05 s"))
+    page.get_by_role("button", name="One sample back").click()
+    expect(view).to_have_attribute("aria-label", re.compile(r"at 0 s"))
+
+
+def test_colours_are_by_what_is_chosen(page: Page, opened: Opened) -> None:
+    view = opened("constant_power")
+    by_temperature = seen_at(page, view, 0.5)
+    page.get_by_label("Colour of elements").select_option("martensite_fraction")
+    expect(page.locator(".scene-legend")).to_contain_text("austenite")
+    expect(view).to_have_attribute("data-time", re.compile("^3"))
+    assert view.screenshot() != by_temperature
+
+
+def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
+    """Of a run of the same structure nothing is made anew."""
+    view = opened("constant_power")
+    scrub(page, 0.5)
+    page.evaluate("document.querySelector('.scene-view canvas').dataset.mine = 'yes'")
+    held = view.get_attribute("data-held")
+    text = shortened((EXAMPLES / "constant_power.toml").read_text("utf-8"))
+    for length in ("110 mm", "120 mm", "130 mm"):
+        count = rendered(view)
+        changed = text.replace("100 mm", length)
+        page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", packed(changed))
+        page.wait_for_function(
+            "n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count
+        )
+    expect(page.locator(".scene-view canvas[data-mine=yes]")).to_have_count(1)
+    assert view.get_attribute("data-held") == held
+
+
+def test_without_webgl_it_is_drawn_from_the_side(page: Page, bench: Bench) -> None:
+    page.add_init_script(
+        "const had = HTMLCanvasElement.prototype.getContext;"
+        "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
+        " return kind.startsWith('webgl') ? null : had.call(this, kind, ...rest); };"
+    )
+    text = shortened((EXAMPLES / "finger.toml").read_text("utf-8"))
+    page.goto(f"{bench.origin}/#/bench?scenario={packed(text)}")
+    page.reload()
+    side = page.locator("svg.scene-side")
+    expect(side).to_be_visible()
+    expect(page.get_by_text("no WebGL")).to_be_visible()
+    before = side.inner_html()
+    scrub(page, 1.0)
+    expect(side).to_have_attribute("aria-label", re.compile("at 6 s"))
+    assert side.inner_html() != before

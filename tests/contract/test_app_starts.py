@@ -1,0 +1,118 @@
+"""Every kind that a form of the bench offers can be chosen, and the scenario builds."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from martensite.app.calls.form import NEW, answer
+from martensite.app.forms import documents
+from martensite.app.forms.starts import starts
+from martensite.app.gallery import FOLDER, scenarios
+from martensite.app.worker import Desk
+from martensite.io.catalogue import registries
+from martensite.io.overrides import as_toml, changed
+from martensite.io.scenario import read
+from martensite.materials.base import material_names
+
+ALL = registries()
+SCENARIOS = {**scenarios(), "new": NEW.read_text("utf-8")}
+PLACES = {
+    "element": ("new", "element.kind"),
+    "ends": ("new", "element.ends.kind"),
+    "law": ("new", "element.law.kind"),
+    "resistance": ("new", "element.resistance.kind"),
+    "cooling": ("new", "environment.cooling.kind"),
+    "fluid": ("new", "environment.cooling.fluid.kind"),
+    "mechanism": ("new", "mechanism.kind"),
+    "drive": ("new", "drive.kind"),
+    "waveform": ("new", "drive.waveform.kind"),
+    "sensor": ("closed_loop_guarded", "sensors.spare.kind"),
+    "observer": ("closed_loop_sensorless", "observer.kind"),
+    "controller": ("closed_loop", "controller.kind"),
+    "supervisor": ("closed_loop_guarded", "supervisor.kind"),
+    "check": ("closed_loop_guarded", "supervisor.checks.hot.kind"),
+    "fault": ("closed_loop_guarded", "faults.sensor.kind"),
+}
+"""Registry -> a scenario, and where it has a kind of that registry."""
+SPARE = {"kind": "ideal", "of": "position"}
+ANGLES = {
+    "sensors": {
+        "alpha": {"kind": "tilt", "of": "alpha"},
+        "spare": {"kind": "ideal", "of": "alpha"},
+    },
+    "sensor": None,
+}
+DIFFERENT: dict[tuple[str, str], tuple[str, dict[str, Any], str]] = {
+    ("waveform", "carrier"): (
+        "new", {"drive.kind": "pwm-voltage"}, "a duty drives a switch, not a current",
+    ),
+    ("controller", "cascade"): (
+        "closed_loop", {"sensors": {"position": {"kind": "position"}, "temperature":
+        {"kind": "thermocouple"}}, "sensor": None}, "it reads a temperature as well",
+    ),
+    ("controller", "constant-power"): ("closed_loop_power", {}, "it reads voltage and current"),
+    ("sensor", "encoder"): ("closed_loop_platform", ANGLES, "it reads an angle"),
+    ("sensor", "gyroscope"): ("closed_loop_platform", ANGLES, "it reads an angle"),
+    ("sensor", "tilt"): ("closed_loop_platform", ANGLES, "it reads an angle"),
+    ("check", "mismatch"): (
+        "closed_loop_guarded", {"supervisor.checks.hot": {"kind": "sensor-lost", "reading":
+        "position"}}, "it compares readings of one unit",
+    ),
+}  # fmt: skip
+"""Kinds that make no sense where the others are tried: where they do, and why."""
+
+
+def desk(tmp_path: Path) -> Desk:
+    return Desk(tmp_path)
+
+
+def begun(registry: str, kind: str) -> str:
+    """The scenario that a kind is put into."""
+    name, changes, _ = DIFFERENT.get((registry, kind), (PLACES[registry][0], {}, ""))
+    document = documents.parsed(SCENARIOS[name])
+    if registry == "sensor":
+        document.setdefault("sensors", {})["spare"] = SPARE
+    if "drive.kind" in changes:
+        return answer({"text": as_toml(document), "changes": changes}, Desk(Path()))["text"]
+    document = changed(document, changes)
+    return as_toml({key: value for key, value in document.items() if value is not None})
+
+
+@pytest.mark.parametrize(
+    ("registry", "kind"), [(r, k) for r in ALL for k in ALL[r].names()], ids=str
+)
+def test_every_kind_can_be_chosen(registry: str, kind: str, tmp_path: Path) -> None:
+    _, path = PLACES[registry]
+    found = answer({"text": begun(registry, kind), "changes": {path: kind}}, desk(tmp_path))
+    assert found["missing"] == [], found["refused"]
+    document = documents.parsed(found["text"])
+    place = documents.table(document, path.removesuffix(".kind"))
+    assert place.get("kind", kind) == kind
+    read(found["text"], FOLDER / "scenario.toml")
+    for assumed in found["assumed"]:
+        assert documents.entry(document, assumed) is not None, assumed
+
+
+@pytest.mark.parametrize("name", material_names())
+@pytest.mark.parametrize("scenario", ["new", "platform_spring", "clamped_wire", "finger"])
+def test_every_material_can_be_chosen(name: str, scenario: str, tmp_path: Path) -> None:
+    request = {"text": SCENARIOS[scenario], "changes": {"element.material": name}}
+    found = answer(request, desk(tmp_path))
+    assert found["missing"] == []
+    assert documents.parsed(found["text"])["element"]["material"] == name
+    read(found["text"], FOLDER / "scenario.toml")
+
+
+def test_every_registry_has_a_place() -> None:
+    assert set(PLACES) == set(ALL)
+
+
+def test_start_values_are_those_of_what_there_is() -> None:
+    """A name that is gone, or misspelt, is found."""
+    own = ("parts", "material", "levels", "component")
+    for registry, kinds in starts().items():
+        for kind, values in kinds.items() if registry not in own else ():
+            declared = ALL[registry][kind].declarations
+            assert set(values) <= {*declared, "example"}, (registry, kind)
+            assert values.get("example", "new") in SCENARIOS

@@ -1,0 +1,66 @@
+"""What headings of logs are taken for; a guess is checked against what reads logs unseen."""
+
+import pytest
+
+from martensite.io.guess import SPELLINGS, guess, guesses, usual_units
+from martensite.io.layout import CANONICAL, read_headings
+
+HEADINGS = {
+    "T [degC]": ("temperature", "degC"),
+    "temp (C)": ("temperature", "degC"),
+    "temp_ambient_C": ("temperature", "degC"),
+    "Time_s": ("time", "s"),
+    "time(ms)": ("time", "ms"),
+    "t": ("time", ""),
+    "F/N": ("force", "N"),
+    "load cell kN": ("force", "kN"),
+    "U in V": ("voltage", "V"),
+    "strain %": ("strain", "%"),
+    "Strain [-]": ("strain", "1"),
+    "R [Ohm]": ("resistance", "ohm"),
+    "I (mA)": ("current", "mA"),
+    "Stress (N/mm²)": ("stress", "MPa"),
+    "displacement_mm": ("position", "mm"),
+    "Channel 3 (V)": ("voltage", "V"),
+    "protagonist.temperature [degC]": ("protagonist.temperature", "degC"),
+    "=cmd()": ("", ""),
+    "time of day": ("time", ""),
+    "": ("", ""),
+}
+
+
+@pytest.mark.parametrize("heading", HEADINGS)
+def test_headings_are_guessed(heading: str) -> None:
+    found = guess(heading)
+    assert (found.name, found.unit) == HEADINGS[heading]
+
+
+@pytest.mark.parametrize("heading", [h for h, (name, unit) in HEADINGS.items() if name and unit])
+def test_a_guess_is_read_by_the_reader_of_logs(heading: str) -> None:
+    found = guess(heading)
+    (column,) = read_headings([f"{found.name} [{found.unit}]"], "the log")
+    assert column.name == found.name
+
+
+def test_a_name_gives_way_to_a_unit_that_contradicts_it() -> None:
+    assert guess("temperature [V]").name == "temperature"  # as it is called: the reader refuses it
+    assert guess("temp drive [V]").name == "voltage"
+
+
+def test_a_time_of_day_is_told_by_its_cells() -> None:
+    assert guess("stamp", "17:27:33") == guess("time [clock]", "17:27:33")
+    assert guess("stamp", "17").name == ""
+
+
+def test_no_two_columns_are_guessed_alike() -> None:
+    found = guesses(["T1 [C]", "T2 [C]", "t [s]"], ["20", "21", "0"])
+    assert [one.name for one in found] == ["temperature", "", "time"]
+
+
+@pytest.mark.parametrize("name", CANONICAL)
+def test_usual_units_are_those_that_fit(name: str) -> None:
+    found = usual_units(name)
+    assert found
+    for unit in found:
+        assert read_headings([f"{name} [{unit}]"], "the log")[0].name == name
+    assert set(found) < {*SPELLINGS, "clock", *found[:1]}

@@ -1,0 +1,67 @@
+// A row of the form: label, mark of what is changed, button for what is known of it, and the control.
+
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { Details, hint } from "./details.tsx";
+import { refusals } from "./state.ts";
+import { Symbol } from "./symbol.tsx";
+import type { Single } from "./types.ts";
+
+export const idOf = (path: string): string => `form-${path.replaceAll(/[^\w-]/g, "-")}`;
+const faultId = (path: string): string => `${idOf(path)}-fault`;
+
+/** Attributes of a control that say whether its value was refused, and why. */
+export function faulty(path: string): { "aria-invalid"?: "true"; "aria-describedby"?: string } {
+  return refusals.value[path] ? { "aria-invalid": "true", "aria-describedby": faultId(path) } : {};
+}
+
+const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
+
+export function nameOf(node: Single): ComponentChildren {
+  return node.symbol ? <Symbol text={node.symbol} /> : capital(node.title);
+}
+
+export function Row({ node, children }: { node: Single; children: ComponentChildren }) {
+  const open = useSignal(false);
+  const id = idOf(node.path);
+  const words = refusals.value[node.path];
+  const about = node.symbol ? node.meaning : "";
+  return (
+    <div class={`form-row ${node.changed ? "changed" : ""}`}>
+      <div class="form-label">
+        <label for={id} title={hint(node)}>
+          {nameOf(node)} {about && <span class="small about">{about}</span>}
+        </label>
+        {node.changed && (
+          <span class="mark" title="Changed from its default">
+            <span aria-hidden="true">●</span>
+            <span class="hidden">changed</span>
+          </span>
+        )}
+        {node.origin.doubtful && (
+          <span class="mark doubtful" title={`${capital(node.origin.kind ?? "")}, not measured`}>
+            {node.origin.kind}
+          </span>
+        )}
+        <button
+          type="button"
+          class="quiet info"
+          aria-expanded={open.value}
+          aria-controls={`${id}-more`}
+          aria-label={`About ${node.title}`}
+          title={hint(node)}
+          onClick={() => (open.value = !open.value)}
+        >
+          <span aria-hidden="true">i</span>
+        </button>
+      </div>
+      {children}
+      {words && (
+        <p class="fault small" id={faultId(node.path)} role="alert">
+          {words}
+        </p>
+      )}
+      {open.value && <Details node={node} id={`${id}-more`} />}
+    </div>
+  );
+}

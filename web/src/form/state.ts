@@ -1,0 +1,181 @@
+// The form of the scenario on the bench, and how its controls change it.
+//
+// Numbers are tried by running them: one request at a time, at the end always the newest value. A
+// drag of a slider is one step to undo. Kinds and whole documents go through the call `form`.
+
+import { batch, effect, signal } from "@preact/signals";
+import { call, Refusal } from "../lib/api.ts";
+import { refused, tryChanges } from "../state/run.ts";
+import { change, text } from "../state/scenario.ts";
+import type { Form, NumberNode, Single, Slider } from "./types.ts";
+
+export const form = signal<Form | null>(null);
+/** Why there is no form of the document. */
+export const trouble = signal("");
+export const search = signal("");
+/** What was assumed or dropped with the last kind that was chosen. */
+export const notes = signal<string[]>([]);
+/** Numbers that a kind still needs, and the changes that wait for them. */
+export const wanting = signal<{ sentence: string; missing: Single[]; changes: Record<string, unknown> } | null>(null);
+/** Path -> sentence of the value that was refused there. */
+export const refusals = signal<Record<string, string>>({});
+
+type Changes = Record<string, unknown>;
+
+const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
+
+/** The document that the form shows. */
+let shown = "";
+/** Ends of sliders, kept while the form is worked with, so that they do not move under the hand. */
+const ranges = new Map<string, Slider>();
+let waiting = 0;
+
+export function rangeOf(node: NumberNode): Slider | null {
+  const kept = ranges.get(`${node.path} ${node.unit}`);
+  const value = node.value;
+  if (kept && value !== null && value >= kept.low && value <= kept.high) return kept;
+  if (node.slider) ranges.set(`${node.path} ${node.unit}`, node.slider);
+  return node.slider;
+}
+
+function show(found: Form): void {
+  batch(() => {
+    form.value = found;
+    trouble.value = "";
+    shown = found.text ?? shown;
+  });
+}
+
+async function ask(document: string): Promise<void> {
+  try {
+    const found = await call<Form>("form", { text: document }, "form");
+    if (document === text.value) show(found);
+  } catch (error) {
+    if (superseded(error) || document !== text.value) return;
+    batch(() => {
+      form.value = null;
+      trouble.value = sentence(error);
+    });
+  }
+}
+
+/** Keep the form in step with the document, whoever changes it. */
+export function followForm(): () => void {
+  return effect(() => {
+    const now = text.value;
+    clearTimeout(waiting);
+    if (!now || now === shown) return;
+    const own = sent.has(now);
+    if (!own) forget();
+    waiting = window.setTimeout(() => void ask(now), own ? 250 : 0);
+  });
+}
+
+/** Another document has come: nothing of what was tried before holds. */
+function forget(): void {
+  ranges.clear();
+  sent.clear();
+  refusals.value = {};
+  notes.value = [];
+  wanting.value = null;
+}
+
+// ---------------------------------------------------------------- whole documents
+
+/** Put a document in place if it can be built; the sentence of what was wrong, or nothing. */
+export function load(document: string): Promise<string> {
+  return through({ text: document });
+}
+
+/** Choose another kind, or leave entries to the material or their defaults. */
+export function restructure(changes: Changes, removed: string[] = []): Promise<string> {
+  return through({ text: text.value, changes, removed });
+}
+
+async function through(request: { text: string; changes?: Changes; removed?: string[] }): Promise<string> {
+  try {
+    const found = await call<Form>("form", request, "form");
+    if (found.text === null) {
+      wanting.value = { sentence: found.refused ?? "", missing: found.missing, changes: request.changes ?? {} };
+      return "";
+    }
+    const next = found.text;
+    batch(() => {
+      forget();
+      show(found);
+      refused.value = "";
+      notes.value = [...found.notes, ...assumed(found)];
+      change(next);
+    });
+    return "";
+  } catch (error) {
+    return superseded(error) ? "" : sentence(error);
+  }
+}
+
+function assumed(found: Form): string[] {
+  if (found.assumed.length === 0) return [];
+  const names = found.assumed.map((path) => path.split(".").slice(-2).join(" ").replaceAll("_", " "));
+  return [`Assumed start values, no data of a source: ${names.join(", ")}.`];
+}
+
+// ---------------------------------------------------------------- numbers
+
+/** Documents that came of changes made here. */
+const sent = new Set<string>();
+let busy = false;
+let pending: { changes: Changes; drag: number } | null = null;
+let drag = 0;
+let dragged = { path: "", at: 0, taken: false };
+
+/** Try numbers; the newest of each waits until the last request is answered. */
+export function send(changes: Changes, ofDrag = 0): void {
+  pending = { changes: { ...pending?.changes, ...changes }, drag: ofDrag };
+  if (!busy) void pump();
+}
+
+/** A value of a slider in motion. */
+export function slide(path: string, value: string | number): void {
+  const now = performance.now();
+  if (path !== dragged.path || now - dragged.at > 1000) {
+    drag += 1;
+    dragged = { path, at: now, taken: false };
+  }
+  dragged.at = now;
+  send({ [path]: value }, drag);
+}
+
+/** The hand takes a slider anew. */
+export const grip = (): void => void (dragged.path = "");
+
+async function pump(): Promise<void> {
+  busy = true;
+  while (pending) {
+    const mine: { changes: Changes; drag: number } = pending;
+    pending = null;
+    const merge = mine.drag > 0 && mine.drag === drag && dragged.taken;
+    const taken = await tryChanges(mine.changes, merge);
+    if (taken) {
+      sent.add(text.value);
+      if (mine.drag === drag) dragged.taken = true;
+    }
+    settle(Object.keys(mine.changes), taken ? "" : refused.value);
+  }
+  busy = false;
+}
+
+function settle(paths: string[], words: string): void {
+  const next = { ...refusals.value };
+  for (const path of paths) {
+    if (words) next[path] = words;
+    else delete next[path];
+  }
+  refusals.value = next;
+}
+
+/** Give a refused value up. */
+export function giveUp(path: string): void {
+  settle([path], "");
+  refused.value = "";
+}

@@ -1,0 +1,48 @@
+// A field for a number that is kept in SI and shown in a unit that people read.
+
+import { useSignal } from "@preact/signals";
+import { digits } from "../lib/numbers.ts";
+
+interface NumberProps {
+  label: string;
+  value: number | null;
+  /** shown = SI * factor + offset */
+  how: { factor: number; offset: number; shown: string };
+  onChange: (value: number | null) => void;
+  placeholder?: string;
+  hideLabel?: boolean;
+}
+
+export function NumberField({ label, value, how, onChange, placeholder = "", hideLabel = false }: NumberProps) {
+  const wrong = useSignal(false);
+  const shown = value === null ? "" : digits(value * how.factor + how.offset, 7);
+  const change = (text: string): void => {
+    const plain = text.trim().replace(",", ".");
+    const number = Number(plain);
+    wrong.value = plain !== "" && !Number.isFinite(number);
+    if (!wrong.value) onChange(plain === "" ? null : (number - how.offset) / how.factor);
+  };
+  const name = how.shown ? `${label} [${printed(how.shown)}]` : label;
+  return (
+    <label class="identify-number">
+      {!hideLabel && <span>{label} </span>}
+      <input
+        type="text"
+        inputMode="decimal"
+        size={9}
+        aria-label={name}
+        aria-invalid={wrong.value}
+        placeholder={placeholder}
+        value={shown}
+        onChange={(event) => change(event.currentTarget.value)}
+      />
+      {!hideLabel && how.shown && <span> {printed(how.shown)}</span>}
+    </label>
+  );
+}
+
+/** A unit as it is printed. */
+export const printed = (unit: string): string =>
+  unit.replace(/\bdegC\b/, "°C").replace(/\bohm\b/, "Ω").replaceAll("^2", "²").replaceAll("^3", "³").replaceAll("*", " ");
+
+export const SECONDS = { factor: 1, offset: 0, shown: "s" };

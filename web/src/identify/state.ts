@@ -1,0 +1,230 @@
+// What the reader has chosen on the way to a fit; kept in this tab, so that a reload finds it again.
+
+import { computed, effect, signal } from "@preact/signals";
+import { call, Refusal, upload } from "../lib/api.ts";
+import { watched } from "../state/jobs.ts";
+import type { Note, Outcome, RecordsView, ScenarioView, TableView } from "./types.ts";
+
+export const STEPS = ["File", "Records", "Scenario", "Fit", "Result"] as const;
+
+export interface Column {
+  at: number;
+  name: string;
+  unit: string;
+  /** Whether name or unit are as guessed from the heading. */
+  guessed: boolean;
+}
+
+export interface Cut {
+  name: string;
+  /** [s] */
+  from: number;
+  to: number;
+  /** Every so many rows. */
+  every: number;
+  /** Whether it is kept back from the fit. */
+  held: boolean;
+}
+
+/** Start and bounds in SI; null for what the library chooses. */
+export interface Choice {
+  start: number | null;
+  low: number | null;
+  high: number | null;
+}
+
+export interface State {
+  step: number;
+  file: { key: string; name: string; bytes: number } | null;
+  separator: string;
+  drop: boolean;
+  /** Time between rows [s], where no column is the time. */
+  interval: number | null;
+  columns: Column[];
+  cuts: Cut[];
+  /** The scenario: TOML, and where it is from. */
+  text: string;
+  origin: string;
+  free: Record<string, Choice>;
+  each: string[];
+  /** Outputs that are not compared though they could be. */
+  ignored: string[];
+  method: string;
+  loss: string;
+  starts: number;
+  holdOut: string;
+  /** The job whose outcome was thrown away. */
+  dropped: string;
+}
+
+const EMPTY: State = {
+  step: 0, file: null, separator: "auto", drop: false, interval: null, columns: [], cuts: [], text: "", origin: "",
+  free: {}, each: [], ignored: [], method: "trf", loss: "linear", starts: 0, holdOut: "auto", dropped: "",
+};
+const PLACE = "martensite-identify";
+
+function kept(): State {
+  try {
+    return { ...EMPTY, ...(JSON.parse(sessionStorage.getItem(PLACE) ?? "{}") as Partial<State>) };
+  } catch {
+    return EMPTY;
+  }
+}
+
+export const state = signal<State>(kept());
+effect(() => {
+  try {
+    sessionStorage.setItem(PLACE, JSON.stringify(state.value));
+  } catch {
+    // full, or not allowed: the state is lost on a reload
+  }
+});
+export const put = (patch: Partial<State>): void => void (state.value = { ...state.value, ...patch });
+
+export const table = signal<TableView | null>(null);
+export const records = signal<RecordsView | null>(null);
+export const scenario = signal<ScenarioView | null>(null);
+export const refused = signal("");
+export const busy = signal("");
+
+export const fitting = watched<Note, Outcome>("fit");
+export const reporting = watched<Note, { key: string; name: string }>("fit_files");
+
+/** The table and its meaning, as the server takes them. */
+export const logRequest = computed(() => {
+  const { file, separator, drop, interval, columns, cuts } = state.value;
+  return {
+    key: file?.key ?? "",
+    separator,
+    drop,
+    interval: columns.some((one) => one.name === "time") ? null : interval,
+    columns: columns.filter((one) => one.name).map(({ at, name, unit }) => ({ at, name, unit })),
+    cuts: cuts.map(({ name, from, to, every }) => ({ name, from, to, every })),
+  };
+});
+
+/** All that is asked of the fit. */
+export const fitRequest = computed(() => {
+  const { text, free, each, ignored, method, loss, starts, holdOut, cuts } = state.value;
+  const outputs = scenario.value?.outputs.map((one) => one.name) ?? [];
+  const compare = outputs.filter((name) => !ignored.includes(name));
+  const held = cuts.filter((one) => one.held).map((one) => one.name);
+  return {
+    ...logRequest.value,
+    text,
+    free: Object.entries(free).map(([name, choice]) => ({ name, ...choice })),
+    each: each.map((name) => ({ name })),
+    compare: compare.length === outputs.length ? [] : compare,
+    hold_out: held.length ? held : holdOut,
+    method,
+    loss,
+    starts,
+  };
+});
+
+/** Ask the server; what it refuses is told, and gives null. */
+export async function asked<T>(name: string, request: object, words: string): Promise<T | null> {
+  busy.value = words;
+  try {
+    const found = await call<T>(name, request, `identify ${name}`);
+    refused.value = "";
+    return found;
+  } catch (error) {
+    if (error instanceof Refusal && error.kind === "superseded") return null;
+    refused.value = error instanceof Error ? error.message : String(error);
+    return null;
+  } finally {
+    busy.value = "";
+  }
+}
+
+/** Look at a file; `fresh` takes over what is guessed of its columns. */
+export async function readTable(fresh: boolean): Promise<void> {
+  const { file, separator } = state.value;
+  if (!file) return;
+  const found = await asked<TableView>("table", { key: file.key, separator }, "Reading the file …");
+  table.value = found;
+  if (found && (fresh || state.value.columns.length !== found.columns.length)) {
+    const columns = found.columns.map(({ name, unit }, at) => ({ at, name, unit, guessed: true }));
+    put({ columns, cuts: [] });
+    records.value = scenario.value = null;
+  }
+}
+
+export async function takeFile(file: File): Promise<void> {
+  busy.value = "Uploading …";
+  try {
+    const found = await upload(file);
+    table.value = records.value = scenario.value = null;
+    put({ file: found, separator: "auto", drop: false, interval: null, columns: [], cuts: [], step: 0 });
+    await readTable(true);
+  } catch (error) {
+    refused.value = error instanceof Error ? error.message : String(error);
+  } finally {
+    busy.value = "";
+  }
+}
+
+export async function readRecords(): Promise<boolean> {
+  const found = await asked<RecordsView>("fit_records", logRequest.value, "Reading the columns …");
+  if (found) records.value = found;
+  return found !== null;
+}
+
+/** Look at the scenario beside the log; a drive may be made to follow a column. */
+export async function readScenario(follow: { path: string; column: string } | null = null): Promise<void> {
+  const { text } = state.value;
+  if (!text) return;
+  const found = await asked<ScenarioView>("fit_scenario", { ...logRequest.value, text, ...(follow ? { follow } : {}) }, "Reading the scenario …");
+  if (!found) return;
+  scenario.value = found;
+  const known = new Set(found.numbers.map((one) => one.name));
+  const free = Object.fromEntries(Object.entries(state.value.free).filter(([name]) => !known.size || known.has(name)));
+  put({ text: found.text, free });
+}
+
+/** Go to a step, once what it shows has been read. */
+export async function goTo(step: number): Promise<void> {
+  refused.value = "";
+  if (step === 0 && !table.value) await readTable(false);
+  if (step >= 1 && step <= 3 && !(await readRecords())) return;
+  if (step === 1 && !state.value.cuts.length && records.value) put({ cuts: [wholeCut()] });
+  if (step === 2 || (step === 3 && !scenario.value)) await readScenario();
+  put({ step });
+}
+
+const MANY = 4000;
+
+/** The whole log as one record, thinned out if it is long. */
+export function wholeCut(): Cut {
+  const { begin = 0, end = 0, rows = 0 } = records.value ?? {};
+  const count = state.value.cuts.length;
+  const name = (state.value.file?.name ?? "log").replace(/\.\w+$/, "") + (count ? `-${count + 1}` : "");
+  return { name, from: begin, to: end, every: Math.max(1, Math.ceil(rows / MANY)), held: false };
+}
+
+export const isRunning = computed(() => fitting.job.value?.state === "running");
+
+export async function beginFit(further: object = {}): Promise<void> {
+  refused.value = "";
+  put({ dropped: "", step: 3 });
+  fitting.job.value = null;
+  await fitting.begin({ ...fitRequest.value, ...further });
+}
+
+/** End the fit; its best so far is kept, or thrown away. */
+export async function endFit(keep: boolean): Promise<void> {
+  if (!keep) put({ dropped: fitting.job.value?.id ?? "" });
+  await fitting.cancel();
+  // a process that did not end in time was ended by force: its best so far is in the state of its search
+  if (keep && fitting.job.value?.state === "cancelled" && bestKept.value) await beginFit({ state: bestKept.value, finish: true });
+}
+
+export const bestKept = computed(() => fitting.job.value?.trail.find((note) => note.problem)?.problem?.state ?? "");
+
+/** The outcome, if there is one that was not thrown away. */
+export const outcome = computed((): Outcome | null => {
+  const job = fitting.job.value;
+  const found = job?.outcome;
+  return job?.state === "done" && job.id !== state.value.dropped && found && typeof found === "object" ? found : null;
+});

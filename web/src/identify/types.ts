@@ -1,0 +1,166 @@
+// What the server tells of a log, of a scenario beside it, and of a fit; see martensite.app.calls
+// table, fit_records, fit_scenario, fit. Numbers are in SI.
+
+/** How something is shown: shown = SI * factor + offset. */
+export interface Shown {
+  unit: string;
+  shown: string;
+  factor: number;
+  offset: number;
+}
+
+export interface TableColumn {
+  heading: string;
+  name: string;
+  unit: string;
+  min: number | null;
+  max: number | null;
+  missing: number;
+  wrong: number;
+  first_wrong: string;
+  curve: [number[], (number | null)[]];
+}
+
+export interface TableView {
+  name: string;
+  rows: number;
+  separator: string;
+  headed: boolean;
+  preview: string[][];
+  columns: TableColumn[];
+  /** Known names, each with the units it may be in. */
+  names: Record<string, string[]>;
+  notes: string[];
+}
+
+export interface RecordsView {
+  begin: number;
+  end: number;
+  rows: number;
+  dropped: number;
+  columns: (Shown & { name: string; times: number[]; values: (number | null)[]; missing: number })[];
+  cuts: { name: string; rows: number }[];
+}
+
+export interface Quantity extends Shown {
+  name: string;
+  group: string;
+  places: number;
+  value: number;
+  low: number | null;
+  high: number | null;
+  allowed: string;
+  doc: string;
+  origin: string;
+}
+
+export interface Drive {
+  path: string;
+  kind: string;
+  waveform: string;
+  column: string;
+  what: string;
+}
+
+export interface ScenarioView {
+  text: string;
+  title: string;
+  described?: string;
+  refused: string;
+  drives: Drive[];
+  columns: Record<string, string>;
+  records: string[];
+  numbers: Quantity[];
+  outputs: (Shown & { name: string; difference: Shown })[];
+  notes?: string[];
+  methods: Record<string, string>;
+  losses: Record<string, string>;
+}
+
+export interface Parameter extends Shown {
+  name: string;
+  record: string | null;
+  start: number;
+  low: number;
+  high: number;
+  doc: string;
+}
+
+export interface Measured {
+  name: string;
+  times: number[];
+  held: boolean[];
+  outputs: (Shown & { name: string; long_name: string; measured: (number | null)[] })[];
+}
+
+export interface Problem {
+  parameters: Parameter[];
+  records: Measured[];
+  noisy: string[];
+  notes: string[];
+  state: string;
+}
+
+export interface Note {
+  problem?: Problem;
+  stage?: string;
+  cost?: number | null;
+  simulations?: number;
+  share?: number;
+  seconds?: number;
+  values?: Record<string, number>;
+  /** Best so far: records, outputs, rows. */
+  curves?: (number | null)[][][];
+}
+
+export interface Found extends Parameter {
+  value: number;
+  interval: [number, number] | null;
+  mark: string;
+}
+
+export interface Score extends Shown {
+  record: string;
+  output: string;
+  part: string;
+  rms: number;
+  fit_percent: number | null;
+  maximum: number;
+  maximum_at: number;
+  bias: number;
+}
+
+export interface Compared extends Shown {
+  record: string;
+  output: string;
+  long_name: string;
+  times: number[];
+  measured: (number | null)[];
+  model: number[];
+  held: boolean[];
+}
+
+export interface Outcome {
+  title: string;
+  reason: string;
+  cost: number;
+  simulations: number;
+  jacobians: number;
+  seconds: number;
+  parameters: Found[];
+  own: Record<string, number>;
+  scores: Score[];
+  determined: boolean;
+  open: string[];
+  uncertainty: string[];
+  correlation: (number | null)[][];
+  whiteness: string[];
+  predictions: string[];
+  warnings: string[];
+  notes: string[];
+  history: [number, number][];
+  rows: Compared[];
+  scenario: string;
+  /** Key of what files are made from. */
+  fit: string;
+}

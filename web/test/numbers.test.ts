@@ -1,0 +1,23 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { difference, digits, toShown } from "../src/lib/numbers.ts";
+
+test("numbers have so many digits, and no tail of zeros", () => {
+  assert.equal(digits(1234.5678), "1235");
+  assert.equal(digits(0.25), "0.25");
+  assert.equal(digits(0), "0");
+  assert.equal(digits(-1.5e-7), "-1.5e-7");
+  assert.equal(digits(2e9), "2e+9");
+  assert.equal(digits(1 / 3, 2), "0.33");
+});
+
+test("what is no number is a dash", () => {
+  for (const value of [null, undefined, NaN, Infinity]) assert.equal(digits(value), "–");
+});
+
+test("temperatures are shown with their offset, differences without", () => {
+  const celsius = { factor: 1, offset: -273.15 };
+  assert.ok(Math.abs(toShown(293.15, celsius) - 20) < 1e-9);
+  assert.equal(difference(5, celsius), 5);
+  assert.equal(toShown(0.002, { factor: 1000, offset: 0 }), 2);
+});
