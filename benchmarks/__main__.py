@@ -16,6 +16,7 @@ from typing import Any
 from rich.console import Console
 
 from benchmarks import (  # noqa: F401  (enter theirs)
+    app,
     page,
     sections_chains,
     sections_elements,

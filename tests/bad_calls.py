@@ -32,7 +32,8 @@ CALLS = {
     "    desk.tell({'child': child.pid})\n    time.sleep(600)\n",
     "many": "def answer(request, desk):\n"
     "    for k in range(request['notes']):\n        desk.tell({'k': k})\n    return {'k': k}\n",
-    "tree": "def answer(request, desk):\n    return {'none': float('nan'), 'n': [float('inf'), 1]}\n",
+    "tree": "def answer(request, desk):\n"
+    "    return {'none': float('nan'), 'n': [float('inf'), 1]}\n",
 }  # fmt: skip
 MAIN = """import sys
 sys.path.insert(0, {folder!r})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,3 +31,19 @@ def pages() -> list[Path]:
     folder = ROOT / "docs"
     built = folder / "_build"
     return sorted(p for p in folder.rglob("*.md") if built not in p.parents)
+
+
+LONG = ("martensite size ", "martensite tune ")
+"""Commands of README.md that take seconds and leave nothing that a later one needs."""
+
+
+def apart(line: str, folder: Path) -> bool:
+    """Whether a command has a test of its own: a long one, or one on measured data."""
+    return line.startswith(LONG) or needs_data(line, folder)
+
+
+def needs_data(line: str, folder: Path) -> bool:
+    """Whether a command of a page reads or fetches a published measurement."""
+    named = [folder / word for word in shlex.split(line) if word.endswith(".toml")]
+    scenarios = [path.read_text(encoding="utf-8") for path in named if path.is_file()]
+    return " data fetch " in line or any('"data:' in text for text in scenarios)

@@ -119,6 +119,14 @@ def heated(current: float = 0.55, noise: float = 0.01) -> Record:
     return measured(pulse(current), HEATED, ["position", "resistance"], HEAT_TRUTH, noise)
 
 
+def repeated(record: Record, times: int) -> Record:
+    """A record several times in a row: a fit of it takes that much longer."""
+    count, columns = len(record), {n: c * times for n, c in record.columns.items()}
+    last = record.times[-1] + record.times[1] - record.times[0]
+    columns["time"] = [t + (k // count) * last for k, t in enumerate(columns["time"])]
+    return Record(record.name, columns, record.units)
+
+
 def write_log(record: Record, path: str | Path, begin: float = 0.0) -> str:
     """Write a record as a table with headings, in the units people use."""
     table: list[list[str]] = []

@@ -33,6 +33,7 @@ DRAWN = (
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "blocks": blocks.all_blocks,
+    "sweeps": parts.sweeps,
     "materials": parts.all_materials,
     "numbers": parts.canonical_numbers,
     "outputs": parts.outputs,

@@ -1,8 +1,8 @@
 """Sphinx extension: a gallery of figures that other pages draw.
 
 The directive `gallery` has a line `PAGE | title | description` for every figure. The figure is the
-first of the cell with the tag `gallery` on that page, or with `PAGE#NAME` the image file NAME in it.
-Nothing is drawn twice; a figure that is missing is a warning, which fails the build.
+first of the cell with the tag `gallery` on that page, or with `PAGE#NAME` the drawing `NAME.svg` in
+it. Nothing is drawn twice; a figure that is missing is a warning, which fails the build.
 """
 
 from __future__ import annotations

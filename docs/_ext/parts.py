@@ -13,8 +13,12 @@ from martensite.cli import describe
 from martensite.materials.base import DOUBTFUL, Material, load_material, material_names
 from martensite.materials.names import NAMES
 from martensite.parameters import Parametrised
+from martensite.registry import Registry
+from martensite.simulate.measures.base import MEASURES
 from martensite.status import Status
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
+from martensite.sweep.backends.base import BACKENDS
+from martensite.sweep.designs.base import DESIGNS
 from martensite.system import OUTPUTS
 
 PLURALS = {
@@ -156,6 +160,21 @@ def canonical_numbers() -> str:
     """The names under which materials hold numbers."""
     rows = [(code(name), code(unit), meaning) for name, (unit, meaning) in NAMES.items()]
     return table(("name", "SI unit", "meaning"), rows)
+
+
+# -- sweeps ------------------------------------------------------------------------------
+def sweeps() -> str:
+    """Measures with their parameters, then what makes a sample and who runs it."""
+    measures = [part(describe.one(MEASURES, name)) for name in MEASURES.names()]
+    return "\n".join(
+        ["## Measures\n", *measures, "## Samples\n", _listed(DESIGNS), "## Backends\n",
+         _listed(BACKENDS)]
+    )  # fmt: skip
+
+
+def _listed(registry: Registry[Any]) -> str:
+    rows = [(code(name), describe.summary(registry[name])) for name in registry.names()]
+    return table((registry.kind, "what it is"), rows)
 
 
 # -- results -----------------------------------------------------------------------------

@@ -60,8 +60,9 @@ class Registry(Generic[T]):
 
     def _find(self, name: str) -> None:
         """Import the file that is called like an entry, if there is one: others may be heavy."""
-        own = f"{self.package}.{name.replace('-', '_')}"
-        if name not in self._entries and own.rpartition(".")[2].isidentifier() and find_spec(own):
+        module = name.replace("-", "_")
+        own = f"{self.package}.{module}"
+        if name not in self._entries and module.isidentifier() and find_spec(own):
             import_module(own)
 
     def _scan(self) -> None:

@@ -36,7 +36,10 @@ def test_figures(bench: Bench, what: str, begin: bytes) -> None:
     assert len(content) > 20_000
 
 
-def test_the_netcdf_is_that_of_the_command_line(bench: Bench, tmp_path: Path) -> None:
+def test_the_netcdf_is_that_of_the_command_line(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     _, content = made(bench, "nc")
     (tmp_path / "bench.nc").write_bytes(content)
     done = CliRunner().invoke(

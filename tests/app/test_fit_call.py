@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from app_server import Bench
-from fit_cases import HEATED, ISOBARIC, TRUE, heated, isobaric, write_log
+from fit_cases import HEATED, ISOBARIC, TRUE, heated, isobaric, repeated, write_log
 from websockets.sync.client import connect
 
 from martensite.app.calls.fit import answer as fit
@@ -209,14 +209,19 @@ def test_records_are_cut_and_thinned(desk: Desk) -> None:
     ]
     request = asked(desk, cuts=cuts, hold_out=["down"])
     found = records(request, desk)
-    assert found["cuts"] == [{"name": "up", "rows": 61}, {"name": "down", "rows": 30}]
+    told = [(one["name"], one["rows"], one["refused"]) for one in found["cuts"]]
+    assert told == [("up", 61, ""), ("down", 30, "")]
     fitted = fit(request, desk)
     parts = {(one["record"], one["part"]) for one in fitted["scores"]}
     assert parts == {("up", "training"), ("down", "held-out")}
-    with pytest.raises(InputError, match="Record `short`, 1 s to 2 s, has 2 rows"):
-        records(request | {"cuts": [{"name": "short", "from": 1.0, "to": 2.0}]}, desk)
-    with pytest.raises(InputError, match="1 is the least"):
-        records(request | {"cuts": [{"name": "none", "every": 0}]}, desk)
+    for cut, words in (
+        ({"name": "short", "from": 1.0, "to": 2.0}, "Record `short`, 1 s to 2 s, has 2 rows"),
+        ({"name": "none", "every": 0}, "1 is the least"),
+    ):
+        (one,) = records(request | {"cuts": [cut]}, desk)["cuts"]
+        assert words in one["refused"]
+        with pytest.raises(InputError, match=words):
+            fit(request | {"cuts": [cut]}, desk)
 
 
 @pytest.mark.parametrize(
@@ -263,7 +268,7 @@ def test_corners_keep_the_shape_of_a_curve() -> None:
 def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:
     """A long search is ended by DELETE, and answers with the best so far."""
     with bench.client() as client:
-        log = Path(write_log(heated(), tmp_path / "pulse.csv"))
+        log = Path(write_log(repeated(heated(), 8), tmp_path / "pulse.csv"))
         key = client.post("/api/files?name=pulse.csv", content=log.read_bytes()).json()["key"]
         columns = [
             {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "current", "unit": "A"},
@@ -275,7 +280,9 @@ def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:
             "hold_out": "none",
         }  # fmt: skip
         job = client.post("/api/jobs", json={"call": "fit", "request": request}).json()
-        address = f"{bench.origin.replace('http', 'ws')}/api/jobs/{job['id']}/watch?tab=tab-of-tests"
+        address = (
+            f"{bench.origin.replace('http', 'ws')}/api/jobs/{job['id']}/watch?tab=tab-of-tests"
+        )
         headers = {"Authorization": f"Bearer {bench.token}"}
         with connect(address, additional_headers=headers, max_size=2**26) as socket:
             heard = listened(socket.recv, lambda m: m.get("note", {}).get("simulations", 0) > 5)

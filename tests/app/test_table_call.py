@@ -110,7 +110,11 @@ def test_mat_files_are_read(desk: Desk) -> None:
 
 def test_units_are_checked_when_columns_are_mapped(desk: Desk) -> None:
     key = put(desk, LOG)
-    for unit, words in (("", "has no unit"), ("bar", "cannot be converted"), ("x]y", "not a name with a unit")):
+    for unit, words in (
+        ("", "has no unit"),
+        ("bar", "cannot be converted"),
+        ("x]y", "not a name with a unit"),
+    ):
         with pytest.raises(InputError, match=words):
             records({"key": key, "columns": columns((0, "time", "s"), (2, "force", unit))}, desk)
     with pytest.raises(InputError, match="two columns `force`"):

@@ -157,7 +157,9 @@ def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
         asyncio.run(Drawer(occupied).take("a.csv", streamed([b"x"])))
 
 
-def test_a_file_of_the_greatest_size_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_of_the_greatest_size_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(drawer, "MOST_BYTES", 100)
     key, path = asyncio.run(Drawer(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 40])))
     assert path.stat().st_size == 100

@@ -3,6 +3,7 @@
 import math
 import tomllib
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,7 @@ def test_stretches_cover_the_path() -> None:
     parts = stretches(power("0.45 W"))["element"]
     assert parts[0][1] == 0
     assert parts[-1][2] == 1000
-    assert all(one[2] == other[1] for one, other in zip(parts, parts[1:], strict=False))
+    assert all(one[2] == other[1] for one, other in pairwise(parts))
     assert [one[0] for one in parts] == [1, -1]
 
 

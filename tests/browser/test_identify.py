@@ -2,16 +2,29 @@
 
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fit_cases import HEATED, TRUTH, cycle, heated, measured, read_rows, write_log, write_rows
-from playwright.sync_api import Page, expect
+from app_server import Bench
+from fit_cases import (
+    HEATED,
+    TRUTH,
+    cycle,
+    heated,
+    measured,
+    read_rows,
+    repeated,
+    write_log,
+    write_rows,
+)
+from playwright.sync_api import Browser, Page, expect
 
 SCENARIO = (Path(__file__).parents[2] / "examples/isobaric_log.toml").read_text("utf-8")
 HEADINGS = ["Time_s", "T (C)", "sigma [MPa]", "Strain %", "<img src=x onerror=alert(1)>"]
 SLOW = ["h", "A_s", "A_f", "M_s", "M_f", "C_A", "C_M"]
 PATIENT = 30_000
+expect.set_options(timeout=20_000)
 
 
 @pytest.fixture
@@ -24,9 +37,24 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def refusing(chromium: Browser, bench: Bench) -> Iterator[Page]:
+    """A page that is refused something: its browser then notes the status of the answer."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 800})
+    made = context.new_page()
+    said: list[str] = []
+    made.on("console", lambda m: said.append(m.text) if m.type == "error" else None)
+    made.on("pageerror", lambda error: said.append(str(error)))
+    made.goto(bench.address)
+    yield made
+    context.close()
+    assert [text for text in said if "status of 400" not in text] == []
+
+
 def opened(page: Page) -> None:
     page.goto(page.url.partition("#")[0] + "#/identify")
-    expect(page.get_by_role("heading", level=1)).to_have_text("Identify")
+    heading = page.get_by_role("heading", level=1, name="Identify")
+    expect(heading).to_be_visible(timeout=PATIENT)
 
 
 def choose(page: Page, path: Path) -> None:
@@ -70,7 +98,8 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     assert material["fit"]["records"][0]["file"] == "cycle.csv"
 
 
-def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:
+def test_files_are_shown_as_text_or_refused(refusing: Page, log: Path, tmp_path: Path) -> None:
+    page = refusing
     opened(page)
     choose(page, log)
     page.get_by_text("First 20 rows").click()
@@ -96,6 +125,8 @@ def test_records_are_cut_with_the_keyboard(page: Page, log: Path) -> None:
     handle.focus()
     handle.press("Home")
     expect(page.get_by_label("to [s]")).to_have_value("0.12")
+    expect(page.get_by_role("status").filter(has_text="has 1 rows")).to_be_visible()
+    expect(page.get_by_role("button", name="Next: scenario")).to_be_disabled()
     page.get_by_label("to [s]").fill("60")
     page.get_by_label("to [s]").press("Tab")
     expect(page.get_by_text("61 rows")).to_be_visible()
@@ -106,7 +137,7 @@ def test_records_are_cut_with_the_keyboard(page: Page, log: Path) -> None:
 
 def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_path: Path) -> None:
     log, scenario = tmp_path / "pulse.csv", tmp_path / "heated.toml"
-    write_log(heated(), log)
+    write_log(repeated(heated(), 8), log)
     scenario.write_text(HEATED, encoding="utf-8")
     opened(page)
     choose(page, log)
@@ -120,7 +151,7 @@ def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_pat
     expect(working).to_be_visible(timeout=PATIENT)
     page.reload()
     expect(working).to_be_visible(timeout=PATIENT)
-    expect(page.get_by_label("position of pulse, measured and modelled")).to_be_visible()
+    expect(page.get_by_label(re.compile("of pulse, measured and modelled")).first).to_be_visible()
     page.get_by_role("button", name="Stop and keep the best").click()
     open_sets = page.get_by_role("region", name="What the data cannot tell")
     expect(open_sets).to_be_visible(timeout=PATIENT)

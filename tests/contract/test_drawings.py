@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 from builders import FunctionWaveform, examples, label
 from elastic import REST, SURROUNDINGS, Elastic
@@ -205,6 +206,19 @@ def test_a_wire_is_as_long_as_it_is_meant(rest: float) -> None:
     (wire,) = [shape for shape in shapes if shape.kind == "wire"]
     assert length(wire.points) == pytest.approx(0.3 + rest, rel=1e-12)
     assert wire.points[-1] == path[-1]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -40.0])
+def test_the_unbalance_is_drawn_where_it_is(angle: float) -> None:
+    """At x + r sin φ, by the equations of the motor; the arm turns about the rotor's axis."""
+    (motor,) = [one for one in ALL if isinstance(one, BeamMotor) and not one.ports()][:1]
+    shapes = motor.drawn(Reading({"displacement": 0.01, "rotor_angle": angle}, {}))
+    (rotor,) = [shape for shape in shapes if shape.kind == "rotor"]
+    first, last, mass = map(np.array, rotor.points)
+    axis = (last - first) / np.linalg.norm(last - first)
+    arm = mass - last
+    turned = arm * math.cos(rotor.turn) + np.cross(axis, arm) * math.sin(rotor.turn)
+    assert (last + turned)[2] == pytest.approx(0.01 + motor.eccentricity * math.sin(angle))
 
 
 # ---------------------------------------------------------------- the checks can fail

@@ -5,17 +5,21 @@ Source of truth: the registries, materials, bibliography and commands of the pac
 
 from __future__ import annotations
 
+import pkgutil
 import re
 import sys
 from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 import pytest
 from fences import ROOT, pages
 
+import martensite
 from martensite.cli import describe
 from martensite.io import citations
 from martensite.materials.base import load_material, material_names
+from martensite.registry import Registry
 
 MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 
@@ -38,6 +42,28 @@ def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
             assert section, f"{kind} {name}"
             for parameter in registry[name].declarations:
                 assert f"| `{parameter}` |" in section
+
+
+def all_registries() -> list[Registry[Any]]:
+    """Every registry that a module of the package holds; the server's own modules apart."""
+    found: dict[str, Registry[Any]] = {}
+    for module in pkgutil.walk_packages(martensite.__path__, "martensite."):
+        if module.name.endswith(".base") or "supervisor" in module.name:
+            for one in vars(import_module(module.name)).values():
+                if isinstance(one, Registry):
+                    found[one.kind] = one
+    return list(found.values())
+
+
+def test_every_registry_has_a_reference(extension: ModuleType) -> None:
+    """Studies have a page of their own, which takes long to compute."""
+    text = "".join(extension.SECTIONS[name]() for name in ("parts", "blocks", "sweeps"))
+    kinds = [one.kind for one in all_registries()]
+    assert {"law", "measure", "sample", "backend", "supervisor", "block"} <= set(kinds)
+    for registry in all_registries():
+        if registry.kind != "study":
+            missing = [name for name in registry.names() if f"`{name}`" not in text]
+            assert missing == [], registry.kind
 
 
 def test_every_number_of_every_material_is_there(extension: ModuleType) -> None:

@@ -93,8 +93,8 @@ def _whole(text: str) -> int:
 
 def _check_depth(found: Any) -> None:
     """Raise `RecursionError` if there are tables in tables in tables …."""
-    level = [found]
-    for _ in range(DEEPEST):
+    level: list[Any] = [[found]]
+    for _ in range(DEEPEST + 1):
         items = (item for box in level for item in (box.values() if isinstance(box, dict) else box))
         level = [item for item in items if isinstance(item, (dict, list))]
         if not level:

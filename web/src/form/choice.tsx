@@ -59,7 +59,7 @@ function Pick({ id, path, value, choices, label }: PickProps) {
         ))}
       </select>
       <p class="small soft summary" id={`${id}-about`}>
-        {about}
+        {about?.replaceAll("`", "")}
       </p>
       {fault.value && (
         <p class="fault small" role="alert">

@@ -10,6 +10,8 @@ export interface Line {
   colour: number;
   dots?: boolean;
   dashed?: boolean;
+  /** Dots that are rings. */
+  hollow?: boolean;
 }
 
 export interface Band {
@@ -64,7 +66,7 @@ function series(line: Line): uPlot.Series {
     width: line.dots ? 0 : 2,
     spanGaps: false,
     ...(line.dashed ? { dash: [6, 4] } : {}),
-    points: line.dots ? { show: true, size: 4, fill: stroke, width: 0 } : { show: false },
+    points: line.dots ? { show: true, size: line.hollow ? 6 : 4, fill: line.hollow ? colour("--panel") : stroke, stroke, width: line.hollow ? 1.5 : 0 } : { show: false },
     ...(line.dots ? { paths: () => null } : {}),
   };
 }
@@ -148,14 +150,14 @@ export function Plot(props: PlotProps) {
 }
 
 /** What the colours of a plot mean. */
-export function Key({ lines }: { lines: Pick<Line, "label" | "colour" | "dots" | "dashed">[] }) {
+export function Key({ lines }: { lines: Pick<Line, "label" | "colour" | "dots" | "dashed" | "hollow">[] }) {
   return (
     <p class="identify-key small">
       {lines.map((line) => (
         <span key={line.label}>
           <svg width="26" height="10" aria-hidden="true">
             {line.dots ? (
-              [4, 13, 22].map((x) => <circle key={x} cx={x} cy={5} r={2.5} fill={`var(--curve-${line.colour})`} />)
+              [4, 13, 22].map((x) => <circle key={x} cx={x} cy={5} r={2.5} stroke={`var(--curve-${line.colour})`} fill={line.hollow ? "none" : `var(--curve-${line.colour})`} />)
             ) : (
               <line x1={1} x2={25} y1={5} y2={5} stroke={`var(--curve-${line.colour})`} stroke-width={2.5} stroke-dasharray={line.dashed ? "6 4" : undefined} />
             )}

@@ -71,6 +71,11 @@ function CutRow({ cut, at, chosen, choose }: { cut: Cut; at: number; chosen: boo
           </button>
         )}
       </div>
+      {cuts[at]?.refused && (
+        <p class="identify-wrong small" role="status">
+          ⚠ {cuts[at].refused.replaceAll("`", "")}
+        </p>
+      )}
       <Handles cut={cut} at={at} />
     </fieldset>
   );
@@ -118,7 +123,7 @@ export function RecordsStep() {
         <button type="button" onClick={add}>
           Add a record
         </button>
-        <button type="button" class="main" onClick={() => void goTo(2)}>
+        <button type="button" class="main" disabled={found.cuts.some((one) => one.refused)} onClick={() => void goTo(2)}>
           Next: scenario
         </button>
       </div>

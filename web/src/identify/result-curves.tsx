@@ -7,7 +7,7 @@ import type { Compared, Outcome } from "./types.ts";
 
 const PANELS = 8;
 const FITTED = { label: "measured, fitted", colour: 0, dots: true };
-const HELD = { label: "measured, held out", colour: 3, dots: true };
+const HELD = { label: "measured, held out", colour: 3, dots: true, hollow: true };
 const MODEL = { label: "model", colour: 1 };
 const REST = { label: "model less measured", colour: 2, dots: true };
 
@@ -29,7 +29,7 @@ function Pair({ one }: { one: Compared }) {
         ]}
         height={230}
       />
-      <Plot label={`Residuals of ${one.output} of ${one.record}`} x={one.times} xLabel="time [s]" yLabel={`residual${unit}`} lines={[{ ...REST, values: rest }]} height={130} />
+      <Plot label={`Residuals of ${one.output} of ${one.record}`} x={one.times} xLabel="time [s]" yLabel={`residual${unit}`} lines={[{ ...REST, values: rest }]} height={150} />
     </div>
   );
 }

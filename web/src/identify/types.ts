@@ -39,7 +39,7 @@ export interface RecordsView {
   rows: number;
   dropped: number;
   columns: (Shown & { name: string; times: number[]; values: (number | null)[]; missing: number })[];
-  cuts: { name: string; rows: number }[];
+  cuts: { name: string; rows: number; refused: string }[];
 }
 
 export interface Quantity extends Shown {

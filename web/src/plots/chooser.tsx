@@ -3,6 +3,7 @@
 import type { Run } from "../lib/types.ts";
 import { ENERGY, energyShown } from "./energy.tsx";
 import { panelChoice, portChoice, portsOf, zoom } from "./drawn.ts";
+import { Menu } from "./menu.tsx";
 import { isShown } from "./traces.tsx";
 
 export function Ports({ of }: { of: Run }) {
@@ -12,7 +13,7 @@ export function Ports({ of }: { of: Run }) {
   return (
     <label class="row">
       Actuator
-      <select value={now} onChange={(event) => (portChoice.value = event.currentTarget.value)}>
+      <select aria-label="Actuator" value={now} onChange={(event) => (portChoice.value = event.currentTarget.value)}>
         <option value="">all {of.ports.length}</option>
         {of.ports.map((port) => (
           <option key={port} value={port}>
@@ -35,8 +36,7 @@ function Choice({ name, title, on }: { name: string; title: string; on: boolean 
 
 export function Panels({ of }: { of: Run }) {
   return (
-    <details class="menu">
-      <summary>Curves</summary>
+    <Menu name="Curves">
       <fieldset>
         <legend>Shown over time</legend>
         {of.traces.map((panel) => (
@@ -44,7 +44,7 @@ export function Panels({ of }: { of: Run }) {
         ))}
         <Choice name={ENERGY} title="energy" on={energyShown()} />
       </fieldset>
-    </details>
+    </Menu>
   );
 }
 

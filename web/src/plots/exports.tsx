@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { call, save, take } from "../lib/api.ts";
 import { run } from "../state/run.ts";
+import { Menu } from "./menu.tsx";
 import { Message } from "../ui/message.tsx";
 
 const FILES: [what: string, name: string, about: string][] = [
@@ -34,8 +35,7 @@ export function Exports() {
 
   const document = (): void => save(`${now.title.replace(/[^\w.() -]+/g, "_").slice(0, 60)}.toml`, now.text);
   return (
-    <details class="menu exports">
-      <summary>Export</summary>
+    <Menu name="Export">
       <div class="stack">
         <button type="button" onClick={document} title="The document of this run; `martensite run` takes it">
           Scenario, TOML
@@ -50,6 +50,6 @@ export function Exports() {
         </p>
         {failed.value && <Message kind="error">{failed.value}</Message>}
       </div>
-    </details>
+    </Menu>
   );
 }

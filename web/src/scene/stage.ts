@@ -186,11 +186,6 @@ export class Stage {
     this.soon();
   }
 
-  /** Objects that the graphics processor holds. */
-  get held(): { geometries: number; textures: number } {
-    return this.renderer.info.memory;
-  }
-
   dispose(): void {
     cancelAnimationFrame(this.waiting);
     this.clear();
@@ -252,12 +247,10 @@ export class Stage {
   private soon(): void {
     this.waiting ||= requestAnimationFrame(() => {
       this.waiting = 0;
-      this.rendered += 1;
-      this.host.dataset["rendered"] = String(this.rendered);
-      this.host.dataset["time"] = String(this.time);
-      this.host.dataset["held"] = String(this.held.geometries);
       this.renderer.render(this.world, this.camera);
       this.name();
+      this.rendered += 1;
+      Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
     });
   }
 

@@ -20,6 +20,8 @@ interface Front {
   count: number;
   compared: number;
   left_out: [number, string][];
+  /** Why there is none yet. */
+  why: string;
 }
 
 const SHOWN = 30;
@@ -81,7 +83,7 @@ export function FrontView({ now, onLook, children }: { now: Runs; onLook: (row: 
     const ask = async (): Promise<void> => {
       try {
         front.value = await call<Front>("sweep_front", { key: key.peek(), minimise: names("min"), maximise: names("max") }, "sweep-front");
-        refused.value = "";
+        refused.value = front.value.why;
       } catch (error) {
         if (error instanceof Refusal && error.kind !== "superseded") [front.value, refused.value] = [null, error.message];
       }
@@ -111,7 +113,7 @@ export function FrontView({ now, onLook, children }: { now: Runs; onLook: (row: 
         </p>
       ))}
       {children}
-      {front.value && <Listed front={front.value} all={all} />}
+      {front.value && front.value.count > 0 && <Listed front={front.value} all={all} />}
     </>
   );
 }

@@ -4,14 +4,15 @@ import { useSignal } from "@preact/signals";
 import { call } from "../lib/api.ts";
 import { go } from "../state/route.ts";
 import { running } from "./following.ts";
-import { key, lines, list, refused, work } from "./shown.ts";
+import { key, lines, list, refused, settled, work } from "./shown.ts";
 import { bytes, grouped } from "./time.ts";
 import type { Line } from "./types.ts";
 
 async function remove(one: Line): Promise<void> {
+  if (one.key === key.value) go("sweep");
+  await settled();
   try {
     await call("sweep_delete", { key: one.key });
-    if (one.key === key.value) go("sweep");
   } catch (error) {
     refused.value = error instanceof Error ? error.message : String(error);
   }

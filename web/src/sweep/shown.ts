@@ -67,8 +67,14 @@ export const isGrid = (layout: Layout): boolean => layout.axes.every((axis) => a
 
 const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
+let loading: Promise<void> = Promise.resolve();
+/** When nothing is being loaded. */
+export const settled = (): Promise<void> => loading;
+
 /** Take all that is there of a sweep. */
-export async function load(wanted: string): Promise<void> {
+export const load = (wanted: string): Promise<void> => (loading = taken(wanted));
+
+async function taken(wanted: string): Promise<void> {
   try {
     const found = await call<Stored>("sweep_points", { key: wanted }, "sweep-points");
     if (wanted !== key.peek()) return;

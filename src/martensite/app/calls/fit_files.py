@@ -1,4 +1,6 @@
-"""What a finished fit leaves behind: `{"key": of the fit, "what": "material"}` -> `{"key", "name"}`.
+"""What a finished fit leaves behind.
+
+{"key": of the fit, "what": "material"} -> {"key": …, "name": …}
 
 `material` is a material file (TOML) with numbers, intervals, and hashes of the data; `report` a
 page of HTML with figures. The fit is computed again at the numbers that were found, without a

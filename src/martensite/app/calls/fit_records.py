@@ -2,7 +2,7 @@
 
 {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "cuts": [] }
 -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, unit, shown, …}], "cuts":
-[{name, rows}]}: curves thinned so that lows and highs stay; times in s, values in SI.
+[{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.identify.mapped import record_of, records_of
+from martensite.app.identify.mapped import cuts_told, record_of
 from martensite.app.identify.shown import shown
 from martensite.app.identify.thin import envelope
 from martensite.app.worker import Desk
@@ -42,5 +42,5 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "rows": len(record),
         "dropped": record.dropped,
         "columns": columns,
-        "cuts": [{"name": one.name, "rows": len(one)} for one in records_of(request, desk)],
+        "cuts": cuts_told(request, desk),
     }

@@ -1,5 +1,7 @@
-"""Scenarios that come with the package and follow a log: `{}` -> `{"scenarios": [{name, title,
-text}]}`."""
+"""Scenarios that come with the package and follow a log.
+
+{} -> {"scenarios": [{name, title, text}]}
+"""
 
 from __future__ import annotations
 

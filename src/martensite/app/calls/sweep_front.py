@@ -1,7 +1,7 @@
 """The runs of a sweep that no other beats, as far as it is made.
 
 {"key": …, "minimise": ["energy"], "maximise": ["stroke"]}
--> {"rows": […], "values": {name: [SI]}, "compared": …, "left_out": [[number, "why"]]}
+-> {"rows": […], "values": {name: [SI]}, "compared": …, "left_out": [[number, "why"]], "why": …}
 """
 
 from __future__ import annotations
@@ -12,17 +12,22 @@ from typing import Any
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.worker import Desk
+from martensite.errors import DataError
 from martensite.io.sweeps.reading import read_sweep
 from martensite.sweep.pareto import pareto_front
 
 MOST = 2000
 """Runs of a front that are listed."""
+NONE: Mapping[str, Any] = {"rows": [], "values": {}, "count": 0, "compared": 0, "left_out": []}
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Find the front."""
     table = read_sweep(Shelf(desk.folder).path(wanted(request, "key", str)))
-    front = pareto_front(table, _names(request, "minimise"), _names(request, "maximise"))
+    try:
+        front = pareto_front(table, _names(request, "minimise"), _names(request, "maximise"))
+    except DataError as error:  # as long as no run is there
+        return {**NONE, "why": str(error)}
     never = len(table.status) - table.missing - table.failed - front.compared
     counts = (
         (table.missing, "not made yet"),
@@ -36,6 +41,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "count": len(front.runs),
         "compared": front.compared,
         "left_out": [[count, why] for count, why in counts if count],
+        "why": "",
     }
 
 

@@ -1,8 +1,8 @@
 """What is in an uploaded table, and what its columns may mean.
 
 {"key": …, "separator": "auto"}
--> {"name": …, "rows": …, "separator": …, "preview": [[text, …], …], "columns": [{heading, name,
-unit, guessed, units, min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+-> {"name", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit, min,
+max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
 
 Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
 """

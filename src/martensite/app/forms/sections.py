@@ -22,6 +22,7 @@ from martensite.simulate.driven import by_name
 
 MATERIAL = "element.material"
 NO_MATERIAL = ""
+COOLING = "environment.cooling"
 ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
     "Material and element", "Environment", "Mechanism", "Drive", "Actuators",
 )  # fmt: skip
@@ -58,11 +59,7 @@ class Sections:
         element |= {"title": ELEMENT, "items": [self._material(), *element["items"]]}
         element["note"] = self._shared
         yield element
-        own = replace(common, material=None)
-        yield {
-            **own.group(port.environment, f"{self._at}environment", ENVIRONMENT),
-            "note": self._shared,
-        }
+        yield self._environment(port, replace(common, material=None))
         system = self.scenario.system
         yield {
             **self.walk.group(
@@ -71,6 +68,16 @@ class Sections:
             ),
             "title": MECHANISM,
         }  # fmt: skip
+
+    def _environment(self, port: Any, walk: Walk) -> Control:
+        """The surroundings; a drive that sets the temperature needs no heat-loss model."""
+        made = walk.group(port.environment, f"{self._at}environment", ENVIRONMENT)
+        made["note"] = self._shared
+        idle = documents.entry(self.document, COOLING) is None
+        if port.source.sets_temperature and idle:
+            made["items"] = [one for one in made["items"] if one["path"] != COOLING]
+            made["note"] = "The drive sets the temperature: no heat balance is solved."
+        return made
 
     @property
     def _at(self) -> str:
@@ -150,13 +157,20 @@ class Sections:
         for name, waveform in by_name(system, scenario.waveform).items():
             if only not in (None, name):
                 continue
-            begin = waveform_path(system, name, scenario.places.drive)
+            begin = self._begin(name)
             place = partial(below, begin)
             unit = placed(units[name])
             walk = Walk(self.document, scenario.origins, place, place, unit, seen=self.walk.seen)
             signal = begin.startswith(SIGNALS)
             yield walk.group(waveform, "", f"signal {name}" if signal else "waveform",
                              f"in {units[name]}", WAVEFORMS)  # fmt: skip
+
+    def _begin(self, name: str) -> str:
+        """Where the waveform of a drive stands; a model of one input may have it in [drive]."""
+        drive = self.scenario.places.drive
+        found = waveform_path(self.scenario.system, name, drive)
+        there = documents.entry(self.document, found.removesuffix(".")) is not None
+        return found if there or MODEL not in self.document else f"{drive}.waveform."
 
     def _actuators(self) -> Iterator[Control]:
         """What every port has for itself."""
@@ -169,7 +183,8 @@ class Sections:
             group = {**bare(place, port.replace("_", " ")), "items": list(self._waveforms(port))}
             own = set(_paths(documents.table(self.document, place), drive))
             group["items"] += self._different(port, actuator, own)
-            made["items"].append(group)
+            if group["items"]:
+                made["items"].append(group)
         signals = [
             n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)
         ]

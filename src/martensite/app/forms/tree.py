@@ -15,6 +15,7 @@ from martensite.app.forms.controls import Control, Spot
 from martensite.controllers.row import Row
 from martensite.io.components import is_plain
 from martensite.materials.base import Material
+from martensite.materials.names import NAMES
 from martensite.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.registry import Registry
 from martensite.signals.base import DRIVE
@@ -76,7 +77,7 @@ class Walk:
 
     def _items(self, part: Parametrised, path: str, owner: Control) -> Iterator[Control]:
         table, later = isinstance(part, Table), list[Control]()
-        for name, declared in part.declarations.items():
+        for name, declared in sorted(part.declarations.items(), key=_rank(part)):
             below = f"{path}.{name}" if path else name
             if table:
                 yield from self._listed(below, name, declared)
@@ -156,6 +157,12 @@ class Walk:
         raw = documents.entry(self.document, self.written(path))
         if raw is not None:
             yield controls.row(Spot(self.written(path), name, declared, "scenario"), raw)
+
+
+def _rank(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
+    """Where a part has numbers of the material, its own that are needed stand first."""
+    mixed = any(name in NAMES for name in part.declarations)
+    return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)
 
 
 def placed(drive_unit: str) -> Callable[[Leaf], str]:

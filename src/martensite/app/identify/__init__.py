@@ -1,1 +1,1 @@
-"""What the calls of the page Identify share: files looked at, columns mapped, fits begun and told."""
+"""What the calls of the page Identify share: files, columns, scenarios, fits."""

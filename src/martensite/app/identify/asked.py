@@ -1,10 +1,10 @@
 """From the request for a fit to its task: the records, the scenario, what is free, how to search.
 
-    "text": TOML, and the table as `identify.mapped` takes it
-    "free": [{"name": "A_s", "low": 313.0, "high": 363.0, "start": 340.0}]    SI; all but the name
-    "each": [{"name": "offset.strain"}, {"name": "delay"}]                    may be left out
-    "compare": ["strain"], "hold_out": "auto" (or names), "method": "trf", "loss": "linear",
-    "starts": 0, "seed": 0, "noise": {"strain": 2e-4}, "step": null
+"text": TOML, and the table as `identify.mapped` takes it
+"free": [{"name": "A_s", "low": 313.0, "high": 363.0, "start": 340.0}]    SI; all but the name
+"each": [{"name": "offset.strain"}, {"name": "delay"}]                    may be left out
+"compare": ["strain"], "hold_out": "auto" (or names), "method": "trf", "loss": "linear",
+"starts": 0, "seed": 0, "noise": {"strain": 2e-4}, "step": null
 """
 
 from __future__ import annotations

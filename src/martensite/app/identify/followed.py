@@ -94,15 +94,15 @@ def following(document: dict[str, Any], path: str, column: str, unit: str) -> di
         raise ParameterError(f"The scenario has no drive or signal at `{path}`.")
     waveform = {"kind": LOG, "column": column}
     kind, changes = str(known[path].get("kind", "")), {path: waveform}
-    if not path.startswith(f"{SIGNALS}."):
-        if kind not in SOURCES.names() or SOURCES[kind].unit != unit:
-            if unit not in SOURCE_OF:
-                raise ParameterError(
-                    f"No source takes `{column}`, which is in {unit}; a drive follows a voltage, "
-                    "a current, a power, or a temperature."
-                )
-            above = path.rpartition(".")[0]
-            changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
+    fits = kind in SOURCES.names() and SOURCES[kind].unit == unit
+    if not fits and not path.startswith(f"{SIGNALS}."):
+        if unit not in SOURCE_OF:
+            raise ParameterError(
+                f"No source takes `{column}`, which is in {unit}; a drive follows a voltage, "
+                "a current, a power, or a temperature."
+            )
+        above = path.rpartition(".")[0]
+        changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
     found = changed(document, changes)
     run = found.get("run")
     if isinstance(run, dict):
@@ -132,9 +132,7 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
 
 def _listed(record: Record, column: str) -> dict[str, Any]:
     """A waveform through the corners of a column."""
-    known = [
-        (t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)
-    ]
+    known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     times, values = zip(*known, strict=True)
     rows, unit = corners(times, values), record.units[column]
     spelling = units.readable(unit)

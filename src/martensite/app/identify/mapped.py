@@ -1,9 +1,9 @@
 """An uploaded table with the meaning that its columns were given: a record, cut into records.
 
-    "columns": [{"at": 0, "name": "time", "unit": "s"}, …]   columns that are not listed are not used
-    "interval": 0.1      time between rows [s], where no column is the time
-    "drop": true         leave out rows that cannot be read
-    "cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole if empty
+"columns": [{"at": 0, "name": "time", "unit": "s"}, …]   columns that are not listed are not used
+"interval": 0.1      time between rows [s], where no column is the time
+"drop": true         leave out rows that cannot be read
+"cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole if empty
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from martensite.app.drawer import Drawer
 from martensite.app.identify.raw import BINARY, read_raw
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.errors import DataError
+from martensite.errors import DataError, ParameterError, suggestion
 from martensite.io.layout import IGNORED, Layout, read_headings
-from martensite.io.sheets import read_sheet
+from martensite.io.sheets import SEPARATORS, read_sheet
 from martensite.io.tables import read_table
 from martensite.signals.records import Record, out_of_order
 
@@ -54,10 +54,28 @@ def records_of(request: Mapping[str, Any], desk: Desk) -> list[Record]:
         InputError: as of `record_of`; or a cut is none.
     """
     whole = record_of(request, desk)
+    return [_cut(whole, cut) for cut in _cuts(request)] or [whole]
+
+
+def cuts_told(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]]:
+    """Of every cut its name and rows, or why it is no record; for who is still cutting."""
+    whole = record_of(request, desk)
+    found: list[dict[str, Any]] = []
+    for cut in _cuts(request):
+        try:
+            record = _cut(whole, cut)
+        except DataError as error:
+            found.append({"name": str(cut.get("name", "")), "rows": 0, "refused": str(error)})
+        else:
+            found.append({"name": record.name, "rows": len(record), "refused": ""})
+    return found
+
+
+def _cuts(request: Mapping[str, Any]) -> list[dict[str, Any]]:
     cuts = [_table(cut, "cuts") for cut in wanted(request, "cuts", list, [])]
     if len(cuts) > MOST_RECORDS:
         raise DataError(f"{len(cuts)} records are too many; at most {MOST_RECORDS} are fitted.")
-    return [_cut(whole, cut) for cut in cuts] if cuts else [whole]
+    return cuts
 
 
 def _columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
@@ -87,12 +105,12 @@ def _record(
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
     if path.suffix.lower() in BINARY:
         return _arrays(path, headings, interval)
+    if separator not in ("auto", *SEPARATORS):
+        raise ParameterError(f"There is no separator `{separator}`. {suggestion('', SEPARATORS)}")
     width = len(read_sheet(path, Layout((), separator)).rows[0])
     _check_places(headings, width)
     listed = [headings.get(at, IGNORED) for at in range(width)]
-    return read_table(
-        path, listed, interval=interval, separator=separator, drop=drop, gaps=True
-    )
+    return read_table(path, listed, interval=interval, separator=separator, drop=drop, gaps=True)
 
 
 def _check_places(headings: Mapping[int, str], count: int) -> None:

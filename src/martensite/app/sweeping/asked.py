@@ -25,6 +25,7 @@ from martensite.sweep.plan import Plan
 T = TypeVar("T")
 MOST_RUNS = 1_000_000
 MOST_WORDS = 64
+LONGEST = 400
 
 
 def wanted_of(request: Mapping[str, Any]) -> Wanted:
@@ -35,7 +36,7 @@ def wanted_of(request: Mapping[str, Any]) -> Wanted:
     """
     step = str(wanted(request, "step", str, "")).strip()
     return Wanted(
-        over=_texts(request, "over"), sample=wanted(request, "sample", str, "grid"),
+        over=_texts(request, "over"), sample=_sample(wanted(request, "sample", str, "grid")),
         measures=_texts(request, "measures"), seed=wanted(request, "seed", int, 0),
         step=step_of(step), runtime=wanted(request, "runtime", str, "") or None,
     )  # fmt: skip
@@ -75,9 +76,18 @@ def sized(plan: Plan) -> Plan:
 
 def _texts(request: Mapping[str, Any], name: str) -> tuple[str, ...]:
     given = wanted(request, name, list)
-    if len(given) > MOST_WORDS or not all(isinstance(one, str) for one in given):
-        raise BadMessageError(f"`{name}` must be a list of at most {MOST_WORDS} texts.")
+    fits = (isinstance(one, str) and len(one) <= LONGEST for one in given)
+    if len(given) > MOST_WORDS or not all(fits):
+        raise BadMessageError(
+            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST} letters."
+        )
     return tuple(given)
+
+
+def _sample(words: str) -> str:
+    if len(words) > LONGEST or not words.isascii():
+        raise BadMessageError(f"`{words[:40]}` is no sample; write for example `sobol:1024`.")
+    return words
 
 
 class Faults(dict[str, str]):

@@ -53,7 +53,7 @@ def energy(result: Result) -> dict[str, Any]:
     found = energy_courses(result, ways or [])
     kept = kept_rows(len(result.times))
     stored = found.electrical - found.lost
-    named = [
+    named: list[tuple[str, str, str, str, float, Any]] = [
         ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
         ("lost", "Q", "heat to the surroundings", "J", 1.0, found.lost),
         ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
@@ -63,7 +63,10 @@ def energy(result: Result) -> dict[str, Any]:
             ("work", "W", "work given while pulling", "mJ", 1e3, found.work),
             ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
         ]
-    courses = [Course(*head, [float(v) for v in values[kept]]) for *head, values in named]
+    courses = [
+        Course(key, symbol, words, unit, factor, [float(v) for v in values[kept]])
+        for key, symbol, words, unit, factor, values in named
+    ]
     share = np.divide(
         found.work, found.electrical, where=found.electrical > 0.0, out=np.full(len(stored), np.nan)
     )

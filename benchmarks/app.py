@@ -1,0 +1,160 @@
+"""The web bench in a headless Chromium: what it weighs, how soon it is there, how soon it follows.
+
+What: a server is started as users start it; a browser opens the address and moves a slider. Times
+are taken in the page, from the event of the slider to the frame that shows the result. Needs
+Playwright and a Chromium on this machine.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from benchmarks.process import ROOT
+from benchmarks.report import Table
+from benchmarks.sections import Options, section
+
+MOVES = 60
+SCENARIOS = ("constant_power", "finger")
+FLAGS = (
+    "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--disable-dev-shm-usage", "--enable-precise-memory-info", "--js-flags=--expose-gc",
+)  # fmt: skip
+SHOWN = "main h1:not(:empty)"
+FOLLOWED = """async ([value]) => {
+  const slider = document.querySelector("input[type=range]");
+  const box = document.querySelector("[aria-busy]");
+  const begin = performance.now();
+  slider.value = String(value);
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  slider.dispatchEvent(new Event("change", { bubbles: true }));
+  const painted = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  let busy = false;
+  for (;;) {
+    await painted();
+    const now = box.getAttribute("aria-busy") === "true";
+    busy ||= now;
+    if ((busy && !now) || performance.now() - begin > 20000) return performance.now() - begin;
+    if (!busy && performance.now() - begin > 2000) return null;
+  }
+}"""
+
+
+@contextmanager
+def served() -> Iterator[tuple[str, float, int]]:
+    """A bench: its address, when it was started, and its process."""
+    command = [sys.executable, "-m", "martensite", "app", "--no-browser", "--json"]
+    begun = time.perf_counter()
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment
+    ) as process:
+        text = ""
+        for line in process.stdout or ():
+            text += line
+            if line.startswith("}"):
+                break
+        try:
+            yield json.loads(text)["address"], begun, process.pid
+        finally:
+            process.terminate()
+
+
+def resident(pid: int) -> float:
+    """Memory of a process and of all that it has started [MB]."""
+    import psutil
+
+    parent = psutil.Process(pid)
+    every = [parent, *parent.children(recursive=True)]
+    return sum(one.memory_info().rss for one in every) / 1e6
+
+
+def heap(page: Any) -> float:
+    """What the scripts of a page hold after a collection [MB]."""
+    page.evaluate("gc()")
+    return page.evaluate("performance.memory.usedJSHeapSize") / 1e6
+
+
+def moved(page: Any, count: int) -> list[float]:
+    """Times from the event of a slider to the frame with its result [ms]."""
+    low, high, at = page.evaluate(
+        "() => { const s = document.querySelector('input[type=range]');"
+        " return [Number(s.min), Number(s.max), Number(s.value)] }"
+    )
+    width = 0.2 * min(at - low, high - at) or 0.1 * (high - low)
+    found = [page.evaluate(FOLLOWED, [at + width * ((k % 20) - 10) / 10]) for k in range(count)]
+    return [one for one in found if one is not None]
+
+
+def opened(browser: Any, address: str) -> tuple[Any, list[int]]:
+    """A page with the bench in it, and the bytes that came over the wire for it."""
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    weights: list[int] = []
+    session = page.context.new_cdp_session(page)
+    session.send("Network.enable")
+    session.on("Network.loadingFinished", lambda e: weights.append(int(e["encodedDataLength"])))
+    page.goto(address)
+    page.wait_for_selector(SHOWN)
+    return page, weights
+
+
+@section
+def app(options: Options) -> list[Table]:
+    """The web bench: first page, weight, slider to picture, memory."""
+    from playwright.sync_api import sync_playwright
+
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+    first: list[dict[str, Any]] = []
+    followed: list[dict[str, Any]] = []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
+        for _ in range(max(1, options.repeats)):
+            with served() as (address, begun, _):
+                page, weights = opened(browser, address)
+                painted = page.evaluate(
+                    "performance.timeOrigin + performance.getEntriesByType('paint')[0].startTime"
+                )
+                took = painted - 1e3 * (time.time() - time.perf_counter() + begun)
+                page.wait_for_load_state("networkidle")
+                first.append({"first page [ms]": took, "weight [kB]": sum(weights) / 1e3})
+                page.close()
+        for name in SCENARIOS:
+            followed.append(slides(browser, name))
+        browser.close()
+    middle = {key: statistics.median(row[key] for row in first) for key in first[0]}
+    return [
+        Table("Web bench, from the start of the server to the first page, and its bytes", [middle]),
+        Table("Web bench, from the slider to the picture, and memory", followed),
+    ]
+
+
+def slides(browser: Any, name: str) -> dict[str, Any]:
+    """One scenario: quick moves on floats and in C, then 500 of them, and what is held."""
+    from martensite.app.address import packed
+    from martensite.app.gallery import scenarios
+
+    with served() as (address, _, pid):
+        page, _ = opened(browser, f"{address}#/bench?scenario={packed(scenarios()[name])}")
+        page.wait_for_selector("input[type=range]")
+        page.wait_for_selector("[aria-busy=false]")
+        row: dict[str, Any] = {"scenario": name}
+        early = moved(page, 5)
+        row["first moves [ms]"] = statistics.median(early)
+        page.wait_for_timeout(8_000)  # until it is compiled
+        late = sorted(moved(page, MOVES))
+        row["median [ms]"] = statistics.median(late)
+        row["95 % [ms]"] = late[int(0.95 * (len(late) - 1))]
+        heap_before, held_before = heap(page), resident(pid)
+        moved(page, 500)
+        row["page before [MB]"], row["page after 500 [MB]"] = heap_before, heap(page)
+        row["server before [MB]"], row["server after 500 [MB]"] = held_before, resident(pid)
+        page.close()
+    return row

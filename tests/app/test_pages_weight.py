@@ -1,0 +1,44 @@
+"""What a browser loads of the page."""
+
+import gzip
+import re
+from pathlib import Path
+
+import pytest
+
+from martensite.app.site import STATIC
+
+MOST = 1_000_000
+"""Bytes of the page with all that it may load, as they go over the wire."""
+
+
+def loaded(folder: Path) -> dict[str, int]:
+    """Files of the page, and their bytes."""
+    return {path.name: path.stat().st_size for path in folder.iterdir() if path.is_file()}
+
+
+def test_all_of_the_page_weighs_less_than_a_megabyte() -> None:
+    files = loaded(STATIC)
+    assert {"index.html", "bench.js", "bench.css", "icon.svg"} <= files.keys()
+    assert sum(files.values()) < MOST, files
+
+
+def test_the_weight_of_a_heavy_page_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "bench.js").write_bytes(bytes(MOST))
+    assert sum(loaded(tmp_path).values()) >= MOST
+
+
+@pytest.mark.parametrize("name", sorted(p.name for p in STATIC.iterdir() if p.suffix == ".js"))
+def test_scripts_load_nothing_from_elsewhere(name: str) -> None:
+    text = (STATIC / name).read_text("utf-8")
+    imported = re.findall(r"""(?:from|import)\(?\s*["']([^"']+)["']""", text)
+    assert all(one.startswith("./") and (STATIC / one).is_file() for one in imported), imported
+    assert not re.search(r"\b(eval|new Function)\(", text)
+    assert len(gzip.compress(text.encode())) < 300_000
+
+
+def test_the_page_has_no_scripts_of_its_own() -> None:
+    text = (STATIC / "index.html").read_text("utf-8")
+    assert re.findall(r"<script[^>]*>([^<]*)</script>", text) == [""]
+    assert not re.search(r"\son\w+=", text)
+    assert "//" not in re.sub(r"<!--.*?-->", "", text)

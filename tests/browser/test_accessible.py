@@ -1,0 +1,105 @@
+"""Every page for those who use a keyboard, hear it read, or see badly: checked in the browser."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+PAGES = ("bench", "studies", "identify", "size", "sweep")
+AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
+SCREENS = {"desk": (1280, 800), "tablet": (1024, 768)}
+NAMED = {
+    "button", "link", "textbox", "combobox", "slider", "spinbutton", "checkbox", "radio", "tab",
+    "menuitem", "listbox", "switch", "progressbar", "region", "image", "searchbox", "figure",
+}  # fmt: skip
+"""Roles whose parts must be called something."""
+FOCUS = """() => {
+  const one = document.activeElement;
+  if (!one || one === document.body) return null;
+  const style = getComputedStyle(one);
+  window.auditIds ??= new Map();
+  if (!window.auditIds.has(one)) window.auditIds.set(one, window.auditIds.size);
+  const box = one.getBoundingClientRect();
+  return {
+    id: window.auditIds.get(one), what: one.outerHTML.slice(0, 120),
+    seen: style.boxShadow !== "none"
+      || (style.outlineStyle !== "none" && parseFloat(style.outlineWidth) > 0),
+    within: box.bottom > 0 && box.top < innerHeight,
+  };
+}"""
+REACHED = """() => [...document.querySelectorAll(
+  "a[href], button, input:not([type=hidden]), select, textarea, summary, [tabindex]")]
+  .filter((one) => one.tabIndex >= 0 && !one.disabled && one.type !== "radio"
+    && one.checkVisibility({visibilityProperty: true}) && !window.auditIds.has(one))
+  .map((one) => one.outerHTML.slice(0, 120))"""
+MOST_TABS = 400
+
+
+def opened(page: Page, name: str, theme: str = "light") -> None:
+    """Go to a page and wait until it is there."""
+    page.evaluate(f"localStorage.setItem('martensite-theme', '{theme}')")
+    page.goto(f"{page.url.partition('#')[0]}#/{name}")
+    page.reload()
+    expect(page.get_by_text("Loading")).to_have_count(0)
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)
+
+
+def unnamed(page: Page) -> list[str]:
+    """Parts without a name, as the browser tells them to a screen reader."""
+    session = page.context.new_cdp_session(page)
+    nodes: list[dict[str, Any]] = session.send("Accessibility.getFullAXTree")["nodes"]
+    session.detach()
+    found: list[str] = []
+    for node in nodes:
+        role = node.get("role", {}).get("value", "")
+        if role in NAMED and not node["ignored"] and not node.get("name", {}).get("value"):
+            found.append(f"{role} without a name: {node.get('properties', [])[:3]}")
+    return found
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_has_no_faults(page: Page, name: str, theme: str) -> None:
+    opened(page, name, theme)
+    for screen, (width, height) in SCREENS.items():
+        page.set_viewport_size({"width": width, "height": height})
+        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        assert page.evaluate(AUDIT) == [], screen
+    assert unnamed(page) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_all_is_reached_by_keyboard_and_seen(page: Page, name: str) -> None:
+    opened(page, name)
+    page.evaluate("window.auditIds = new Map(); document.activeElement.blur()")
+    visited: list[int] = []
+    for _ in range(MOST_TABS):
+        page.keyboard.press("Tab")
+        at = page.evaluate(FOCUS)
+        if at is None or at["id"] in visited:
+            break
+        visited.append(at["id"])
+        assert at["seen"], f"the focus is not seen on {at['what']}"
+        assert at["within"], f"the focus is outside of the screen on {at['what']}"
+    assert page.evaluate(REACHED) == []
+
+
+def test_the_audit_notices_faults(page: Page) -> None:
+    opened(page, "size")
+    page.evaluate("""() => {
+      const made = document.createElement("div");
+      made.innerHTML = `<h5>Deep</h5><p id="page" style="color:#aaa;background:#fff">Pale</p>
+        <button style="height:10px;min-height:0;padding:0"></button>
+        <label for="none">x</label><img src="icon.svg"><div style="width:3000px">wide</div>
+        <a href="#x" tabindex="3">first</a>`;
+      document.querySelector("main").append(made);
+    }""")
+    faults = " | ".join(page.evaluate(AUDIT))
+    for words in (
+        "the id page", "after a heading", "contrast of 2.3", "by 10 px", "by for to none",
+        "has no alt", "too wide", "order of Tab",
+    ):  # fmt: skip
+        assert words in faults, words
+    assert any(one.startswith("button without a name") for one in unnamed(page))

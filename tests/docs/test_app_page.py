@@ -1,0 +1,62 @@
+"""The page on the web bench is true: its program runs, and its reference leaves no call out.
+
+Source of truth: a bench that the program starts itself, and the modules of the calls.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from fences import ROOT, fences
+
+PAGE = ROOT / "docs" / "howto" / "app.md"
+(PROGRAM,) = [block.text for block in fences(PAGE) if block.language == "python"]
+(SCENARIO,) = [
+    block.text.partition("\n")[2]
+    for block in fences(ROOT / "docs" / "tutorial.md")
+    if "%%writefile lift.toml" in block.text
+]
+CALLS = ROOT / "src" / "martensite" / "app" / "calls"
+
+
+def test_the_program_runs(tmp_path: Path) -> None:
+    """Two weights, two strokes; the heavier one is lifted a little less."""
+    scenario = SCENARIO.partition("%%writefile lift.toml\n")[2] or SCENARIO
+    (tmp_path / "lift.toml").write_text(scenario, encoding="utf-8")
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], cwd=tmp_path, env=os.environ | {"PATH": path},
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    light, heavy = (line.split() for line in done.stdout.splitlines())
+    assert (light[:2], heavy[:2]) == (["500", "g:"], ["800", "g:"])
+    assert 5.0 < float(light[2]) < 12.0
+    assert light[2] != heavy[2]
+
+
+@pytest.fixture
+def written(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """The generated sections of the page."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "_ext"))
+    bench = import_module("bench")
+    return {"calls": bench.calls(), "addresses": bench.addresses()}
+
+
+def test_every_call_is_there(written: dict[str, str]) -> None:
+    names = [path.stem for path in CALLS.glob("[!_]*.py")]
+    assert "run" in names
+    missing = [name for name in names if f"`{name}`\n: " not in written["calls"]]
+    assert missing == []
+
+
+def test_every_address_is_there(written: dict[str, str]) -> None:
+    source = (CALLS.parent / "site.py").read_text(encoding="utf-8")
+    for address in ("/api/call/", "/api/jobs", "/api/files", "/watch"):
+        assert address in source
+        assert address in written["addresses"]

@@ -1,0 +1,133 @@
+"""Pages as they are built: commands as a reader types them, a gallery, and nothing from elsewhere.
+
+Source of truth: the HTML that Sphinx writes of a small page with the settings of `docs/conf.py`.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from html import unescape
+from pathlib import Path
+
+import pytest
+from fences import ROOT
+
+DOCS = ROOT / "docs"
+HELPERS = str(DOCS / "_ext")
+HEAD = "---\nfile_format: mystnb\nkernelspec:\n  name: python3\n---\n\n# A page\n\n"
+PAGE = """\
+$$ x^2 $$
+
+```{code-cell} ipython3
+!martensite laws --json
+```
+
+```{code-cell} ipython3
+%%writefile wire.toml
+title = "a"
+```
+
+```{code-cell} ipython3
+:tags: [gallery]
+from IPython.display import SVG
+SVG("<svg xmlns='http://www.w3.org/2000/svg'/>")
+```
+
+[a link](https://elsewhere.org)
+"""
+FIRST = """\
+# First
+
+```{gallery}
+page | A figure | What is in it
+```
+
+```{toctree}
+page
+```
+"""
+OURS = ["myst_nb", "executed", "shown", "gallery", "sphinx.ext.mathjax"]
+LOADS = re.compile(
+    r"<(?:script|img|iframe|source|video|audio|embed|object)\b[^>]*?(?:src|data)=[\"']([^\"']*)"
+    r"|<link\b(?![^>]*rel=[\"']canonical)[^>]*?href=[\"']([^\"']*)"
+    r"|url\(\s*[\"']?([^\"')]+)"
+    r"|@import\s+[\"']([^\"']+)"
+)
+"""What a browser loads for a page, or for a style of it."""
+Build = Callable[[str, str], subprocess.CompletedProcess[str]]
+
+
+def elsewhere(text: str) -> list[str]:
+    """What a page or style loads from another host."""
+    found = ["".join(groups) for groups in LOADS.findall(text)]
+    return [name for name in found if re.match(r"\s*(?:https?:)?//", name)]
+
+
+@pytest.fixture
+def build(tmp_path: Path) -> Build:
+    """Builds a first page with a gallery and another one; warnings are errors."""
+
+    def built(first: str, page: str) -> subprocess.CompletedProcess[str]:
+        (tmp_path / "index.md").write_text(first, encoding="utf-8")
+        (tmp_path / "page.md").write_text(HEAD + page, encoding="utf-8")
+        given = {"pages_begin_with": "processes", "extensions": ",".join(OURS)}
+        words = [word for name, value in given.items() for word in ("-D", f"{name}={value}")]
+        return subprocess.run(
+            [sys.executable, "-m", "sphinx", "-W", "-q", "-c", str(DOCS), *words, "-d", "trees",
+             str(tmp_path), "html"],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+            env={"PYTHONPATH": HELPERS, "HOME": str(tmp_path)},
+        )  # fmt: skip
+
+    return built
+
+
+def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
+    done = build(FIRST, PAGE)
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "html" / "page.html").read_text("utf-8")
+    words = unescape(re.sub(r"<[^>]+>", "", page))
+    assert "\nmartensite laws --json" in words
+    assert "%%writefile" not in words
+    assert 'code-block-caption"><span class="caption-text"><code' in page
+    assert 'alt="Figure: A page"' in page
+    index = (tmp_path / "html" / "index.html").read_text("utf-8")
+    (figure,) = re.findall(r"<figure.*?</figure>", index, re.DOTALL)
+    assert 'href="page.html"' in figure
+    assert 'alt="What is in it"' in figure
+    (image,) = re.findall(r'src="([^"]+)"', figure)
+    assert (tmp_path / "html" / image).is_file()
+
+    files = [*(tmp_path / "html").rglob("*.html"), *(tmp_path / "html").rglob("*.css")]
+    assert len(files) > 5
+    assert [name for file in files for name in elsewhere(file.read_text("utf-8"))] == []
+    assert "mathjax/tex-svg.js" in page
+    assert '"enableMenu": false' in page  # its menu would load what reads formulas aloud
+
+
+def test_a_figure_that_is_missing_fails_the_build(build: Build) -> None:
+    done = build(FIRST, "No figure at all.\n")
+    assert done.returncode != 0
+    assert "no figure for the gallery on page" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<script src="https://cdn.example/a.js"></script>',
+        '<link rel="stylesheet" href="//fonts.example/a.css">',
+        "<img alt='' src='http://example.org/a.png'>",
+        "@font-face { src: url(https://fonts.example/a.woff2) }",
+        '@import "https://example.org/a.css";',
+    ],
+)
+def test_what_comes_from_elsewhere_is_noticed(text: str) -> None:
+    assert len(elsewhere(text)) == 1
+
+
+def test_links_may_lead_elsewhere() -> None:
+    text = '<a href="https://example.org">x</a> <img src="a.svg"> <link href="a.css">'
+    assert elsewhere(text + "<style>a { background: url(data:image/png;base64,aa) }</style>") == []

@@ -1,0 +1,31 @@
+// A button that opens a small panel below it; Escape or a press elsewhere closes it.
+
+import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
+
+export function Menu({ name, children }: { name: string; children: ComponentChildren }) {
+  const home = useRef<HTMLDetailsElement>(null);
+  useEffect(() => {
+    const close = (): void => void (home.current && (home.current.open = false));
+    const pressed = (event: PointerEvent): void => {
+      if (!home.current?.contains(event.target as Node)) close();
+    };
+    const keyed = (event: KeyboardEvent): void => {
+      if (event.key !== "Escape" || !home.current?.open) return;
+      close();
+      home.current.querySelector("summary")?.focus();
+    };
+    addEventListener("pointerdown", pressed);
+    addEventListener("keydown", keyed);
+    return () => {
+      removeEventListener("pointerdown", pressed);
+      removeEventListener("keydown", keyed);
+    };
+  }, []);
+  return (
+    <details class="menu" ref={home}>
+      <summary>{name}</summary>
+      <div class="menu-body">{children}</div>
+    </details>
+  );
+}
