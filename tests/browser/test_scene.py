@@ -25,13 +25,25 @@ def shortened(text: str) -> str:
     return re.sub(r"samples = \d+", "samples = 121", text)
 
 
+def put_on_bench(page: Page, text: str) -> None:
+    """By the address, once the page has written there what it shows now."""
+    page.wait_for_function(
+        """async () => {
+          const before = location.hash;
+          await new Promise(done => setTimeout(done, 450));
+          return location.hash === before;
+        }"""
+    )
+    page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", packed(text))
+
+
 @pytest.fixture
 def opened(page: Page) -> Opened:
     """Puts an example on the bench; answers with its view, once that is drawn."""
 
     def put(name: str) -> Locator:
         text = shortened((EXAMPLES / f"{name}.toml").read_text("utf-8"))
-        page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", packed(text))
+        put_on_bench(page, text)
         title = tomllib.loads(text)["title"]
         expect(page.get_by_role("heading", level=1)).to_have_text(title, timeout=SLOW)
         view = page.locator(".scene-view")
@@ -135,7 +147,7 @@ def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
     for length in ("110 mm", "120 mm", "130 mm"):
         count = rendered(view)
         changed = text.replace("100 mm", length)
-        page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", packed(changed))
+        put_on_bench(page, changed)
         page.wait_for_function(
             "n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count
         )

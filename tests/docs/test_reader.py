@@ -153,7 +153,7 @@ def test_readme_then_tutorial(
 ) -> None:
     assert len(reader.follow(README)) >= 18
     both = reader.follow(TUTORIAL)
-    assert len(both) >= 14
+    assert len(both) >= 12
     monkeypatch.chdir(tmp_path_factory.mktemp("alone"))
     alone = Reader(Path.cwd()).follow(TUTORIAL)
     assert timeless(both) == timeless(alone)

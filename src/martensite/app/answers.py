@@ -14,6 +14,11 @@ def json_response(content: Any, status: int = 200) -> Response:
     return Response(dumps(content), status, media_type="application/json")
 
 
-def refusal_response(refusal: Refusal) -> Response:
-    """A refusal: its sentence, and how the page shall take it."""
-    return json_response({"error": str(refusal), "kind": refusal.kind}, refusal.status)
+def refusal_response(refusal: Refusal, quiet: bool = False) -> Response:
+    """A refusal: its sentence, and how the page shall take it; its status in a header if quiet."""
+    content = {"error": str(refusal), "kind": refusal.kind}
+    if not quiet:
+        return json_response(content, refusal.status)
+    response = json_response(content)
+    response.headers["X-Refused"] = str(refusal.status)
+    return response

@@ -45,6 +45,7 @@ from martensite.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
+QUIETLY = "x-quietly"
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
 """Bytes of a refused upload that are read and thrown away, and for how long [s].
@@ -68,7 +69,10 @@ class Site:
         tab, lane = _tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
         message = loads(await _body(request))
         lane = f"{tab} {lane}" if lane else ""
-        return json_response(await self.pool.ask(lane, request.path_params["name"], message))
+        try:
+            return json_response(await self.pool.ask(lane, request.path_params["name"], message))
+        except asyncio.CancelledError:
+            raise Refusal("The bench is ending.", 503, "lost") from None
 
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
@@ -183,9 +187,12 @@ def _index(request: Request) -> Response:
 
 
 def _refused(request: Request, error: Exception) -> Response:
-    """The answer to an error made on purpose."""
+    """The answer to an error made on purpose.
+
+    A page asks for such sentences under the status 200: browsers put all others on the console.
+    """
     known = error if isinstance(error, Refusal) else Refusal(str(error))
-    return refusal_response(known)
+    return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
 
 
 def _nowhere(request: Request, error: Exception) -> Response:

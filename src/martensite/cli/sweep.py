@@ -109,6 +109,6 @@ def _trace(words: str) -> tuple[str, int]:
     from martensite.errors import InputError
 
     name, _, count = words.rpartition(":")
-    if not name or not count.isdigit() or int(count) < 2:
+    if not name or not count.isdecimal() or int(count) < 2:
         raise InputError(f"`{words}` is no trace; write an output and 2 samples or more, `T:101`.")
     return name, int(count)

@@ -90,7 +90,7 @@ def share_of(chunks: int, part: str | None) -> range:
     if part is None:
         return range(chunks)
     first, slash, count = part.partition("/")
-    if not (slash and first.strip().isdigit() and count.strip().isdigit()):
+    if not (slash and first.strip().isdecimal() and count.strip().isdecimal()):
         raise ParameterError(f"A part of a sweep is written `1/16`, not `{part}`.")
     i, total = int(first), int(count)
     if not 1 <= i <= total:

@@ -147,6 +147,7 @@ export async function readTable(fresh: boolean): Promise<void> {
   if (found && (fresh || state.value.columns.length !== found.columns.length)) {
     const columns = found.columns.map(({ name, unit }, at) => ({ at, name, unit, guessed: true }));
     put({ columns, cuts: [] });
+    reading.request = "";
     records.value = scenario.value = null;
   }
 }
@@ -155,6 +156,7 @@ export async function takeFile(file: File): Promise<void> {
   busy.value = "Uploading …";
   try {
     const found = await upload(file);
+    reading.request = "";
     table.value = records.value = scenario.value = null;
     put({ file: found, separator: "auto", drop: false, interval: null, columns: [], cuts: [], step: 0 });
     await readTable(true);
@@ -165,10 +167,19 @@ export async function takeFile(file: File): Promise<void> {
   }
 }
 
-export async function readRecords(): Promise<boolean> {
-  const found = await asked<RecordsView>("fit_records", logRequest.value, "Reading the columns …");
-  if (found) records.value = found;
-  return found !== null;
+let reading = { request: "", done: Promise.resolve(false) };
+
+/** The columns as they are mapped and cut now; asked for once, whoever waits for them. */
+export function readRecords(): Promise<boolean> {
+  const request = JSON.stringify(logRequest.value);
+  if (reading.request === request) return reading.done;
+  const done = asked<RecordsView>("fit_records", logRequest.value, "Reading the columns …").then((found) => {
+    if (found) records.value = found;
+    else if (reading.request === request) reading.request = "";
+    return found !== null;
+  });
+  reading = { request, done };
+  return done;
 }
 
 /** Look at the scenario beside the log; a drive may be made to follow a column. */

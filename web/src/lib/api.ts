@@ -29,9 +29,11 @@ async function answered<T>(response: Response): Promise<T> {
   } catch {
     throw new Refusal("The server's answer cannot be read.", "failed", response.status);
   }
-  if (!response.ok) {
+  const refused = response.headers.get("X-Refused");
+  if (!response.ok || refused) {
     const said = body as { error?: string; kind?: string } | null;
-    throw new Refusal(said?.error ?? `The server answered ${response.status}.`, said?.kind ?? "failed", response.status);
+    const status = refused ? Number(refused) : response.status;
+    throw new Refusal(said?.error ?? `The server answered ${status}.`, said?.kind ?? "failed", status);
   }
   return body as T;
 }
@@ -39,7 +41,7 @@ async function answered<T>(response: Response): Promise<T> {
 async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
   let response: Response;
   try {
-    response = await fetch(path, { ...options, headers: { "X-Tab": tab, ...options.headers } });
+    response = await fetch(path, { ...options, headers: { "X-Tab": tab, "X-Quietly": "1", ...options.headers } });
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     throw new Refusal("The server does not answer; is `martensite app` still running?", "lost", 0);

@@ -83,6 +83,6 @@ def design(words: str, seed: int = 0) -> AbstractDesign:
         InputError: there is none of that name, or its number is none.
     """
     name, colon, count = words.partition(":")
-    if colon and not count.strip().isdigit():
+    if colon and not count.strip().isdecimal():
         raise ParameterError(f"`{words}` must end with a number of runs, such as `{name}:1024`.")
     return DESIGNS[name.strip()](int(count) if colon else None, seed)
