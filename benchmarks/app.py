@@ -22,7 +22,8 @@ from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
 
-MOVES = 60
+MOVES, MANY = 60, 500
+"""Moves of a slider that are timed, and those after which the memory is looked at."""
 SCENARIOS = ("constant_power", "finger")
 FLAGS = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -90,20 +91,26 @@ def moved(page: Any, count: int) -> list[float]:
         " return [Number(s.min), Number(s.max), Number(s.value)] }"
     )
     width = 0.2 * min(at - low, high - at) or 0.1 * (high - low)
-    found = [page.evaluate(FOLLOWED, [at + width * ((k % 20) - 10) / 10]) for k in range(count)]
+    found = [page.evaluate(FOLLOWED, [at + width * ((k % 20) - 9.5) / 10]) for k in range(count)]
     return [one for one in found if one is not None]
 
 
-def opened(browser: Any, address: str) -> tuple[Any, list[int]]:
-    """A page with the bench in it, and the bytes that came over the wire for it."""
+def opened(browser: Any, address: str) -> Any:
+    """A page with the bench in it."""
     page = browser.new_page(viewport={"width": 1280, "height": 800})
-    weights: list[int] = []
-    session = page.context.new_cdp_session(page)
-    session.send("Network.enable")
-    session.on("Network.loadingFinished", lambda e: weights.append(int(e["encodedDataLength"])))
     page.goto(address)
     page.wait_for_selector(SHOWN)
-    return page, weights
+    return page
+
+
+WEIGHED = """() => {
+  const sum = (ones) => ones.reduce((total, one) => total + one.transferSize, 0) / 1000;
+  const all = [...performance.getEntriesByType("resource"),
+    ...performance.getEntriesByType("navigation")];
+  const answers = all.filter((one) => one.name.includes("/api/"));
+  return [sum(all) - sum(answers), sum(answers)];
+}"""
+"""Bytes over the wire [kB]: of the page with its scripts, and of the answers to its calls."""
 
 
 @section
@@ -118,13 +125,15 @@ def app(options: Options) -> list[Table]:
         browser = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
         for _ in range(max(1, options.repeats)):
             with served() as (address, begun, _):
-                page, weights = opened(browser, address)
+                page = opened(browser, address)
                 painted = page.evaluate(
                     "performance.timeOrigin + performance.getEntriesByType('paint')[0].startTime"
                 )
                 took = painted - 1e3 * (time.time() - time.perf_counter() + begun)
                 page.wait_for_load_state("networkidle")
-                first.append({"first page [ms]": took, "weight [kB]": sum(weights) / 1e3})
+                weight, answers = page.evaluate(WEIGHED)
+                row = {"first page [ms]": took, "page [kB]": weight, "answers [kB]": answers}
+                first.append(row)
                 page.close()
         for name in SCENARIOS:
             followed.append(slides(browser, name))
@@ -142,7 +151,7 @@ def slides(browser: Any, name: str) -> dict[str, Any]:
     from martensite.app.gallery import scenarios
 
     with served() as (address, _, pid):
-        page, _ = opened(browser, f"{address}#/bench?scenario={packed(scenarios()[name])}")
+        page = opened(browser, f"{address}#/bench?scenario={packed(scenarios()[name])}")
         page.wait_for_selector("input[type=range]")
         page.wait_for_selector("[aria-busy=false]")
         row: dict[str, Any] = {"scenario": name}
@@ -153,8 +162,8 @@ def slides(browser: Any, name: str) -> dict[str, Any]:
         row["median [ms]"] = statistics.median(late)
         row["95 % [ms]"] = late[int(0.95 * (len(late) - 1))]
         heap_before, held_before = heap(page), resident(pid)
-        moved(page, 500)
-        row["page before [MB]"], row["page after 500 [MB]"] = heap_before, heap(page)
-        row["server before [MB]"], row["server after 500 [MB]"] = held_before, resident(pid)
+        moved(page, MANY)
+        row["page before [MB]"], row["page after [MB]"] = heap_before, heap(page)
+        row["server before [MB]"], row["server after [MB]"] = held_before, resident(pid)
         page.close()
     return row

@@ -88,6 +88,14 @@ def to_the_end(bench: Bench, job: str) -> list[dict[str, Any]]:
         return [json.loads(message) for message in socket]
 
 
+def until_told(socket: ClientConnection) -> None:
+    """Wait until a job has said something."""
+    while True:
+        message = json.loads(socket.recv(SLOWEST))
+        if "note" in message or message["job"]["trail"]:
+            return
+
+
 def cancelled(bench: Bench, job: str, tab: str = TAB) -> int:
     with bench.client(tab) as client:
         return client.delete(f"/api/jobs/{job}").status_code
@@ -121,8 +129,7 @@ def test_a_job_that_is_stopped_ends_with_the_best_so_far(served: Bench) -> None:
         job = begun(served, "stopped")
         if wait:
             with watching(served, job) as socket:
-                while "note" not in json.loads(socket.recv(SLOWEST)):
-                    pass
+                until_told(socket)
         assert cancelled(served, job) == 200
         last = to_the_end(served, job)[-1]["job"]
         assert (last["state"], last["outcome"]) == ("done", {"best": "so far"})
@@ -262,8 +269,7 @@ def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> 
         for call in ("family", "hang"):
             job = begun(made.bench, call)
             socket = stack.enter_context(watching(made.bench, job))
-            while "note" not in json.loads(socket.recv(SLOWEST)):
-                pass
+            until_told(socket)
         asking = Thread(target=ask_in_vain, args=(made.bench,))
         asking.start()
         stack.callback(asking.join)

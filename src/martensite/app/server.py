@@ -93,6 +93,8 @@ def serve(
             server_header=False, proxy_headers=False, lifespan="on",
         )  # fmt: skip
         server = uvicorn.Server(config)
+        if hasattr(signal, "SIGHUP") and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGHUP, server.handle_exit)
         opened.listen(64)
         ready(at)
         server.run(sockets=[opened])

@@ -65,7 +65,8 @@ export function followInAddress(): () => void {
     if (!now || place.value.page !== "bench") return;
     clearTimeout(waiting);
     waiting = window.setTimeout(async () => {
-      if (place.value.page === "bench") remember("bench", { scenario: await packed(now) });
+      const letters = await packed(now);
+      if (place.value.page === "bench" && text.value === now) remember("bench", { scenario: letters });
     }, 300);
   });
 }
