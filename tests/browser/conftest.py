@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from app_server import Bench, running
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 FLAGS = (
     "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -20,6 +20,8 @@ FLAGS = (
     "--disable-background-networking", "--disable-component-update",
 )  # fmt: skip
 NAMES = ("chromium", "chromium-browser", "google-chrome")
+PATIENCE = 30_000
+"""For processes that start on a busy machine [ms]."""
 LOCAL = ("127.0.0.1", "")
 """Hosts that may be asked; addresses of kinds `data` and `blob` have none."""
 
@@ -35,6 +37,7 @@ def chromium() -> Iterator[Browser]:
     found = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
     if found is None:
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium)")
+    expect.set_options(timeout=PATIENCE)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
         yield browser
@@ -53,7 +56,7 @@ def page(chromium: Browser, bench: Bench, tmp_path: Path) -> Iterator[Page]:
     made.on("console", lambda m: said.append(m.text) if m.type in ("error", "warning") else None)
     made.on("pageerror", lambda error: said.append(str(error)))
     made.on("request", lambda request: asked.append(request.url))
-    made.set_default_timeout(30_000)
+    made.set_default_timeout(PATIENCE)
     made.goto(bench.address)
     yield made
     context.close()

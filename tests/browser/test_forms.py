@@ -4,8 +4,6 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
-expect.set_options(timeout=20_000)
-
 
 def diameter(page: Page):
     """Field and slider of the diameter of the wire."""

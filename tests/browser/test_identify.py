@@ -2,11 +2,9 @@
 
 import re
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from app_server import Bench
 from fit_cases import (
     HEATED,
     TRUTH,
@@ -18,13 +16,12 @@ from fit_cases import (
     write_log,
     write_rows,
 )
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 SCENARIO = (Path(__file__).parents[2] / "examples/isobaric_log.toml").read_text("utf-8")
 HEADINGS = ["Time_s", "T (C)", "sigma [MPa]", "Strain %", "<img src=x onerror=alert(1)>"]
 SLOW = ["h", "A_s", "A_f", "M_s", "M_f", "C_A", "C_M"]
 PATIENT = 30_000
-expect.set_options(timeout=20_000)
 
 
 @pytest.fixture
@@ -35,20 +32,6 @@ def log(tmp_path: Path) -> Path:
     rows = read_rows(str(path))[1:]
     write_rows(path, [HEADINGS, *([*row, "=cmd()"] for row in rows)])
     return path
-
-
-@pytest.fixture
-def refusing(chromium: Browser, bench: Bench) -> Iterator[Page]:
-    """A page that is refused something: its browser then notes the status of the answer."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 800})
-    made = context.new_page()
-    said: list[str] = []
-    made.on("console", lambda m: said.append(m.text) if m.type == "error" else None)
-    made.on("pageerror", lambda error: said.append(str(error)))
-    made.goto(bench.address)
-    yield made
-    context.close()
-    assert [text for text in said if "status of 400" not in text] == []
 
 
 def opened(page: Page) -> None:
@@ -98,8 +81,7 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     assert material["fit"]["records"][0]["file"] == "cycle.csv"
 
 
-def test_files_are_shown_as_text_or_refused(refusing: Page, log: Path, tmp_path: Path) -> None:
-    page = refusing
+def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:
     opened(page)
     choose(page, log)
     page.get_by_text("First 20 rows").click()

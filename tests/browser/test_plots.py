@@ -8,7 +8,6 @@ from playwright.sync_api import Locator, Page, expect
 
 from martensite.app.address import packed
 
-expect.set_options(timeout=20_000)
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = (EXAMPLES / "constant_power.toml").read_text("utf-8")
 INKED = """canvas => {

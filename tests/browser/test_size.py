@@ -6,7 +6,6 @@ from playwright.sync_api import Page, expect
 
 FOUND = 60_000
 """[ms] on a busy machine."""
-expect.set_options(timeout=30_000)
 SMALL = "force=0.5+N&stroke=3+mm&rate=0.2+Hz&supply=5+V&alloy=90"
 
 

@@ -9,7 +9,6 @@ QUICK = "wire-heating"
 LONG = "hammerstein-wiener"
 COMPUTED = 90_000
 """A study takes its time on a busy machine [ms]."""
-expect.set_options(timeout=30_000)
 
 
 def visit(page: Page, place: str) -> None:

@@ -25,13 +25,6 @@ STORED: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.fixture(autouse=True, scope="module")
-def patience() -> Iterator[None]:
-    expect.set_options(timeout=LONG)
-    yield
-    expect.set_options(timeout=5_000)
-
-
 @pytest.fixture(scope="module")
 def ready(bench: Bench) -> str:
     """Key of a sweep that is there, in which some runs are refused."""
