@@ -1,18 +1,32 @@
 """Running for the page: on plain floats at once, and in C as soon as it is compiled.
 
-Compiling takes a second or two, once for every structure: a changed number runs what is there.
+Compiling takes seconds, once for every structure and machine: a changed number runs what is there.
+A structure that this machine has compiled before runs in C from the first, and so does one whose
+first run would take much longer on floats than a compiler does.
 """
 
 from __future__ import annotations
 
+import hashlib
 import threading
+import time
 from collections.abc import Hashable
+from contextlib import suppress
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
 
 from martensite.errors import MartensiteError
+from martensite.files import cache_folder
 from martensite.io.scenario import Scenario
 from martensite.parameters import structure
 from martensite.runtimes.c99 import compiler
 from martensite.simulate.result import Result
+
+LONG = 10.0
+"""Seconds on floats, as a short piece lets expect, from which a run waits for the compiler."""
+PIECE = 40
+"""Into how many pieces a run is cut to try one."""
 
 _ready: set[Hashable] = set()
 _begun: set[Hashable] = set()
@@ -23,19 +37,45 @@ def run(scenario: Scenario) -> tuple[Result, str]:
     if scenario.outside:
         return scenario.run(), "floats"
     key = structure(scenario.whole)
-    if key in _ready:
-        return scenario.run(runtime="c"), "c"
+    if compiler() is None or (key in _begun and key not in _ready):
+        return scenario.run(runtime="floats"), "floats"
+    if key in _ready or _mark(key).exists() or _is_long(scenario):
+        return _in_c(scenario, key), "c"
     result = scenario.run(runtime="floats")
-    if key not in _begun and compiler() is not None:
-        _begun.add(key)
-        threading.Thread(target=_compile, args=(scenario, key), daemon=True).start()
+    _begun.add(key)
+    threading.Thread(target=_compile, args=(scenario, key), daemon=True).start()
     return result, "floats"
+
+
+def _in_c(scenario: Scenario, key: Hashable) -> Result:
+    """The run in C; compiled first if need be."""
+    result = scenario.run(runtime="c")
+    if key not in _ready:
+        _ready.add(key)
+        with suppress(OSError):
+            mark = _mark(key)
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            mark.touch()
+    return result
 
 
 def _compile(scenario: Scenario, key: Hashable) -> None:
     """Compile by running; a structure that does not run in C stays on floats."""
-    try:
-        scenario.run(runtime="c")
-    except (MartensiteError, ArithmeticError, MemoryError, OSError):
-        return
-    _ready.add(key)
+    with suppress(MartensiteError, ArithmeticError, MemoryError, OSError):
+        _in_c(scenario, key)
+
+
+def _is_long(scenario: Scenario) -> bool:
+    """Whether a first piece of the run lets expect that all of it takes long on floats."""
+    samples = max(2, scenario.samples // PIECE)
+    piece = replace(scenario, duration=scenario.duration / PIECE, samples=samples)
+    begun = time.perf_counter()
+    with suppress(MartensiteError):  # the whole run says it better
+        piece.run(runtime="floats")
+    return PIECE * (time.perf_counter() - begun) > LONG
+
+
+def _mark(key: Hashable) -> Path:
+    """A file that says that this machine has compiled a structure."""
+    words = f"{version('martensite')} {key!r}"
+    return cache_folder() / "c" / f"{hashlib.sha256(words.encode()).hexdigest()[:24]}.known"
