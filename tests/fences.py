@@ -37,9 +37,13 @@ LONG = ("martensite size ", "martensite tune ")
 """Commands of README.md that take seconds and leave nothing that a later one needs."""
 
 
+SERVING = "martensite app"
+"""A command that goes on until it is interrupted."""
+
+
 def apart(line: str, folder: Path) -> bool:
-    """Whether a command has a test of its own: a long one, or one on measured data."""
-    return line.startswith(LONG) or needs_data(line, folder)
+    """Whether a command has a test of its own: a long or endless one, or one on measured data."""
+    return line.startswith((*LONG, SERVING)) or needs_data(line, folder)
 
 
 def needs_data(line: str, folder: Path) -> bool:

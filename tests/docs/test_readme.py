@@ -17,8 +17,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from app_server import running
 from command import Command
-from fences import README, ROOT, apart, fences, needs_data
+from fences import README, ROOT, SERVING, apart, fences, needs_data
 
 BLOCKS = fences(README)
 SHELL = [
@@ -29,7 +30,8 @@ SHELL = [
     if line.strip()
 ]
 SCENARIOS = [block.text for block in BLOCKS if block.language == "toml"]
-COMMANDS = [line for line in SHELL if line.startswith("martensite ")]
+SERVERS = [line for line in SHELL if line.startswith(SERVING)]
+COMMANDS = [line for line in SHELL if line.startswith("martensite ") and line not in SERVERS]
 SCRIPTS = [line for line in SHELL if line.startswith("python ")]
 INSTALLS = ("pip install ", "uv pip install ")
 
@@ -91,6 +93,12 @@ def test_command_runs_in_a_process(line: str, folder: Path) -> None:
     assert process(arguments, folder).strip()
 
 
+def test_the_bench_opens(tmp_path: Path) -> None:
+    assert SERVERS == [SERVING]
+    with running(tmp_path) as bench, bench.client() as client:
+        assert "<title>martensite bench</title>" in client.get("/").text
+
+
 def test_a_wrong_command_does_not_run() -> None:
     assert Command("run", "nothing.toml")().exit_code == 2
 
@@ -104,7 +112,7 @@ def test_make_target_exists(line: str) -> None:
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
 def test_installation_is_of_this_checkout(line: str) -> None:
-    assert shlex.split(line)[-1] in (".", ".[sweep]")
+    assert shlex.split(line)[-1] in (".", ".[sweep]", ".[app]")
     assert 'name = "martensite"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 

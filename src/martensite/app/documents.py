@@ -16,10 +16,11 @@ from martensite.app.messages import wanted
 from martensite.app.worker import Desk
 from martensite.errors import DataError, ParameterError
 from martensite.io.scenario import Scenario, read
+from martensite.simulate.api import longest_step
 
 LONGEST = 2**20
 MOST_SAMPLES = 200_001
-MOST_STEPS = 5_000_000
+MOST_STEPS = 2_000_000
 
 
 def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
@@ -34,10 +35,10 @@ def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
         raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST:,} do.")
     check_files(text, changes)
     scenario = read(text, FOLDER / "scenario.toml", changes or None)
-    if scenario.step is not None and scenario.duration > MOST_STEPS * scenario.step:
+    if steps_of(scenario) > MOST_STEPS:
         raise ParameterError(
-            f"[run] `step` cuts the run into more than {MOST_STEPS:,} steps, the most that the "
-            "bench makes. Use `martensite run` for more."
+            f"This run needs more than {MOST_STEPS:,} steps, the most that the bench makes. Make "
+            "it shorter or its longest step larger, or use `martensite run`."
         )
     if scenario.samples > MOST_SAMPLES:
         raise ParameterError(
@@ -45,6 +46,12 @@ def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
             "Use `martensite run` for more."
         )
     return scenario
+
+
+def steps_of(scenario: Scenario) -> float:
+    """Steps that a run has at least."""
+    step = scenario.system.sample_time() or scenario.step or longest_step(scenario.system)
+    return scenario.duration / step
 
 
 def check_files(text: str, changes: Mapping[str, Any]) -> None:

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { faulty, idOf, Row } from "./row.tsx";
 import { POSITIONS, positionOf, quantity, stepped, typed, valueAt, written } from "./scale.ts";
-import { giveUp, grip, rangeOf, refusals, restructure, send, slide } from "./state.ts";
+import { giveUp, grip, rangeOf, refusals, restructure, returns, send, slide } from "./state.ts";
 import type { NumberNode } from "./types.ts";
 
 export function NumberControl({ node }: { node: NumberNode }) {
@@ -23,7 +23,7 @@ export function NumberControl({ node }: { node: NumberNode }) {
     const typing = document.activeElement?.id === id && !isSent.current;
     if (!typing && !refusals.peek()[node.path]) draft.value = null;
     isSent.current = false;
-  }, [node]);
+  }, [node, returns.value]);
 
   const commit = (): void => {
     const text = draft.peek();

@@ -17,6 +17,8 @@ export const search = signal("");
 export const notes = signal<string[]>([]);
 /** Numbers that a kind still needs, and the changes that wait for them. */
 export const wanting = signal<{ sentence: string; missing: Single[]; changes: Record<string, unknown> } | null>(null);
+/** Counts how often the document went back to what the form shows: what was tried is void then. */
+export const returns = signal(0);
 /** Path -> sentence of the value that was refused there. */
 export const refusals = signal<Record<string, string>>({});
 
@@ -65,6 +67,7 @@ export function followForm(): () => void {
   return effect(() => {
     const now = text.value;
     clearTimeout(waiting);
+    if (now === shown) returns.value = returns.peek() + 1;
     if (!now || now === shown) return;
     const own = sent.has(now);
     if (!own) forget();
