@@ -112,6 +112,6 @@ def test_the_run_brings_it(bench: Bench) -> None:
 @pytest.mark.parametrize("name", sorted(set(scenarios()) - {"finger", "hand", "closed_loop_beam"}))
 def test_every_example_has_one(name: str) -> None:
     scenario = read(scenarios()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
-    found = scene(scenario, scenario.run(**({} if scenario.outside else {"runtime": "floats"})))
+    found = scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
     assert found["shapes"]
     assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

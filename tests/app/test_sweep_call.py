@@ -4,7 +4,7 @@ import json
 import re
 import shlex
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -86,8 +86,8 @@ def test_points_are_those_of_the_store(made: tuple[Desk, str, list[dict[str, Any
 
 def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
     class Large(Drawn):
-        size = 90_000
-        levels = (range(300), range(300))
+        size = 90_000  # pyright: ignore[reportAssignmentType]
+        levels = (range(300), range(300))  # pyright: ignore[reportAssignmentType]
 
     found = Large(Store(tmp_path))
     kept = found.kept(np.arange(90_000))
@@ -266,7 +266,7 @@ def begin(bench: Bench, request: dict[str, Any], tab: str = TAB) -> str:
     return found["id"]
 
 
-def heard(bench: Bench, job: str, tab: str = TAB) -> Iterator[dict[str, Any]]:
+def heard(bench: Bench, job: str, tab: str = TAB) -> Generator[dict[str, Any]]:
     """What a page hears of a job until it ends."""
     address = f"ws://127.0.0.1:{bench.port}/api/jobs/{job}/watch?{urlencode({'tab': tab})}"
     headers = {"Authorization": f"Bearer {bench.token}"}

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 
@@ -55,6 +56,7 @@ def test_a_field_takes_other_units_and_keys_and_refuses_in_words(page: Page) -> 
     expect(field).to_have_value("0.1026")
 
 
+@pytest.mark.slow
 def test_a_search_finds_by_meaning_and_what_the_material_gives_comes_back(page: Page) -> None:
     diameter(page)
     page.get_by_label("Find a parameter").fill("modulus austenite")
@@ -71,6 +73,7 @@ def test_a_search_finds_by_meaning_and_what_the_material_gives_comes_back(page: 
     expect(row.get_by_text("datasheet, material flexinol-90")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_kinds_change_the_form_and_whole_examples_come(page: Page) -> None:
     diameter(page)
     law = page.locator("#form-element-law-kind")

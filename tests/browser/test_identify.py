@@ -99,6 +99,7 @@ def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Pat
     expect(page.get_by_role("alert")).to_contain_text("not a text file", timeout=PATIENT)
 
 
+@pytest.mark.slow
 def test_records_are_cut_with_the_keyboard(page: Page, log: Path) -> None:
     opened(page)
     choose(page, log)

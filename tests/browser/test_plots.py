@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from martensite.app.address import packed
@@ -104,6 +105,7 @@ def test_the_time_cursor_moves_by_click_key_and_zoom(page: Page) -> None:
     expect(page.get_by_role("button", name="Show all of the time")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_runs_are_pinned_compared_and_opened_again(page: Page) -> None:
     opened(page)
     page.get_by_role("button", name="Pin this run").click()
@@ -133,6 +135,7 @@ def test_runs_are_pinned_compared_and_opened_again(page: Page) -> None:
     expect(name).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_warnings_lead_to_their_time(page: Page) -> None:
     opened(page)
     expect(page.locator(".alarm")).to_have_count(0)
@@ -161,6 +164,7 @@ def test_exports_are_downloads(page: Page) -> None:
     assert 'title = "Constant power' in taken.value.path().read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_actuators_are_chosen(page: Page) -> None:
     text = (EXAMPLES / "closed_loop_platform.toml").read_text("utf-8")
     opened(page, text, "latform")

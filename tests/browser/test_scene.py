@@ -91,7 +91,14 @@ def settled(page: Page, view: Locator) -> bytes:
     return view.screenshot()
 
 
-@pytest.mark.parametrize("name", ["constant_power", "finger", "hand", "closed_loop_platform"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "constant_power",
+        "finger",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("hand", "closed_loop_platform")),
+    ],
+)
 def test_what_is_drawn_moves_with_the_cursor(page: Page, opened: Opened, name: str) -> None:
     view = opened(name)
     for share in (0.0, 0.75):  # whatever the page still has to load
@@ -109,6 +116,7 @@ def test_it_plays_and_pauses(page: Page, opened: Opened) -> None:
     assert settled(page, view) != before
 
 
+@pytest.mark.slow
 def test_keys(page: Page, opened: Opened) -> None:
     view = opened("constant_power")
     before = settled(page, view)
@@ -129,6 +137,7 @@ def test_keys(page: Page, opened: Opened) -> None:
     expect(view).to_have_attribute("aria-label", re.compile(r"at 0 s"))
 
 
+@pytest.mark.slow
 def test_colours_are_by_what_is_chosen(page: Page, opened: Opened) -> None:
     view = opened("constant_power")
     by_temperature = seen_at(page, view, 0.5)
@@ -138,6 +147,7 @@ def test_colours_are_by_what_is_chosen(page: Page, opened: Opened) -> None:
     assert settled(page, view) != by_temperature
 
 
+@pytest.mark.slow
 def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
     """Of a run of the same structure nothing is made anew."""
     view = opened("constant_power")
@@ -156,6 +166,7 @@ def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
     assert view.get_attribute("data-held") == held
 
 
+@pytest.mark.slow
 def test_without_webgl_it_is_drawn_from_the_side(page: Page, bench: Bench) -> None:
     page.add_init_script(
         "const had = HTMLCanvasElement.prototype.getContext;"

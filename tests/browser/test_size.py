@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from playwright.sync_api import Page, expect
 
 FOUND = 60_000
@@ -57,6 +58,7 @@ def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     expect(page.get_by_text("wires do, the best first.")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_wire_is_saved_and_opened_on_the_bench(page: Page) -> None:
     visit(page, f"size?{SMALL}")
     page.get_by_role("button", name="Find wires").click()
@@ -70,6 +72,7 @@ def test_a_wire_is_saved_and_opened_on_the_bench(page: Page) -> None:
     expect(page.get_by_role("heading", level=1)).to_contain_text("Flexinol 0.10 mm, 90 °C")
 
 
+@pytest.mark.slow
 def test_a_cancelled_sizing_shows_what_it_has(page: Page) -> None:
     visit(page, f"size?{SMALL.replace('&alloy=90', '')}")
     page.get_by_role("button", name="Find wires").click()
@@ -78,6 +81,7 @@ def test_a_cancelled_sizing_shows_what_it_has(page: Page) -> None:
     expect(page.get_by_text(re.compile(r"Cancelled: \d+ of 24 wires"))).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_model_stands_beside_the_makers_table(page: Page) -> None:
     visit(page, "size?tab=catalogue&alloy=90&stress=150+MPa")
     page.get_by_role("button", name="Compare").click()

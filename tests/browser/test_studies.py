@@ -15,6 +15,7 @@ def visit(page: Page, place: str) -> None:
     page.evaluate("place => { location.hash = place; }", f"#/{place}")
 
 
+@pytest.mark.slow
 def test_studies_are_listed_and_lead_to_their_pages(page: Page) -> None:
     visit(page, "studies")
     expect(page.get_by_role("heading", level=2)).to_have_count(8, timeout=COMPUTED)
@@ -69,6 +70,7 @@ def test_a_scenario_of_a_study_opens_on_the_bench(page: Page) -> None:
     expect(page).to_have_url(re.compile("#/bench"))
 
 
+@pytest.mark.slow
 def test_work_survives_a_reload_and_is_cancelled(page: Page) -> None:
     visit(page, f"studies/{LONG}")
     page.get_by_role("button", name="Compute claims and figure").click()

@@ -142,6 +142,7 @@ def test_two_tabs_do_not_disturb_each_other(page: Page, other: Page, bench: Benc
         expect(shown).to_contain_text(axes)
 
 
+@pytest.mark.slow
 def test_what_is_wrong_stands_beside_its_field(page: Page, bench: Bench) -> None:
     ask(page, bench, ("6", "5"))
     axis = page.get_by_role("group", name="element.diameter")
@@ -157,6 +158,7 @@ def test_what_is_wrong_stands_beside_its_field(page: Page, bench: Bench) -> None
     expect(page.get_by_text("32 runs", exact=True)).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_kept_sweep_is_looked_at(page: Page, bench: Bench, ready: str) -> None:
     page.goto(f"{bench.origin}/#/sweep")
     page.get_by_role("button", name=re.compile("Open Ready power")).click()
