@@ -6,12 +6,13 @@ from typing import Any
 
 from starlette.responses import Response
 
-from martensite.app.messages import Refusal, dumps
+from martensite.app.messages import Refusal, Written, dumps
 
 
 def json_response(content: Any, status: int = 200) -> Response:
     """An answer in JSON."""
-    return Response(dumps(content), status, media_type="application/json")
+    body = content if isinstance(content, Written) else dumps(content)
+    return Response(body, status, media_type="application/json")
 
 
 def refusal_response(refusal: Refusal, quiet: bool = False) -> Response:

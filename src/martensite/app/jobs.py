@@ -7,6 +7,7 @@ back is told what has been so far, and goes on listening.
 from __future__ import annotations
 
 import asyncio
+import json
 import secrets
 import time
 from collections.abc import AsyncIterator
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, refused
+from martensite.app.messages import Refusal, Written, refused
 from martensite.app.workers import POLITE, Worker
 
 AT_ONCE = 4
@@ -153,7 +154,8 @@ class Jobs:
 
     async def _work(self, job: Job) -> None:
         try:
-            job.end("done", await job.worker.ask(job.call, job.request, job.told))
+            found = await job.worker.ask(job.call, job.request, job.told)
+            job.end("done", json.loads(found) if isinstance(found, Written) else found)
         except Refusal as refusal:
             state = "cancelled" if refusal.kind == "stopped" else "failed"
             if job.state == "running":

@@ -30,6 +30,10 @@ class BadMessageError(InputError):
     """A message is not what the call takes."""
 
 
+class Written(bytes):
+    """JSON as a worker wrote it, to be passed on as it is."""
+
+
 def dumps(message: Any) -> bytes:
     """A message as one line of JSON; numbers that JSON does not have become null."""
     try:

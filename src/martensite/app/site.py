@@ -10,7 +10,8 @@
     GET  /api/files/KEY         take a file away
 
 Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` what a newer call
-goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status of its own.
+goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status of its own; who
+sends `X-Quietly: 1` gets it under the status 200, and its own in `X-Refused`.
 """
 
 from __future__ import annotations

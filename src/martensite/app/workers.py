@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, dumps
+from martensite.app.messages import Refusal, Written, dumps
 
 COMMAND = (sys.executable, "-m", "martensite.app.worker")
 LONGEST_LINE = 64 * 2**20
@@ -22,6 +22,9 @@ QUICK = 60.0
 POLITE = 5.0
 """Seconds that a call is given to stop by itself."""
 
+ANSWER = b'{"answer":'
+LONG = 2**16
+"""Bytes from which an answer is passed on unread: reading and writing it again takes time."""
 LOOKED_AFTER = 1.0
 """Seconds after which a silent process is looked after."""
 LOST = (
@@ -130,6 +133,8 @@ def _read(line: bytes) -> dict[str, Any]:
     """
     if not line.endswith(b"\n"):
         raise Refusal(LOST, 500, "lost")
+    if len(line) > LONG and line.startswith(ANSWER) and line.endswith(b"}\n"):
+        return {"answer": Written(line[len(ANSWER) : -2])}
     try:
         said = json.loads(line)
         if "tell" in said or "answer" in said or (said["refused"] and said["kind"]):
