@@ -99,6 +99,10 @@ class Worker:
                 process.kill()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(process.wait(), POLITE)
+        # asyncio closes it by itself only if nobody else holds the pipes open
+        transport = getattr(process, "_transport", None)
+        if transport is not None:
+            transport.close()
 
 
 async def _write(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:
