@@ -281,7 +281,8 @@ def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> 
         code = made.process.wait(SLOWEST)
         wait_until(lambda: not alive(started))
         assert made.process.stderr
-        assert "Traceback" not in made.process.stderr.read()
+        said = made.process.stderr.read()
+        assert "Traceback" not in said, said
     if number is signal.SIGKILL:
         assert code == -9
     else:

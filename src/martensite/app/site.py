@@ -179,15 +179,15 @@ async def _swallow(stream: AsyncIterator[bytes]) -> None:
             return
 
 
-def _status(request: Request) -> Response:
+async def _status(request: Request) -> Response:
     return json_response({"name": "martensite", "version": version("martensite")})
 
 
-def _index(request: Request) -> Response:
+async def _index(request: Request) -> Response:
     return FileResponse(STATIC / "index.html", media_type="text/html")
 
 
-def _refused(request: Request, error: Exception) -> Response:
+async def _refused(request: Request, error: Exception) -> Response:
     """The answer to an error made on purpose.
 
     A page asks for such sentences under the status 200: browsers put all others on the console.
@@ -196,7 +196,7 @@ def _refused(request: Request, error: Exception) -> Response:
     return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
 
 
-def _nowhere(request: Request, error: Exception) -> Response:
+async def _nowhere(request: Request, error: Exception) -> Response:
     status = getattr(error, "status_code", 404)
     words = {405: "This address does not take that."}.get(
         status, "There is nothing at this address."
@@ -204,12 +204,12 @@ def _nowhere(request: Request, error: Exception) -> Response:
     return refusal_response(Refusal(words, status))
 
 
-def _failed(request: Request, error: Exception) -> Response:
+async def _failed(request: Request, error: Exception) -> Response:
     """The answer to an error that nobody has thought of; the server goes on."""
     return refusal_response(Refusal(refused(error)["refused"], 500, "failed"))
 
 
-def _gone(request: Request, error: Exception) -> Response:
+async def _gone(request: Request, error: Exception) -> Response:
     return Response(status_code=499)
 
 
