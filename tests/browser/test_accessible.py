@@ -44,6 +44,7 @@ def opened(page: Page, name: str, theme: str = "light") -> None:
     expect(page.get_by_text("Loading")).to_have_count(0)
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    page.wait_for_load_state("networkidle")  # what the page asks for is there and drawn
 
 
 def unnamed(page: Page) -> list[str]:

@@ -45,7 +45,7 @@ export function LoopChart({ title, about, picture, height }: LoopChartProps) {
     if (time !== undefined) cursor.value = time;
   };
   return (
-    <figure class="loop">
+    <figure class="loop" aria-label={title}>
       <figcaption>
         <span class="panel-title">{title}</span>
         {zoomed && (

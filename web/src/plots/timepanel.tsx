@@ -82,7 +82,7 @@ export function TimePanel(props: TimePanelProps) {
     [series, beside, time, shades, levels, label],
   );
   return (
-    <figure class="time-panel">
+    <figure class="time-panel" aria-label={title}>
       <figcaption>
         <span class="panel-title">{title}</span> <Readout series={series} />
       </figcaption>
