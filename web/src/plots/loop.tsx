@@ -45,7 +45,7 @@ export function LoopChart({ title, about, picture, height }: LoopChartProps) {
     if (time !== undefined) cursor.value = time;
   };
   return (
-    <figure class="loop" aria-label={title}>
+    <figure class="loop" aria-label={about}>
       <figcaption>
         <span class="panel-title">{title}</span>
         {zoomed && (

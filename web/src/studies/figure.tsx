@@ -37,7 +37,7 @@ export function Figure({ name, file, about }: { name: string; file: string; abou
   if (failed) return <Message kind="error">The figure could not be loaded; compute the study again.</Message>;
   if (!picture) return <p class="starting">Loading the figure …</p>;
   return (
-    <figure class="panel study-figure">
+    <figure class="panel study-figure" aria-label={alt}>
       <button type="button" class="quiet" title="Enlarge" onClick={enlarge}>
         <img src={picture.address} alt={alt} />
       </button>
