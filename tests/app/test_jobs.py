@@ -273,8 +273,9 @@ def test_nothing_outlives_the_server(tmp_path: Path, number: signal.Signals) -> 
         asking = Thread(target=ask_in_vain, args=(made.bench,))
         asking.start()
         stack.callback(asking.join)
+        # a worker, two of jobs, and what one of them has started
+        wait_until(lambda: len(below(made.process.pid)) >= 4)
         started = below(made.process.pid)
-        assert len(started) >= 4  # a worker, two of jobs, and what one of them has started
         folders = list(tmp_path.glob("martensite-*"))
         assert len(folders) == 1
         made.process.send_signal(number)

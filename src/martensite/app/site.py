@@ -47,6 +47,8 @@ from martensite.errors import InputError
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
 QUIETLY = "x-quietly"
+PAGE_FIRST = 0.5
+"""Seconds for which a new server leaves the processor to the page."""
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
 """Bytes of a refused upload that are read and thrown away, and for how long [s].
@@ -179,6 +181,12 @@ async def _swallow(stream: AsyncIterator[bytes]) -> None:
             return
 
 
+async def _soon(pool: Pool) -> None:
+    """Start a worker once the page had time to come first."""
+    await asyncio.sleep(PAGE_FIRST)
+    await pool.warm()
+
+
 async def _status(request: Request) -> Response:
     return json_response({"name": "martensite", "version": version("martensite")})
 
@@ -219,10 +227,11 @@ def site(folder: Path, token: str, port: int) -> ASGIApp:
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        await shared.pool.warm()
+        warming = asyncio.create_task(_soon(shared.pool))
         try:
             yield
         finally:
+            warming.cancel()
             await shared.jobs.close()
             await shared.pool.close()
 
