@@ -10,6 +10,7 @@ from typing import Any
 import martensite
 from martensite import units
 from martensite.cli import describe
+from martensite.io import catalogue
 from martensite.materials.base import DOUBTFUL, Material, load_material, material_names
 from martensite.materials.names import NAMES
 from martensite.parameters import Parametrised
@@ -71,7 +72,7 @@ def all_parts() -> str:
     return "\n".join(
         f"## {PLURALS.get(kind, kind)}\n\n"
         + "\n".join(part(describe.one(registry, name)) for name in registry.names())
-        for kind, registry in describe.registries().items()
+        for kind, registry in catalogue.registries().items()
     )
 
 
@@ -99,14 +100,16 @@ def _parameters(declared: Sequence[dict[str, Any]]) -> str:
 
 def parameters_of(cls: type[Parametrised]) -> str:
     """The parameters of a class that is in no registry."""
-    return _parameters(describe.described("", cls)["parameters"])
+    return _parameters(catalogue.described("", cls)["parameters"])
 
 
 def public_names() -> str:
     """What `import martensite` offers."""
     names = [name for name in dir(martensite) if not name.startswith("_")]
     found = {name: getattr(martensite, name) for name in names}
-    return table(("name", "what it is"), [(code(n), describe.summary(o)) for n, o in found.items()])
+    return table(
+        ("name", "what it is"), [(code(n), catalogue.summary(o)) for n, o in found.items()]
+    )
 
 
 def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:
@@ -173,7 +176,7 @@ def sweeps() -> str:
 
 
 def _listed(registry: Registry[Any]) -> str:
-    rows = [(code(name), describe.summary(registry[name])) for name in registry.names()]
+    rows = [(code(name), catalogue.summary(registry[name])) for name in registry.names()]
     return table((registry.kind, "what it is"), rows)
 
 

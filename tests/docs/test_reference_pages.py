@@ -16,8 +16,7 @@ import pytest
 from fences import ROOT, pages
 
 import martensite
-from martensite.cli import describe
-from martensite.io import citations
+from martensite.io import catalogue, citations
 from martensite.materials.base import load_material, material_names
 from martensite.registry import Registry
 
@@ -36,7 +35,7 @@ def extension() -> ModuleType:
 
 def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
     text = extension.SECTIONS["parts"]()
-    for kind, registry in describe.registries().items():
+    for kind, registry in catalogue.registries().items():
         for name in registry.names():
             section = text.partition(f"(part-{kind}-{name})=")[2].partition("(part-")[0]
             assert section, f"{kind} {name}"

@@ -17,7 +17,7 @@ import pytest
 from command import Command
 
 from martensite.cli import waiting
-from martensite.cli.describe import registries
+from martensite.io.catalogue import registries
 from martensite.io.netcdf import open_result
 from martensite.io.scenario import load, read
 

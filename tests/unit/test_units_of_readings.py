@@ -18,11 +18,11 @@ from martensite import units
 from martensite.bench.faults.base import FAULTS
 from martensite.bench.supervisors.checks.base import CHECKS
 from martensite.cli import app
-from martensite.cli.describe import registries
 from martensite.controllers.on_off import OnOff
 from martensite.controllers.planning import Price
 from martensite.errors import InputError, ParameterError, UnitError
 from martensite.io.build import Builder
+from martensite.io.catalogue import registries
 from martensite.io.components import component_class
 from martensite.io.places import Places
 from martensite.io.scales import Scales, named_readings

@@ -11,11 +11,11 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from martensite.app.gallery import FOLDER
+from martensite.app.gallery import FOLDER, built
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
 from martensite.errors import DataError, ParameterError
-from martensite.io.scenario import Scenario, read
+from martensite.io.scenario import Scenario
 from martensite.simulate.api import longest_step
 
 LONGEST = 2**20
@@ -34,7 +34,7 @@ def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
     if len(text) > LONGEST:
         raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST:,} do.")
     check_files(text, changes)
-    scenario = read(text, FOLDER / "scenario.toml", changes or None)
+    scenario = built(text, changes or None)
     if steps_of(scenario) > MOST_STEPS:
         raise ParameterError(
             f"This run needs more than {MOST_STEPS:,} steps, the most that the bench makes. Make "

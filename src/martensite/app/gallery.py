@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.io.recorded import LOG
+
+if TYPE_CHECKING:
+    from martensite.io.scenario import Scenario
+    from martensite.signals.records import Record
 
 PACKAGED = Path(__file__).parents[1] / "examples"
 FOLDER = PACKAGED if PACKAGED.is_dir() else Path(__file__).parents[3] / "examples"
@@ -12,11 +20,40 @@ FOLDER = PACKAGED if PACKAGED.is_dir() else Path(__file__).parents[3] / "example
 
 def scenarios() -> dict[str, str]:
     """Name and text of every scenario that stands by itself."""
-    found = {path.stem: path.read_text("utf-8") for path in sorted(FOLDER.glob("*.toml"))}
-    return {name: text for name, text in found.items() if _alone(text)}
+    data = "flexinol-isobaric/"  # measured by others, not packaged
+    return {n: text for n, text in _texts() if data not in text and not _follows(text)}
 
 
-def _alone(text: str) -> bool:
-    """Whether a document is a scenario that needs no log and no data of others."""
-    document = tomllib.loads(text)
-    return "scenario" not in document and "flexinol-isobaric/" not in text and '"log"' not in text
+def followers() -> dict[str, str]:
+    """Name and text of every scenario that follows a log."""
+    return {name: text for name, text in _texts() if _follows(text)}
+
+
+def listed(texts: Mapping[str, str]) -> dict[str, Any]:
+    """Scenarios as the page lists them, with their titles."""
+    found = [
+        {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
+        for name, text in texts.items()
+    ]
+    return {"scenarios": found}
+
+
+def built(
+    text: str, changes: Mapping[str, Any] | None = None, log: Record | None = None
+) -> Scenario:
+    """The scenario in a text; files that it names lie beside the packaged ones."""
+    from martensite.io.scenario import read
+
+    return read(text, FOLDER / "scenario.toml", changes, log=log)
+
+
+def _texts() -> Iterator[tuple[str, str]]:
+    """Name and text of all, without what is a fit of one."""
+    for path in sorted(FOLDER.glob("*.toml")):
+        text = path.read_text("utf-8")
+        if "scenario" not in tomllib.loads(text):
+            yield path.stem, text
+
+
+def _follows(text: str) -> bool:
+    return f'"{LOG}"' in text

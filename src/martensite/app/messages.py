@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.errors import InputError, MartensiteError
+from martensite.io.plain import plain
 
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
@@ -41,19 +42,6 @@ def dumps(message: Any) -> bytes:
     except (TypeError, ValueError):
         text = json.dumps(plain(message), ensure_ascii=False, separators=(",", ":"))
     return text.encode("utf-8", "replace")
-
-
-def plain(value: Any) -> Any:
-    """What JSON can hold: tables, lists, texts, finite numbers, null."""
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
-    if hasattr(value, "tolist"):  # of NumPy
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in cast("Sequence[Any]", value)]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (str, int)) else str(value)
 
 
 def loads(data: bytes) -> dict[str, Any]:

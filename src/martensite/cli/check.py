@@ -105,9 +105,10 @@ def params(
 
 
 def _print_parts(json: bool) -> None:
-    from martensite.cli import describe, show
+    from martensite.cli import show
+    from martensite.io import catalogue
 
-    found = {kind: registry.names() for kind, registry in describe.registries().items()}
+    found = {kind: registry.names() for kind, registry in catalogue.registries().items()}
     if json:
         show.as_json(found)
     else:

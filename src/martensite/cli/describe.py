@@ -12,11 +12,6 @@ from martensite.registry import Registry
 from martensite.signals.base import DRIVE
 from martensite.units import OF_READINGS
 
-__all__ = [
-    "anywhere", "default_of", "described", "listed", "one", "print_list", "print_part",
-    "registries", "summary",
-]  # fmt: skip
-
 
 def one(registry: Registry[Any], name: str) -> dict[str, Any]:
     """The description of one entry of a registry."""

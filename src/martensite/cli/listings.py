@@ -77,8 +77,9 @@ def blocks(name: Name = None, json: Json = False, modules: Imports = None) -> No
     """List the blocks that models are identified with, or describe one."""
     import_modules(modules)
     from martensite.cli import describe, show
+    from martensite.io import catalogue
 
-    registry = describe.registries(blocks=True)["block"]
+    registry = catalogue.registries(blocks=True)["block"]
     if name is not None:
         short = {registry[n].short: n for n in registry.names()}
         _list_or_describe("block", short.get(name, name), json)
@@ -124,8 +125,9 @@ def materials(
 
 def _list_or_describe(kind: str, name: str | None, json: bool) -> None:
     from martensite.cli import describe, show
+    from martensite.io import catalogue
 
-    registry = describe.registries(blocks=kind == "block")[kind]
+    registry = catalogue.registries(blocks=kind == "block")[kind]
     if name is None:
         show.as_json(describe.listed(registry)) if json else describe.print_list(registry)
         return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -63,17 +63,9 @@ def table(
 
 def as_json(value: Any) -> None:
     """Print JSON; numbers that JSON does not have become null."""
-    typer.echo(json.dumps(_plain(value), indent=2, ensure_ascii=False))
+    from martensite.io.plain import plain
 
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in cast("dict[Any, Any]", value).items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in cast("Sequence[Any]", value)]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (str, int)) else str(value)
+    typer.echo(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
 
 def quantity(value: float, unit: str) -> str:

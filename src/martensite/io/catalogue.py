@@ -49,7 +49,7 @@ def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     return {registry.kind: registry for registry in found}
 
 
-def summary(cls: type[Parametrised]) -> str:
+def summary(cls: type[Any]) -> str:
     """First line of the class's description."""
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 

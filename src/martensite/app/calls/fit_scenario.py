@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from martensite.app.forms.documents import parsed
 from martensite.app.identify.asked import scenario_for
-from martensite.app.identify.followed import document_of, drives_of, following
+from martensite.app.identify.followed import drives_of, following
 from martensite.app.identify.mapped import records_of
 from martensite.app.identify.numbers import numbers_of
 from martensite.app.identify.shown import shown, shown_difference
@@ -44,7 +45,7 @@ LOSS_WORDS = {
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Look at scenario and log together."""
     records = records_of(request, desk)
-    text, document = wanted(request, "text", str), document_of(wanted(request, "text", str))
+    text, document = wanted(request, "text", str), parsed(wanted(request, "text", str))
     follow = wanted(request, "follow", dict, {})
     if follow:
         column = wanted(follow, "column", str)

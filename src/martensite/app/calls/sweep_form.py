@@ -15,6 +15,7 @@ from martensite.app.documents import scenario_of
 from martensite.app.sweeping.words import exact
 from martensite.app.worker import Desk
 from martensite.errors import MartensiteError
+from martensite.io.catalogue import summary
 from martensite.io.scenario import Scenario
 from martensite.io.sweeps.job import MEASURES as USUAL
 from martensite.io.sweeps.subject import targets_of, waveforms_of
@@ -35,7 +36,9 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "text": scenario.text,
         "missing": _missing(),
         "targets": list(_targets(scenario)),
-        "designs": [{"name": n, "about": _first(DESIGNS[n])} for n in _grid_first(DESIGNS.names())],
+        "designs": [
+            {"name": n, "about": summary(DESIGNS[n])} for n in _grid_first(DESIGNS.names())
+        ],
         "measures": [_measure(name, scenario) for name in MEASURES.names()],
         "outputs": [
             {"name": name, "about": one.long_name, "unit": units.readable(one.unit)}
@@ -97,14 +100,9 @@ def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
         measure(name).columns(scenario.whole)
     except MartensiteError:
         alone = False
-    return {"name": name, "about": _first(kind), "alone": alone, "usual": _usual(name, kind)}
+    return {"name": name, "about": summary(kind), "alone": alone, "usual": _usual(name, kind)}
 
 
 def _usual(name: str, kind: type[AbstractMeasure]) -> str:
     """What is looked at if nothing is named."""
     return str(kind.declarations["of"].default or "the first coordinate")
-
-
-def _first(kind: type[Any]) -> str:
-    """The first sentence of a docstring."""
-    return (kind.__doc__ or "").strip().splitlines()[0]

@@ -8,14 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.gallery import FOLDER
+from martensite.app.gallery import built
 from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.sweeping.stored import asked_of, scenario_in
 from martensite.app.sweeping.words import exact
 from martensite.app.worker import Desk
 from martensite.errors import DataError
-from martensite.io.scenario import read
 from martensite.io.sweeps.job import plan_of
 from martensite.io.sweeps.store import Store
 
@@ -32,5 +31,5 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         one.target.name: exact(value, one.target.unit)
         for one, value in zip(plan.axes, values, strict=True)
     }
-    scenario = read(spec["scenario"], FOLDER / "scenario.toml", changes)
+    scenario = built(spec["scenario"], changes)
     return {"text": scenario.text, "values": values, "changes": changes}

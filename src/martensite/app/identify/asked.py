@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.app.documents import check_files
-from martensite.app.gallery import FOLDER
+from martensite.app.gallery import built
 from martensite.app.identify.mapped import records_of
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
@@ -22,7 +22,7 @@ from martensite.identify.fitting.free import Wish
 from martensite.io.fitting.hold_out import AUTO
 from martensite.io.fitting.logs import Log
 from martensite.io.fitting.task import Search, Task
-from martensite.io.scenario import Scenario, read
+from martensite.io.scenario import Scenario
 from martensite.signals.records import Record
 
 MOST_STARTS = 64
@@ -38,7 +38,7 @@ def scenario_for(request: Mapping[str, Any], record: Record) -> Scenario:
     """
     text = wanted(request, "text", str)
     check_files(text, {})
-    return read(text, FOLDER / "scenario.toml", None, log=record)
+    return built(text, log=record)
 
 
 def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:

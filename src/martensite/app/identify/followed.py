@@ -6,14 +6,14 @@ The bench has no log at hand: for it, what follows one becomes a waveform of lis
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from martensite import units
+from martensite.app.forms.documents import parsed
 from martensite.app.identify.thin import corners
 from martensite.electrical.base import SOURCES
-from martensite.errors import DataError, ParameterError
+from martensite.errors import ParameterError
 from martensite.io.assemble import GROUP, SIGNALS, drive_section, waveform_path
 from martensite.io.overrides import as_toml, changed
 from martensite.io.recorded import KIND, LOG, NATURAL, from_zero
@@ -23,18 +23,6 @@ from martensite.signals.records import Record
 WAVEFORM = "waveform"
 SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
 """Unit of a column -> the source that takes it as it is."""
-
-
-def document_of(text: str) -> dict[str, Any]:
-    """A scenario as a table.
-
-    Raises:
-        DataError: it is not valid TOML.
-    """
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(f"The scenario is not valid TOML: {error}.") from None
 
 
 def drives_of(document: Mapping[str, Any]) -> list[dict[str, str]]:
@@ -123,7 +111,7 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
         changes[path] = _listed(record, column)
-    document = changed(document_of(scenario.text), changes)
+    document = changed(parsed(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
         cast("dict[str, Any]", run).pop("lead", None)

@@ -8,8 +8,9 @@ from typing import Any
 
 from martensite.app.identify.followed import with_log_inside
 from martensite.app.identify.shown import shown, shown_difference
-from martensite.app.identify.thin import kept
+from martensite.app.identify.thin import DRAWN as FEW
 from martensite.app.identify.watching import parameter, rounded
+from martensite.app.views.columns import kept_rows
 from martensite.identify.fit_rows import Compared, compared
 from martensite.identify.fit_verdicts import predictions, warnings
 from martensite.identify.fitting.free import Free
@@ -80,12 +81,12 @@ def _mark(fit: LogFit, name: str, known: bool) -> str:
 
 
 def _thinned(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
-    return [history[row] for row in kept(len(history))]
+    return [history[row] for row in kept_rows(len(history), FEW)]
 
 
 def _curves(one: Compared) -> dict[str, Any]:
     """A record and output, measured and modelled; what was kept back is flagged."""
-    rows = kept(len(one.times), DRAWN)
+    rows = kept_rows(len(one.times), DRAWN)
     return {
         "record": one.record,
         "output": one.output,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite import units
+from martensite.app.views.columns import converted
 from martensite.identify.fit_verdicts import PERCENT
 from martensite.identify.fitting.words import difference
 
@@ -14,30 +15,20 @@ def shown(name: str, unit: str) -> dict[str, Any]:
     spelling = units.readable(unit)
     if unit == "1" and name.rpartition(".")[2] in PERCENT:
         spelling = "%"
-    return _entry(unit, spelling)
+    return converted(unit, spelling)
 
 
 def shown_number(value: float, unit: str) -> dict[str, Any]:
     """How a parameter of such a size is shown."""
-    return _entry(unit, units.familiar(value, unit))
+    return converted(unit, units.familiar(value, unit))
 
 
 def shown_difference(name: str, unit: str) -> dict[str, Any]:
     """How an error or an offset is shown, which has no zero to be shifted."""
     if unit == "1" and name.rpartition(".")[2] in PERCENT:
-        return _entry(unit, "%")
+        return converted(unit, "%")
     factor, spelling = difference(unit)
     return {
         "unit": unit, "shown": "" if spelling == "1" else spelling, "factor": 1.0 / factor,
         "offset": 0.0,
     }  # fmt: skip
-
-
-def _entry(unit: str, spelling: str) -> dict[str, Any]:
-    offset = units.from_si(0.0, spelling, unit)
-    return {
-        "unit": unit,
-        "shown": "" if spelling == "1" else spelling,
-        "factor": units.from_si(1.0, spelling, unit) - offset,
-        "offset": offset,
-    }

@@ -9,13 +9,6 @@ DRAWN = 400
 """Points that are drawn of a curve."""
 
 
-def kept(count: int, most: int = DRAWN) -> list[int]:
-    """Rows, at most so many, evenly spread, first and last among them."""
-    if count <= most:
-        return list(range(count))
-    return [round(i * (count - 1) / (most - 1)) for i in range(most)]
-
-
 def envelope(numbers: Sequence[float], most: int = DRAWN) -> list[int]:
     """Rows of a long column that keep its lows and highs."""
     import numpy as np

@@ -9,7 +9,8 @@ from threading import Event
 from typing import Any
 
 from martensite.app.identify.shown import shown, shown_difference, shown_number
-from martensite.app.identify.thin import DRAWN, kept
+from martensite.app.identify.thin import DRAWN
+from martensite.app.views.columns import kept_rows
 from martensite.identify.fitting.experiment import Experiment
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.free import Free
@@ -91,7 +92,7 @@ class Watching:
 
 def curves(one: Experiment, model: Any) -> list[list[float]]:
     """Modelled outputs of a record at the rows that are drawn."""
-    rows = kept(len(one.times), DRAWN)
+    rows = kept_rows(len(one.times), DRAWN)
     return [[rounded(model[row, k]) for row in rows] for k in range(len(one.outputs))]
 
 
@@ -102,7 +103,7 @@ def rounded(value: float) -> float:
 
 def measured(one: Experiment) -> dict[str, Any]:
     """A record as it was measured, at the rows that are drawn."""
-    rows, known = kept(len(one.times), DRAWN), one.system.outputs()
+    rows, known = kept_rows(len(one.times), DRAWN), one.system.outputs()
     return {
         "name": one.name,
         "times": [float(one.times[row]) for row in rows],

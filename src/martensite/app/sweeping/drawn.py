@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite import units
+from martensite.app.views.columns import converted
 from martensite.io.sweeps.reading import axes_of, levels_of
 from martensite.io.sweeps.store import STATUS, Store
 from martensite.status import Status
@@ -125,15 +125,9 @@ class Drawn:
     def _shown(self, name: str) -> dict[str, Any]:
         array = self.store.group[name]
         column = Column(name, str(array.attrs["units"]), np.empty(0))
-        factor, offset = units.conversion(column.shown, column.declared)
-        return {
-            "name": name,
-            "about": str(array.attrs["long_name"]),
-            "unit": column.unit,
-            "shown": "" if column.shown == "1" else column.shown,
-            "factor": 1.0 / factor,
-            "offset": -offset / factor,
-        }
+        how = converted(column.declared, column.shown)
+        about = str(array.attrs["long_name"])
+        return {**how, "name": name, "about": about, "unit": column.unit}
 
 
 def _stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:

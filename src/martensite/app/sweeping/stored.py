@@ -6,22 +6,22 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from martensite.app.gallery import FOLDER
+from martensite.app.gallery import built
 from martensite.app.sweeping.shelf import bytes_of, is_busy
 from martensite.errors import MartensiteError
-from martensite.io.scenario import Scenario, read
+from martensite.io.scenario import Scenario
 from martensite.io.sweeps.job import Wanted
 from martensite.io.sweeps.store import STATUS, Store
 
 
 def scenario_in(spec: Mapping[str, Any]) -> Scenario:
     """The scenario that a sweep varies."""
-    return read(spec["scenario"], FOLDER / "scenario.toml")
+    return built(spec["scenario"])
 
 
 def asked_of(spec: Mapping[str, Any]) -> Wanted:
     """What was asked for."""
-    return Wanted.from_dict({name: spec[name] for name in Wanted.__dataclass_fields__})
+    return Wanted.of_spec(spec)
 
 
 def summary(key: str, path: Path) -> dict[str, Any]:

@@ -38,12 +38,16 @@ def shown(result: Result, name: str) -> dict[str, Any]:
     output = result.outputs[name]
     percent = name.rpartition(".")[-1] in PERCENT
     unit = "%" if percent else units.readable(output.unit)
-    offset = units.from_si(0.0, unit, output.unit)
+    how = converted(output.unit, unit)
+    return {**how, "long_name": output.long_name, "symbol": output.symbol}
+
+
+def converted(unit: str, spelling: str) -> dict[str, Any]:
+    """A SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
+    offset = units.from_si(0.0, spelling, unit)
     return {
-        "unit": output.unit,
-        "shown": "" if unit == "1" else unit,
-        "factor": units.from_si(1.0, unit, output.unit) - offset,
+        "unit": unit,
+        "shown": "" if spelling == "1" else spelling,
+        "factor": units.from_si(1.0, spelling, unit) - offset,
         "offset": offset,
-        "long_name": output.long_name,
-        "symbol": output.symbol,
     }

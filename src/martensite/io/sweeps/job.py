@@ -59,6 +59,11 @@ class Wanted:
         traces = tuple((str(name), int(count)) for name, count in known["traces"])
         return cls(**{**known, **lists, "traces": traces})
 
+    @classmethod
+    def of_spec(cls, spec: Mapping[str, Any]) -> Wanted:
+        """What the spec of a store says of it, among other things."""
+        return cls.from_dict({name: spec[name] for name in cls.__dataclass_fields__})
+
 
 def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
     """The plan of a sweep of a scenario.
@@ -176,8 +181,7 @@ def _remade(spec: Mapping[str, Any]) -> Plan:
     """
     import_modules(spec["modules"])
     scenario = read(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
-    names = Wanted.__dataclass_fields__
-    wanted = Wanted.from_dict({name: spec[name] for name in names})
+    wanted = Wanted.of_spec(spec)
     apart = differing(spec, spec_of(scenario, wanted))
     if apart:
         raise InputError(f"It is another one here: {'; '.join(apart)}.")
