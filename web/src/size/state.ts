@@ -35,7 +35,7 @@ export const outdated = computed(() => {
 
 function keep(): void {
   const query = { ...written(fields.value), ...(tab.value === "catalogue" ? { tab: "catalogue" } : {}) };
-  if (place.value.page === "size") remember("size", query);
+  remember("size", query);
 }
 
 /** Take the form from the address; an address without one leaves the form as it is. */

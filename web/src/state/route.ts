@@ -19,8 +19,13 @@ addEventListener("hashchange", () => (place.value = read()));
 
 export const go = (path: string): void => void (location.hash = `#/${path}`);
 
-/** Change what stands behind the question mark without a new entry in the history. */
+/**
+ * Change what stands behind the question mark without a new entry in the history.
+ *
+ * Nothing is changed if the address names another page already, which `place` may not have heard of yet.
+ */
 export function remember(page: string, query: Record<string, string>): void {
+  if (read().page !== page) return;
   const text = new URLSearchParams(query).toString();
   history.replaceState(null, "", `#/${page}${text ? `?${text}` : ""}`);
 }

@@ -66,7 +66,7 @@ export function followInAddress(): () => void {
     clearTimeout(waiting);
     waiting = window.setTimeout(async () => {
       const letters = await packed(now);
-      if (place.value.page === "bench" && text.value === now) remember("bench", { scenario: letters });
+      if (text.value === now) remember("bench", { scenario: letters });
     }, 300);
   });
 }
