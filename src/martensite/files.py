@@ -1,12 +1,14 @@
-"""Files that appear whole or not at all, and the folder for what can be made again."""
+"""Files that appear whole or not at all, documents, and the folder for what can be made again."""
 
 from __future__ import annotations
 
 import os
 import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from martensite.errors import DataError
 
@@ -29,6 +31,23 @@ def replacing(path: Path) -> Iterator[Path]:
         raise DataError(f"The file `{path}` could not be written: {reason}.") from error
     finally:
         part.unlink(missing_ok=True)
+
+
+def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
+    """The document in a text; `name` is how an error calls it.
+
+    Raises:
+        DataError: it is not TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise DataError(f"{name} is not valid TOML: it is nested too deeply.") from None
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(
+            f"{name} is not valid TOML: {error}; "
+            'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
+        ) from None
 
 
 def cache_folder() -> Path:

@@ -97,6 +97,9 @@ READABLE = {
     "rad/s": "deg/s", DEGREES: "K",
 }  # fmt: skip
 
+PERCENT = ("strain",)
+"""Columns that are read more easily in percent."""
+
 # declared SI unit -> unit for large values, and from which value on
 _LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
 
@@ -146,6 +149,11 @@ def conversion(spelling: str, unit: str) -> tuple[float, float]:
 def readable(unit: str) -> str:
     """The unit in which a person would rather read a quantity declared in `unit`."""
     return READABLE.get(unit, unit)
+
+
+def of_column(name: str, unit: str) -> str:
+    """The unit in which a column is read: percent for strains, else what is readable."""
+    return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else readable(unit)
 
 
 def familiar(value: float, unit: str) -> str:

@@ -14,6 +14,7 @@ from martensite.app.forms import documents, ranges, words
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
 from martensite.errors import InputError, UnknownNameError
+from martensite.files import toml_document
 from martensite.io.scenario import read
 from martensite.laws.base import LAWS
 from martensite.laws.liang_rogers import LiangRogers
@@ -74,7 +75,7 @@ def test_what_goes_over_the_material_can_be_taken_back() -> None:
     assert one["changed"] and one["material"]["text"] == "75 GPa"
     back = form(changed["text"], removed=[E_A])
     assert control(back, E_A)["value"] == 75e9
-    assert documents.entry(documents.parsed(back["text"]), E_A) is None
+    assert documents.entry(toml_document(back["text"]), E_A) is None
 
 
 @pytest.mark.parametrize("name", scenarios())
@@ -168,25 +169,25 @@ def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
 
 def test_another_kind_keeps_what_it_knows() -> None:
     found = form(changes={"drive.waveform.kind": "sine"})
-    wave = documents.parsed(found["text"])["drive"]["waveform"]
+    wave = toml_document(found["text"])["drive"]["waveform"]
     assert wave == {"kind": "sine", "high": "0.45 W", "frequency": "0.1 Hz"}
     assert found["assumed"] == ["drive.waveform.frequency"]
     assert "no data" in control(found, "drive.waveform.frequency")["origin"]["words"]
 
 
 def test_a_wire_is_taken_into_a_bundle_and_out_again() -> None:
-    before = documents.parsed(TEXT)["element"]
+    before = toml_document(TEXT)["element"]
     bundle = form(changes={"element.kind": "bundle"})
-    table = documents.parsed(bundle["text"])["element"]
+    table = toml_document(bundle["text"])["element"]
     assert table["strand"] == {k: v for k, v in before.items() if k != "material"}
     back = form(bundle["text"], changes={"element.kind": "wire"})
-    after = documents.parsed(back["text"])["element"]
+    after = toml_document(back["text"])["element"]
     assert {**after, "law": "liang-rogers"} == {**before, "law": "liang-rogers"}
 
 
 def test_a_source_of_another_unit_gets_levels_in_it() -> None:
     found = form(changes={"drive.kind": "voltage"})
-    drive = documents.parsed(found["text"])["drive"]
+    drive = toml_document(found["text"])["drive"]
     assert drive["waveform"]["high"].endswith(" V")
     assert (drive["waveform"]["at"], drive["series_resistance"]) == ("0.5 s", "0.5 ohm")
     assert any("start values" in note for note in found["notes"])
@@ -194,16 +195,16 @@ def test_a_source_of_another_unit_gets_levels_in_it() -> None:
 
 def test_a_mechanism_of_many_parts_brings_its_example_and_says_so() -> None:
     found = form(changes={"mechanism.kind": "hand"})
-    assert documents.parsed(found["text"]) == documents.parsed(scenarios()["hand"])
+    assert toml_document(found["text"]) == toml_document(scenarios()["hand"])
     assert any("packaged scenario" in note for note in found["notes"])
     back = form(found["text"], changes={"mechanism.kind": "dead-weight"})
-    assert "actuators" not in documents.parsed(back["text"])
+    assert "actuators" not in toml_document(back["text"])
     assert any("[actuators]" in note for note in back["notes"])
 
 
 def test_a_material_that_the_law_cannot_use_brings_one_that_it_can() -> None:
     found = form(changes={"element.material": "finger-mas"})
-    assert documents.parsed(found["text"])["element"]["law"]["kind"] == "mas-hybrid"
+    assert toml_document(found["text"])["element"]["law"]["kind"] == "mas-hybrid"
     assert found["assumed"] == []
 
 

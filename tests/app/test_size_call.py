@@ -8,9 +8,10 @@ from app_server import Bench
 
 from martensite.app.calls import size, size_catalogue, size_form
 from martensite.app.calls._sizing import EXAMPLE
-from martensite.app.messages import BadMessageError, plain
+from martensite.app.messages import BadMessageError
 from martensite.app.worker import Desk
 from martensite.errors import InputError
+from martensite.io.plain import plain
 from martensite.io.scenario import read
 from martensite.sizing.candidates import judge, size_wire
 from martensite.sizing.margins import margins, tightest

@@ -27,7 +27,7 @@ from martensite.app.calls.sweep_row import answer as row
 from martensite.app.calls.sweeps import answer as listed
 from martensite.app.sweeping.drawn import MOST, Drawn
 from martensite.app.sweeping.shelf import Shelf, busy, slug
-from martensite.app.sweeping.words import exact, quoted
+from martensite.app.sweeping.words import quoted
 from martensite.app.worker import Desk
 from martensite.cli.app import app
 from martensite.errors import DataError, InputError
@@ -110,14 +110,6 @@ def test_a_run_is_opened_with_exactly_its_numbers(
     assert scenario.waveform.high == table.varied["drive.waveform.high"].values[27]
     with pytest.raises(DataError, match="no run 48"):
         row({"key": key, "row": 48}, desk)
-
-
-@pytest.mark.parametrize("value", [0.1 + 0.2, 1e-4 / 3.0, 339.95, 273.15 + 1.0 / 7.0, 7.5e10])
-@pytest.mark.parametrize("unit", ["m", "K", "Pa", "1", "W"])
-def test_quantities_are_written_exactly(value: float, unit: str) -> None:
-    from martensite import units
-
-    assert units.parse(exact(value, unit), unit) == value
 
 
 def test_the_front_is_that_of_the_library(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:

@@ -10,6 +10,7 @@ from martensite.app.forms import documents
 from martensite.app.forms.starts import starts
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
+from martensite.files import toml_document
 from martensite.io.catalogue import registries
 from martensite.io.overrides import as_toml, changed
 from martensite.io.scenario import read
@@ -70,7 +71,7 @@ def desk(tmp_path: Path) -> Desk:
 def begun(registry: str, kind: str) -> str:
     """The scenario that a kind is put into."""
     name, changes, _ = DIFFERENT.get((registry, kind), (PLACES[registry][0], {}, ""))
-    document = documents.parsed(SCENARIOS[name])
+    document = toml_document(SCENARIOS[name])
     if registry == "sensor":
         document.setdefault("sensors", {})["spare"] = SPARE
     if "drive.kind" in changes:
@@ -86,7 +87,7 @@ def test_every_kind_can_be_chosen(registry: str, kind: str, tmp_path: Path) -> N
     _, path = PLACES[registry]
     found = answer({"text": begun(registry, kind), "changes": {path: kind}}, desk(tmp_path))
     assert found["missing"] == [], found["refused"]
-    document = documents.parsed(found["text"])
+    document = toml_document(found["text"])
     place = documents.table(document, path.removesuffix(".kind"))
     assert place.get("kind", kind) == kind
     read(found["text"], FOLDER / "scenario.toml")
@@ -100,7 +101,7 @@ def test_every_material_can_be_chosen(name: str, scenario: str, tmp_path: Path) 
     request = {"text": SCENARIOS[scenario], "changes": {"element.material": name}}
     found = answer(request, desk(tmp_path))
     assert found["missing"] == []
-    assert documents.parsed(found["text"])["element"]["material"] == name
+    assert toml_document(found["text"])["element"]["material"] == name
     read(found["text"], FOLDER / "scenario.toml")
 
 

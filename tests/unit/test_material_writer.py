@@ -103,6 +103,19 @@ def test_exact_text_reads_back_the_same(unit: str, value: float) -> None:
         assert units.parse(exact_text(number, unit), unit) == number
 
 
+@pytest.mark.parametrize(
+    ("value", "unit", "words"),
+    [
+        (0.3e-3, "m", "0.3 mm"),
+        (70e-3, "m", "70 mm"),
+        (339.95, "K", "66.8 degC"),
+        (0.45, "1", "0.45"),
+    ],
+)
+def test_exact_text_is_no_longer_than_it_must_be(value: float, unit: str, words: str) -> None:
+    assert exact_text(value, unit) == words
+
+
 def test_a_few_digits_are_read_in_a_familiar_unit() -> None:
     assert shown(29.929e9, "Pa") == "29.93 GPa"
     assert shown(336.3445, "K") == "63.19 degC"

@@ -7,7 +7,6 @@ refused before it is begun.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
@@ -15,6 +14,7 @@ from martensite.app.gallery import FOLDER, built
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
 from martensite.errors import DataError, ParameterError
+from martensite.files import toml_document
 from martensite.io.scenario import Scenario
 from martensite.simulate.api import longest_step
 
@@ -58,13 +58,9 @@ def check_files(text: str, changes: Mapping[str, Any]) -> None:
     """Refuse files that do not lie beside the packaged scenarios.
 
     Raises:
-        DataError: a scenario, or a change to it, names one.
+        DataError: a scenario, or a change to it, names one, or is not TOML.
     """
-    try:
-        document: Mapping[str, Any] = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError):
-        document = {}  # is refused where it is built
-    for name in (*_files(document, ""), *_files(changes, "")):
+    for name in (*_files(toml_document(text), ""), *_files(changes, "")):
         odd = any(letter in name for letter in "\0\\:")
         if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
             raise DataError(

@@ -26,6 +26,16 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²�
 """Names of devices, whatever their ending."""
 
 
+def new_key() -> str:
+    """A key that nobody guesses."""
+    return secrets.token_hex(8)
+
+
+def is_key(text: str) -> bool:
+    """Whether a text from outside may be a key, which has nothing in it that leads elsewhere."""
+    return bool(_KEY.fullmatch(text))
+
+
 def safe_name(name: str) -> str:
     """What is left of a name when all that could be a path, or hide the file, is taken out."""
     last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
@@ -53,7 +63,7 @@ class Drawer:
             DataError: there is none.
         """
         below = self.folder / key
-        found = sorted(below.iterdir()) if _KEY.fullmatch(key) and below.is_dir() else []
+        found = sorted(below.iterdir()) if is_key(key) and below.is_dir() else []
         if len(found) != 1:
             raise DataError("There is no such file here; upload it again.")
         return found[0]
@@ -64,7 +74,7 @@ class Drawer:
         Raises:
             DataError: the folder cannot be written to.
         """
-        key = secrets.token_hex(8)
+        key = new_key()
         below = self.folder / key
         try:
             below.mkdir(parents=True)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from martensite import units
 from martensite.identify.fit_rows import HELD_OUT, TRAINING, Compared, compared, rms
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.words import change, joined, listed, number, quantity
@@ -20,13 +21,11 @@ POOR = 50.0
 """Share of the measured variation [%] below which a model is said to miss most of it."""
 NOTABLE = 0.05
 """Error over the whole range of an output below which a model is not said to miss it."""
-PERCENT = ("strain",)
-"""Outputs that are read more easily in percent."""
 
 
 def amount(output: str, value: float, unit: str, digits: int = 3) -> str:
     """An error of an output in everyday units: `0.17 %` of strain, `1.2 K`."""
-    if unit == "1" and output.rpartition(".")[2] in PERCENT:
+    if units.of_column(output, unit) == "%":
         return f"{number(100.0 * value, digits)} %"
     return change(value, unit, digits)
 

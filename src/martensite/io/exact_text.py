@@ -20,7 +20,9 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
     if digits is not None:
         return _text(f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling)
     near = units.from_si(value, spelling, unit)
-    for number in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+    short = (float(f"{near:.{most}g}") for most in (6, 12, 15, 16))
+    beside = (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
+    for number in (*short, *beside):
         text = _text(repr(number), spelling)
         if units.parse(text, unit) == value:
             return text

@@ -10,13 +10,13 @@ nothing is guessed.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.errors import DataError, ParameterError, suggestion
+from martensite.files import toml_document
 from martensite.io import bench_sections, recorded
 from martensite.io.assemble import Assembly, section_of
 from martensite.io.bench_tables import SECTIONS as BENCH_SECTIONS
@@ -197,23 +197,12 @@ def read(
 
     `log` is the record that waveforms of kind `log` follow, from its first row on.
     """
-    document = _parsed(text, path)
+    document = toml_document(text, f"`{path}`" if path else "The scenario")
     if overrides:
         document = changed(document, overrides)
         text = as_toml(document)
     refuse_unknown(document, SECTIONS, "The scenario")
     return _built(document, text, path, log)
-
-
-def _parsed(text: str, path: Path | None) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        name = f"`{path}`" if path else "The scenario"
-        raise DataError(
-            f"{name} is not valid TOML: {error}; "
-            'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
-        ) from None
 
 
 def _built(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:

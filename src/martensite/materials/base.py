@@ -16,7 +16,6 @@ which records.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from typing import Any, cast
 
 from martensite import units
 from martensite.errors import DataError, ParameterError, UnitError, UnknownNameError, suggestion
+from martensite.files import toml_document
 from martensite.materials.names import NAMES
 
 KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
@@ -110,14 +110,14 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
 def read_toml(path: Path, what: str) -> dict[str, Any]:
     """The document in a TOML file; `what` says in an error which kind of file it is."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise DataError(f"There is no {what} file `{path}`.") from None
     except OSError as error:
         raise DataError(f"Cannot read {what} file `{path}`: {error.strerror}.") from None
-    except ValueError as error:
-        name = f"{what.capitalize()} file `{path}`"
-        raise DataError(f"{name} is not valid TOML: {error}.") from None
+    except UnicodeDecodeError as error:
+        raise DataError(f"Cannot read {what} file `{path}`: it is not UTF-8 ({error}).") from None
+    return toml_document(text, f"{what.capitalize()} file `{path}`")
 
 
 def _material(name: str, document: Mapping[str, Any], file: str) -> Material:

@@ -16,7 +16,7 @@ from martensite.errors import InputError
 from martensite.identify.fit_rows import HELD_OUT, TRAINING, Compared, compared
 from martensite.identify.fit_verdicts import amount
 from martensite.mechanisms.base import Output
-from martensite.plot.labels import PERCENT, Axis, around
+from martensite.plot.labels import Axis, around
 from martensite.plot.style import QUIET, SIMULATED, new_figure, styled
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def has_loops(fit: Fit) -> bool:
 
 def output_axis(name: str, described: Output) -> Axis:
     """How an output is shown."""
-    shown = "%" if name.rpartition(".")[2] in PERCENT else units.readable(described.unit)
+    shown = units.of_column(name, described.unit)
     return Axis(name, described.long_name, described.symbol, described.unit, shown)
 
 
@@ -155,8 +155,7 @@ def across(one: Compared) -> str | None:
 
 def _column_axis(column: str, unit: str) -> Axis:
     symbol = {"temperature": "T", "strain": "ε", "position": "x"}[column]
-    shown = "%" if column in PERCENT else units.readable(unit)
-    return Axis(column, column, symbol, unit, shown)
+    return Axis(column, column, symbol, unit, units.of_column(column, unit))
 
 
 def _panel(axes: Any, one: Compared, horizontal: Axis, x: Any, shown: Axis) -> None:

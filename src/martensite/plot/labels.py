@@ -11,8 +11,6 @@ import numpy as np
 from martensite import units
 from martensite.simulate.result import Result
 
-PERCENT = ("strain",)
-"""Shares that are read more easily in percent."""
 FRACTIONS = ("martensite_fraction",)
 _PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
 _DIFFERENCE = {"degC": "K", "1": ""}
@@ -53,8 +51,7 @@ def axis(result: Result, name: str) -> Axis:
     if name == "time":
         return Axis(name, "time", "t", unit, unit)
     _, long_name, symbol = result.outputs[name]
-    shown = "%" if name.rpartition(".")[-1] in PERCENT else units.readable(unit)
-    return Axis(name, long_name, symbol, unit, shown)
+    return Axis(name, long_name, symbol, unit, units.of_column(name, unit))
 
 
 def column(result: Result, name: str) -> Any:

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { call } from "../lib/api.ts";
+import { call, sentence } from "../lib/api.ts";
 import { packed } from "../lib/pack.ts";
 import { canRedo, canUndo, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
@@ -69,7 +69,7 @@ export function Documents() {
       await put(await textOf(file));
       if (fault.value) fault.value = `“${file.name}”: ${fault.value}`;
     } catch (error) {
-      fault.value = error instanceof Error ? error.message : String(error);
+      fault.value = sentence(error);
     }
   };
   const drop = (event: DragEvent): void => {

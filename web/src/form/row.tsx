@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { Details, hint } from "./details.tsx";
 import { refusals } from "./state.ts";
-import { Symbol } from "./symbol.tsx";
+import { Symbol } from "../ui/symbol.tsx";
 import type { Single } from "./types.ts";
 
 export const idOf = (path: string): string => `form-${path.replaceAll(/[^\w-]/g, "-")}`;

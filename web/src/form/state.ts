@@ -4,7 +4,7 @@
 // drag of a slider is one step to undo. Kinds and whole documents go through the call `form`.
 
 import { batch, effect, signal } from "@preact/signals";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { refused, tryChanges } from "../state/run.ts";
 import { change, text } from "../state/scenario.ts";
 import type { Form, NumberNode, Single, Slider } from "./types.ts";
@@ -23,9 +23,6 @@ export const returns = signal(0);
 export const refusals = signal<Record<string, string>>({});
 
 type Changes = Record<string, unknown>;
-
-const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
 
 /** The document that the form shows. */
 let shown = "";

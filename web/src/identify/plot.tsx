@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
+import { palette } from "../lib/theme.ts";
 
 export interface Line {
   label: string;
@@ -35,16 +36,6 @@ export interface PlotProps {
   onSelect?: (from: number, to: number) => void;
 }
 
-const colour = (name: string): string => {
-  // light-dark() is resolved by an element that has the colour
-  const probe = document.createElement("i");
-  probe.style.color = `var(${name})`;
-  document.body.append(probe);
-  const found = getComputedStyle(probe).color;
-  probe.remove();
-  return found;
-};
-
 const axis = (label: string, size: number): uPlot.Axis => ({
   label,
   labelSize: 18,
@@ -53,20 +44,21 @@ const axis = (label: string, size: number): uPlot.Axis => ({
   gap: 3,
   font: "11px system-ui, sans-serif",
   labelFont: "12px system-ui, sans-serif",
-  stroke: colour("--soft"),
-  grid: { stroke: colour("--line"), width: 1 },
-  ticks: { stroke: colour("--line"), width: 1 },
+  stroke: palette.peek().soft,
+  grid: { stroke: palette.peek().line, width: 1 },
+  ticks: { stroke: palette.peek().line, width: 1 },
 });
 
 function series(line: Line): uPlot.Series {
-  const stroke = colour(`--curve-${line.colour}`);
+  const { curves, panel } = palette.peek();
+  const stroke = curves[line.colour] ?? "";
   return {
     label: line.label,
     stroke,
     width: line.dots ? 0 : 2,
     spanGaps: false,
     ...(line.dashed ? { dash: [6, 4] } : {}),
-    points: line.dots ? { show: true, size: line.hollow ? 6 : 4, fill: line.hollow ? colour("--panel") : stroke, stroke, width: line.hollow ? 1.5 : 0 } : { show: false },
+    points: line.dots ? { show: true, size: line.hollow ? 6 : 4, fill: line.hollow ? panel : stroke, stroke, width: line.hollow ? 1.5 : 0 } : { show: false },
     ...(line.dots ? { paths: () => null } : {}),
   };
 }
@@ -79,10 +71,10 @@ function shade(plot: uPlot, bands: Band[]): void {
     const right = Math.min(plot.valToPos(band.to, "x", true), bbox.left + bbox.width);
     if (right <= left) continue;
     ctx.globalAlpha = band.chosen ? 0.22 : 0.1;
-    ctx.fillStyle = colour("--accent");
+    ctx.fillStyle = palette.peek().accent;
     ctx.fillRect(left, bbox.top, right - left, bbox.height);
     ctx.globalAlpha = 1;
-    ctx.strokeStyle = colour("--accent");
+    ctx.strokeStyle = palette.peek().accent;
     ctx.strokeRect(left, bbox.top, right - left, bbox.height);
   }
   ctx.restore();
@@ -130,16 +122,12 @@ export function Plot(props: PlotProps) {
       plot.current?.destroy();
       plot.current = made(at, latest.current, latest);
     };
-    build();
+    const leave = palette.subscribe(build);
     const watcher = new ResizeObserver(() => plot.current?.setSize({ width: Math.max(at.clientWidth, 120), height: latest.current.height ?? 200 }));
     watcher.observe(at);
-    const scheme = matchMedia("(prefers-color-scheme: dark)");
-    addEventListener("martensite-theme", build);
-    scheme.addEventListener("change", build);
     return () => {
       watcher.disconnect();
-      removeEventListener("martensite-theme", build);
-      scheme.removeEventListener("change", build);
+      leave();
       plot.current?.destroy();
       plot.current = null;
     };

@@ -1,7 +1,7 @@
 // What the reader has chosen on the way to a fit; kept in this tab, so that a reload finds it again.
 
 import { computed, effect, signal } from "@preact/signals";
-import { call, Refusal, upload } from "../lib/api.ts";
+import { call, sentence, superseded, upload } from "../lib/api.ts";
 import { watched } from "../state/jobs.ts";
 import type { Note, Outcome, RecordsView, ScenarioView, TableView } from "./types.ts";
 
@@ -130,8 +130,8 @@ export async function asked<T>(name: string, request: object, words: string): Pr
     refused.value = "";
     return found;
   } catch (error) {
-    if (error instanceof Refusal && error.kind === "superseded") return null;
-    refused.value = error instanceof Error ? error.message : String(error);
+    if (superseded(error)) return null;
+    refused.value = sentence(error);
     return null;
   } finally {
     busy.value = "";
@@ -161,7 +161,7 @@ export async function takeFile(file: File): Promise<void> {
     put({ file: found, separator: "auto", drop: false, interval: null, columns: [], cuts: [], step: 0 });
     await readTable(true);
   } catch (error) {
-    refused.value = error instanceof Error ? error.message : String(error);
+    refused.value = sentence(error);
   } finally {
     busy.value = "";
   }

@@ -10,6 +10,12 @@ export class Refusal extends Error {
   }
 }
 
+/** What went wrong, in words. */
+export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+/** Whether a call ended because a newer one of its lane came. */
+export const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
+
 /** Identity of this tab; it outlives a reload, so that jobs are found again. */
 export const tab: string = (() => {
   const known = sessionStorage.getItem("martensite-tab");

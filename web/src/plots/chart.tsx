@@ -8,7 +8,7 @@ import { digits } from "../lib/numbers.ts";
 import { cursor, row } from "../state/run.ts";
 import { drawAbove, drawBelow, type Picture } from "./picture.ts";
 import { pointing } from "./pointing.ts";
-import { palette } from "./palette.ts";
+import { palette } from "../lib/theme.ts";
 
 export interface ChartProps {
   picture: Picture;

@@ -6,7 +6,7 @@ import { pin, pinned, run, unpin, type Pinned } from "../state/run.ts";
 import { Differences, Results } from "./differences.tsx";
 import { hidden } from "./drawn.ts";
 import { liveLook, pinLook } from "./palette.ts";
-import { Swatch } from "./symbol.tsx";
+import { Swatch } from "./swatch.tsx";
 
 function rename(id: number, name: string): void {
   pinned.value = pinned.value.map((one) => (one.id === id ? { ...one, name } : one));

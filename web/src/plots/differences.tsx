@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { digits, toShown } from "../lib/numbers.ts";
 import type { KeyResult, Run } from "../lib/types.ts";
 import type { Pinned } from "../state/run.ts";
@@ -33,7 +33,7 @@ export function Differences({ now, pins }: TablesProps) {
         failed.value = "";
       },
       (error) => {
-        if (!(error instanceof Refusal && error.kind === "superseded")) failed.value = String(error.message ?? error);
+        if (!superseded(error)) failed.value = sentence(error);
       },
     );
   }, [JSON.stringify(texts)]);

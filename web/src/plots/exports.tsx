@@ -1,7 +1,7 @@
 // What can be taken away of the run on the bench: its document, its figure, its numbers.
 
 import { useSignal } from "@preact/signals";
-import { call, save, take } from "../lib/api.ts";
+import { call, save, sentence, take } from "../lib/api.ts";
 import { run } from "../state/run.ts";
 import { Menu } from "./menu.tsx";
 import { Message } from "../ui/message.tsx";
@@ -27,7 +27,7 @@ export function Exports() {
       const file = await call<{ key: string; name: string }>("export", { text: now.text, what });
       take(file.key, file.name);
     } catch (error) {
-      failed.value = error instanceof Error ? error.message : String(error);
+      failed.value = sentence(error);
     } finally {
       busy.value = "";
     }

@@ -6,7 +6,7 @@ import { axisLabel, beside, portsOf, shownColumn, type Beside } from "./drawn.ts
 import { LoopChart } from "./loop.tsx";
 import { liveLook, type Look } from "./palette.ts";
 import { around, type Curve, type Mark, type Picture } from "./picture.ts";
-import { Swatch } from "./symbol.tsx";
+import { Swatch } from "./swatch.tsx";
 
 export const HEIGHT = 196;
 

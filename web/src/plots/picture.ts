@@ -1,7 +1,8 @@
 // What a chart shows, in shown units; drawn onto the canvas of uPlot between its axes.
 
 import type uPlot from "uplot";
-import { faint, type Look, type Palette } from "./palette.ts";
+import type { Palette } from "../lib/theme.ts";
+import { faint, type Look } from "./palette.ts";
 
 export type Numbers = ArrayLike<number>;
 

@@ -7,7 +7,8 @@ import { Chart } from "./chart.tsx";
 import { printed, timeLimits, zoom } from "./drawn.ts";
 import type { Look } from "./palette.ts";
 import { around, type Level, type Numbers, type Picture, type Shade } from "./picture.ts";
-import { Swatch, Symbol } from "./symbol.tsx";
+import { Symbol } from "../ui/symbol.tsx";
+import { Swatch } from "./swatch.tsx";
 
 const HEIGHT = 90;
 const TIME_AXIS = 36;

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import type { Run } from "../lib/types.ts";
-import { palette } from "../plots/palette.ts";
+import { palette } from "../lib/theme.ts";
 import { cursor, run } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
 import { Legend, told, Values } from "./legend.tsx";

@@ -1,7 +1,7 @@
 // The form of a sizing, kept in the address, and the work it begins.
 
 import { computed, signal } from "@preact/signals";
-import { call } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { watched } from "../state/jobs.ts";
 import { place, remember } from "../state/route.ts";
 import type { Checked, Fields, Form, Note, Sizing } from "./types.ts";
@@ -81,7 +81,7 @@ export async function ask(): Promise<void> {
     fields.value = Object.fromEntries(Object.entries(fields.value).filter(([name]) => !found.unknown.includes(name)));
     keep();
   } catch (error) {
-    if (error instanceof Error && !("kind" in error && error.kind === "superseded")) trouble.value = error.message;
+    if (!superseded(error)) trouble.value = sentence(error);
   }
 }
 

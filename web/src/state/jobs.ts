@@ -1,7 +1,7 @@
 // Long work of this tab: begun, watched, found again after a reload, cancelled.
 
 import { signal, type Signal } from "@preact/signals";
-import { beginJob, cancelJob, jobs, watchJob, type Job } from "../lib/api.ts";
+import { beginJob, cancelJob, type Job, jobs, sentence, watchJob } from "../lib/api.ts";
 
 export interface Watched<Note, Outcome> {
   job: Signal<Job<Note, Outcome> | null>;
@@ -43,7 +43,7 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
       trouble.value = "";
       await action();
     } catch (error) {
-      trouble.value = error instanceof Error ? error.message : String(error);
+      trouble.value = sentence(error);
     }
   };
 

@@ -1,7 +1,7 @@
 // The run of the scenario on the bench, those that are pinned beside it, and the time cursor.
 
 import { batch, computed, effect, signal } from "@preact/signals";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { change, text } from "./scenario.ts";
 
@@ -61,7 +61,7 @@ async function show(document: string, changes: Record<string, unknown>, merge: b
     });
     return true;
   } catch (error) {
-    if (mine === latest && error instanceof Refusal && error.kind !== "superseded") refused.value = error.message;
+    if (mine === latest && !superseded(error)) refused.value = sentence(error);
     return false;
   } finally {
     if (mine === latest) computing.value = false;

@@ -1,7 +1,7 @@
 // The study that is shown, and the one that is being computed: one at a time in a tab.
 
 import { computed, effect, signal } from "@preact/signals";
-import { call } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { watched } from "../state/jobs.ts";
 import type { Claim, Listed, Note, Results, StudyPage } from "./types.ts";
 
@@ -23,7 +23,7 @@ async function loaded<T>(name: string, request: object, put: (found: T) => void)
     trouble.value = "";
     put(await call<T>(name, request, "studies"));
   } catch (error) {
-    if (error instanceof Error && !("kind" in error && error.kind === "superseded")) trouble.value = error.message;
+    if (!superseded(error)) trouble.value = sentence(error);
   }
 }
 

@@ -1,7 +1,7 @@
 // What shall be swept: the form's state, checked by the server as it changes.
 
 import { computed, effect, signal } from "@preact/signals";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { text } from "../state/scenario.ts";
 import { axisOf, wordsOf, type AxisChoice } from "./axis.ts";
 import type { Estimate, Form, Plan, Target } from "./types.ts";
@@ -90,16 +90,13 @@ export async function beginForm(): Promise<void> {
   try {
     packaged.value = (await call<{ scenarios: Packaged[] }>("scenarios")).scenarios;
   } catch (error) {
-    trouble.value = error instanceof Error ? error.message : String(error);
+    trouble.value = sentence(error);
     return;
   }
   const now = choices.value;
   if (now.source === BENCH && text.value) put({ document: text.value });
   else if (!now.document) choose(FIRST);
 }
-
-const ignored = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
-const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 async function describe(document: string): Promise<void> {
   try {
@@ -110,7 +107,7 @@ async function describe(document: string): Promise<void> {
     const { axes, measures } = choices.peek();
     put({ axes: axes.filter((axis) => names.has(axis.name)), measures: measures.length ? measures : found.usual });
   } catch (error) {
-    if (!ignored(error)) trouble.value = sentence(error);
+    if (!superseded(error)) trouble.value = sentence(error);
   }
 }
 
@@ -118,7 +115,7 @@ async function check(asked: object): Promise<void> {
   try {
     plan.value = await call<Plan>("sweep_plan", asked, "sweep-plan");
   } catch (error) {
-    if (!ignored(error)) plan.value = { faults: { "": sentence(error) }, runs: null, command: "", cautions: [] };
+    if (!superseded(error)) plan.value = { faults: { "": sentence(error) }, runs: null, command: "", cautions: [] };
   }
 }
 
@@ -129,7 +126,7 @@ export async function measureTime(): Promise<void> {
     const found = await call<Estimate>("sweep_time", asked, "sweep-time");
     if (asked === request.value) estimate.value = found;
   } catch (error) {
-    if (!ignored(error)) trouble.value = sentence(error);
+    if (!superseded(error)) trouble.value = sentence(error);
   } finally {
     estimating.value = false;
   }

@@ -1,6 +1,6 @@
 // A run of the sweep, put on the bench.
 
-import { call } from "../lib/api.ts";
+import { call, sentence } from "../lib/api.ts";
 import { openInBench } from "../state/scenario.ts";
 import { key, refused } from "./shown.ts";
 
@@ -10,6 +10,6 @@ export async function openRun(row: number): Promise<void> {
     const { text } = await call<{ text: string }>("sweep_row", { key: key.peek(), row }, "sweep-row");
     openInBench(text);
   } catch (error) {
-    refused.value = error instanceof Error ? error.message : String(error);
+    refused.value = sentence(error);
   }
 }

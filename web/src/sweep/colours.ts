@@ -19,16 +19,3 @@ const TABLE = Array.from({ length: STEPS }, (_, k) => between(k / (STEPS - 1)));
 export const viridis = (share: number): string => TABLE[Math.round(Math.min(Math.max(share, 0), 1) * (STEPS - 1))] ?? "";
 
 export const GRADIENT = `linear-gradient(to top, ${STOPS.join(", ")})`;
-
-/** Colours of the page's theme as a canvas takes them. */
-export function themed(near: HTMLElement): Record<"ink" | "soft" | "line" | "panel" | "paper" | "accent" | "bad", string> {
-  const probe = document.createElement("span");
-  near.append(probe);
-  const of = (name: string): string => {
-    probe.style.color = `var(--${name})`;
-    return getComputedStyle(probe).color;
-  };
-  const found = { ink: of("ink"), soft: of("soft"), line: of("line"), panel: of("panel"), paper: of("paper"), accent: of("accent"), bad: of("bad") };
-  probe.remove();
-  return found;
-}

@@ -1,6 +1,7 @@
 // Drawing a picture of a sweep on a canvas: frame, cells or points, lines, and what is marked.
 
-import { themed, viridis } from "./colours.ts";
+import { palette, type Palette } from "../lib/theme.ts";
+import { viridis } from "./colours.ts";
 import { share, ticks, tickText, type Dim } from "./scale.ts";
 
 export type State = "ok" | "failed" | "never" | "missing";
@@ -37,7 +38,6 @@ export interface Box {
   height: number;
 }
 
-type Theme = ReturnType<typeof themed>;
 const FONT = "12px system-ui, sans-serif";
 export const MARGIN = { left: 64, right: 14, top: 10, bottom: 44 };
 
@@ -73,10 +73,10 @@ export function draw(canvas: HTMLCanvasElement, picture: Picture, marked: number
   canvas.width = Math.round(width * dense);
   canvas.height = Math.round(height * dense);
   const pen = canvas.getContext("2d");
-  if (!pen || !canvas.parentElement) return;
+  if (!pen) return;
   pen.scale(dense, dense);
   pen.font = FONT;
-  const theme = themed(canvas.parentElement);
+  const theme = palette.peek();
   const box = boxOf(width, height);
   frame(pen, picture, box, theme);
   pen.save();
@@ -89,7 +89,7 @@ export function draw(canvas: HTMLCanvasElement, picture: Picture, marked: number
   pen.restore();
 }
 
-function frame(pen: CanvasRenderingContext2D, { x, y }: Picture, box: Box, theme: Theme): void {
+function frame(pen: CanvasRenderingContext2D, { x, y }: Picture, box: Box, theme: Palette): void {
   pen.strokeStyle = theme.line;
   pen.fillStyle = theme.ink;
   pen.lineWidth = 1;
@@ -125,7 +125,7 @@ function line(pen: CanvasRenderingContext2D, x0: number, y0: number, x1: number,
 }
 
 /** A pattern: hatched for failed, dotted for never happened; so that it does not hang on a colour. */
-function pattern(pen: CanvasRenderingContext2D, state: State, theme: Theme): CanvasPattern | string {
+function pattern(pen: CanvasRenderingContext2D, state: State, theme: Palette): CanvasPattern | string {
   const tile = document.createElement("canvas");
   tile.width = tile.height = 8;
   const small = tile.getContext("2d");
@@ -153,7 +153,7 @@ function cellAt(xs: number[], ys: number[], box: Box, { ix = 0, iy = 0 }: Spot):
   };
 }
 
-function cells(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Theme): void {
+function cells(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Palette): void {
   const looks: Partial<Record<State, CanvasPattern | string>> = {
     failed: pattern(pen, "failed", theme), never: pattern(pen, "never", theme), ok: theme.panel,
   };
@@ -168,7 +168,7 @@ function cells(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme:
   }
 }
 
-function points(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Theme): void {
+function points(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Palette): void {
   const { spots, path, quiet, colour } = picture;
   const size = spots.length > 3000 ? 2 : 3.5;
   for (const spot of spots) {
@@ -204,7 +204,7 @@ function dot(pen: CanvasRenderingContext2D, x: number, y: number, size: number):
 }
 
 /** A double line around a spot, which is seen on any colour. */
-function mark(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Theme, spot: Spot): void {
+function mark(pen: CanvasRenderingContext2D, picture: Picture, box: Box, theme: Palette, spot: Spot): void {
   const cell = cellOf(picture, box, spot);
   const [x, y] = place(picture, box, spot);
   for (const [colour, width] of [[theme.panel, 5], [theme.ink, 2]] as const) {

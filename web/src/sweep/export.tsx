@@ -1,7 +1,7 @@
 // What can be taken away: a table, the store, and the command that makes the same.
 
 import { useSignal } from "@preact/signals";
-import { call, save, take } from "../lib/api.ts";
+import { call, save, sentence, take } from "../lib/api.ts";
 import { refused, stored } from "./shown.ts";
 
 interface Made {
@@ -9,14 +9,12 @@ interface Made {
   name: string;
 }
 
-const words = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-
 async function fetched(key: string, kind: string): Promise<void> {
   try {
     const { file, name } = await call<Made>("sweep_export", { key, kind });
     take(file, name);
   } catch (error) {
-    refused.value = words(error);
+    refused.value = sentence(error);
   }
 }
 

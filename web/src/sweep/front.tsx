@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { digits } from "../lib/numbers.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
@@ -85,7 +85,7 @@ export function FrontView({ now, onLook, children }: { now: Runs; onLook: (row: 
         front.value = await call<Front>("sweep_front", { key: key.peek(), minimise: names("min"), maximise: names("max") }, "sweep-front");
         refused.value = front.value.why;
       } catch (error) {
-        if (error instanceof Refusal && error.kind !== "superseded") [front.value, refused.value] = [null, error.message];
+        if (!superseded(error)) [front.value, refused.value] = [null, sentence(error)];
       }
     };
     const waiting = setTimeout(() => void ask(), front.peek() ? EVERY : 0);

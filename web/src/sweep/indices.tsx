@@ -1,7 +1,7 @@
 // How much every varied number matters, once a sweep is there.
 
 import { useSignal } from "@preact/signals";
-import { call } from "../lib/api.ts";
+import { call, sentence } from "../lib/api.ts";
 import { Message } from "../ui/message.tsx";
 import { Choice } from "./field.tsx";
 import { key, type Runs } from "./shown.ts";
@@ -74,7 +74,7 @@ export function IndicesView({ now }: { now: Runs }) {
     try {
       found.value = await call<Found>("sweep_indices", { key: key.value, measure: measure.value });
     } catch (error) {
-      refused.value = error instanceof Error ? error.message : String(error);
+      refused.value = sentence(error);
     }
     busy.value = false;
   };

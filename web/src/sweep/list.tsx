@@ -1,7 +1,7 @@
 // The sweeps in the folder: open one, go on with one, delete one.
 
 import { useSignal } from "@preact/signals";
-import { call } from "../lib/api.ts";
+import { call, sentence } from "../lib/api.ts";
 import { go } from "../state/route.ts";
 import { running } from "./following.ts";
 import { key, lines, list, refused, settled, work } from "./shown.ts";
@@ -14,7 +14,7 @@ async function remove(one: Line): Promise<void> {
   try {
     await call("sweep_delete", { key: one.key });
   } catch (error) {
-    refused.value = error instanceof Error ? error.message : String(error);
+    refused.value = sentence(error);
   }
   await list();
 }

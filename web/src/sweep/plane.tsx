@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { palette } from "../lib/theme.ts";
 import { boxOf, draw, edges, place, type Picture, type Spot } from "./draw.ts";
 import { GRADIENT } from "./colours.ts";
 import { ticks, tickText, share, type Dim } from "./scale.ts";
@@ -69,14 +70,11 @@ export function Plane({ picture, label, onLook }: { picture: Picture; label: str
   useEffect(() => {
     const again = (): void => latest.current();
     const sizes = new ResizeObserver(again);
-    const scheme = matchMedia("(prefers-color-scheme: dark)");
     if (canvas.current) sizes.observe(canvas.current);
-    addEventListener("martensite-theme", again);
-    scheme.addEventListener("change", again);
+    const leave = palette.subscribe(again);
     return () => {
       sizes.disconnect();
-      removeEventListener("martensite-theme", again);
-      scheme.removeEventListener("change", again);
+      leave();
     };
   }, []);
   const look = (row: number | null): void => {

@@ -1,7 +1,7 @@
 // The sweep that is shown: its layout, and its runs as they come.
 
 import { batch, computed, signal } from "@preact/signals";
-import { call, Refusal } from "../lib/api.ts";
+import { call, sentence, superseded } from "../lib/api.ts";
 import { place } from "../state/route.ts";
 import { watched } from "../state/jobs.ts";
 import type { Layout, Line, Note, Outcome, Points, Stored } from "./types.ts";
@@ -65,8 +65,6 @@ export class Runs {
 
 export const isGrid = (layout: Layout): boolean => layout.axes.every((axis) => axis.levels !== null);
 
-const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-
 let loading: Promise<void> = Promise.resolve();
 /** When nothing is being loaded. */
 export const settled = (): Promise<void> => loading;
@@ -88,7 +86,7 @@ async function taken(wanted: string): Promise<void> {
       refused.value = "";
     });
   } catch (error) {
-    if (!(error instanceof Refusal && error.kind === "superseded")) refused.value = sentence(error);
+    if (!superseded(error)) refused.value = sentence(error);
   }
 }
 
@@ -108,6 +106,6 @@ export async function list(): Promise<void> {
   try {
     lines.value = (await call<{ sweeps: Line[] }>("sweeps", {}, "sweeps")).sweeps;
   } catch (error) {
-    if (!(error instanceof Refusal && error.kind === "superseded")) refused.value = sentence(error);
+    if (!superseded(error)) refused.value = sentence(error);
   }
 }

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from martensite.app.documents import LONGEST
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
+from martensite.files import toml_document
 from martensite.io.overrides import toml_value
 
 MOST = 12
@@ -23,17 +23,10 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     texts = wanted(request, "texts", list)
     if len(texts) > MOST or not all(isinstance(t, str) and len(t) <= LONGEST for t in texts):
         raise BadMessageError(f"`texts` must be at most {MOST} documents, each a text.")
-    documents = [dict(_flat(_parsed(text))) for text in texts]
+    documents = [dict(_flat(toml_document(text, "A document"))) for text in texts]
     paths = dict.fromkeys(path for document in documents for path in document)
     rows = [{"path": path, "values": [d.get(path) for d in documents]} for path in paths]
     return {"rows": [row for row in rows if any(v != row["values"][0] for v in row["values"])]}
-
-
-def _parsed(text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadMessageError(f"A document is not valid TOML: {error}.") from None
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:

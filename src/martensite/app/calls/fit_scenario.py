@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.forms.documents import parsed
 from martensite.app.identify.asked import scenario_for
 from martensite.app.identify.followed import drives_of, following
 from martensite.app.identify.mapped import records_of
@@ -21,6 +20,7 @@ from martensite.app.identify.shown import shown, shown_difference
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
 from martensite.errors import MartensiteError
+from martensite.files import toml_document
 from martensite.identify.fitting.losses import LOSSES
 from martensite.identify.fitting.solve import METHODS
 from martensite.io.assemble import waveform_path
@@ -45,7 +45,7 @@ LOSS_WORDS = {
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Look at scenario and log together."""
     records = records_of(request, desk)
-    text, document = wanted(request, "text", str), parsed(wanted(request, "text", str))
+    text, document = wanted(request, "text", str), toml_document(wanted(request, "text", str))
     follow = wanted(request, "follow", dict, {})
     if follow:
         column = wanted(follow, "column", str)

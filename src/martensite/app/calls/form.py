@@ -26,6 +26,7 @@ from martensite.app.forms.sections import MATERIAL, Sections
 from martensite.app.forms.switched import Switched
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
+from martensite.files import toml_document
 from martensite.io.catalogue import registries, summary
 from martensite.io.overrides import as_toml
 from martensite.io.scenario import Scenario
@@ -57,7 +58,7 @@ def _without(text: str, removed: list[Any]) -> str:
     """The document without some entries."""
     if not removed:
         return text
-    document = documents.parsed(text)
+    document = toml_document(text)
     for path in removed:
         if not isinstance(path, str):
             raise BadMessageError("`removed` must be a list of texts.")

@@ -12,10 +12,10 @@ from typing import Any
 
 from martensite import units
 from martensite.app.documents import scenario_of
-from martensite.app.sweeping.words import exact
 from martensite.app.worker import Desk
 from martensite.errors import MartensiteError
 from martensite.io.catalogue import summary
+from martensite.io.exact_text import exact_text
 from martensite.io.scenario import Scenario
 from martensite.io.sweeps.job import MEASURES as USUAL
 from martensite.io.sweeps.subject import targets_of, waveforms_of
@@ -85,7 +85,7 @@ def _target(one: Target, declared: Declared) -> dict[str, Any]:
         "about": one.doc,
         "unit": "" if shown == "1" else shown,
         "value": units.from_si(one.nominal, shown, one.unit),
-        "words": exact(one.nominal, one.unit),
+        "words": exact_text(one.nominal, one.unit),
         "low": units.from_si(low, shown, one.unit),
         "high": units.from_si(high, shown, one.unit),
         "open": declared.open_low,

@@ -12,9 +12,9 @@ from martensite.app.gallery import built
 from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.sweeping.stored import asked_of, scenario_in
-from martensite.app.sweeping.words import exact
 from martensite.app.worker import Desk
 from martensite.errors import DataError
+from martensite.io.exact_text import exact_text
 from martensite.io.sweeps.job import plan_of
 from martensite.io.sweeps.store import Store
 
@@ -28,7 +28,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
     values = plan.values(range(row, row + 1))[0].tolist()
     changes = {
-        one.target.name: exact(value, one.target.unit)
+        one.target.name: exact_text(value, one.target.unit)
         for one, value in zip(plan.axes, values, strict=True)
     }
     scenario = built(spec["scenario"], changes)

@@ -15,6 +15,7 @@ from martensite.app.forms.filling import KIND, Filler
 from martensite.app.forms.switched import Switched
 from martensite.app.forms.tree import placed
 from martensite.electrical.base import SOURCES
+from martensite.files import toml_document
 from martensite.io.assemble import GROUP, SIGNALS
 from martensite.io.bench_tables import REFERENCE, SECTIONS
 from martensite.io.scenario import Scenario
@@ -33,7 +34,7 @@ def loosened(scenario: Scenario, one: Switched) -> Iterator[Switched]:
     if (
         around
         and less is None
-        and _names_of(one.document) != _names_of(documents.parsed(scenario.text))
+        and _names_of(one.document) != _names_of(toml_document(scenario.text))
     ):
         bare = deepcopy(one)
         for name in around:

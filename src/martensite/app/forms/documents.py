@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from typing import Any, cast
 
-from martensite.errors import DataError
-
 Table = dict[str, Any]
-
-
-def parsed(text: str) -> Table:
-    """The document in a text.
-
-    Raises:
-        DataError: it is not TOML.
-    """
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(f"The scenario is not valid TOML: {error}.") from None
 
 
 def entry(document: Mapping[str, Any], path: str) -> Any:

@@ -23,6 +23,7 @@ from martensite.app.gallery import FOLDER, scenarios
 from martensite.bench.mounted import Mounted
 from martensite.electrical.base import SOURCES
 from martensite.errors import InputError, ParameterError
+from martensite.files import toml_document
 from martensite.io.bench_tables import MODEL, NAME, PERIOD, REFERENCE
 from martensite.io.components import nested
 from martensite.io.overrides import as_toml
@@ -46,7 +47,7 @@ def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched
     Raises:
         InputError: there is no such place or kind, or nothing that holds it can be built.
     """
-    document = documents.parsed(scenario.text)
+    document = toml_document(scenario.text)
     if path == MATERIAL:
         found = [with_material(document, kind)]
     else:
@@ -77,7 +78,7 @@ def _candidates(scenario: Scenario, document: Table, path: str, kind: str) -> It
     cls, example = registry[kind], starts.of_kind(registry.kind, kind).get("example")
     if example is not None:
         note = f"`{kind}` needs more than one number, so a whole packaged scenario is on the bench."
-        yield Switched(documents.parsed(scenarios()[example]), [note])
+        yield Switched(toml_document(scenarios()[example]), [note])
         return
     for fresh in (False, True):
         made = _put(scenario, document, group, cls, registry, fresh)

@@ -12,6 +12,7 @@ from martensite.app.forms.controls import Control, Spot
 from martensite.app.forms.tree import Walk, bare, below, flat, placed
 from martensite.electrical.base import SOURCES
 from martensite.elements.base import ELEMENTS
+from martensite.files import toml_document
 from martensite.io.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
 from martensite.io.scenario import Scenario
 from martensite.materials.base import load_material, material_names
@@ -33,7 +34,7 @@ class Sections:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        self.document = documents.parsed(scenario.text)
+        self.document = toml_document(scenario.text)
         self.prefix = "plant." if scenario.bench is not None else ""
         places = scenario.places
         self.walk = Walk(

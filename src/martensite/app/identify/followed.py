@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from martensite import units
-from martensite.app.forms.documents import parsed
 from martensite.app.identify.thin import corners
 from martensite.electrical.base import SOURCES
 from martensite.errors import ParameterError
+from martensite.files import toml_document
 from martensite.io.assemble import GROUP, SIGNALS, drive_section, waveform_path
 from martensite.io.overrides import as_toml, changed
 from martensite.io.recorded import KIND, LOG, NATURAL, from_zero
@@ -111,7 +111,7 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
         changes[path] = _listed(record, column)
-    document = changed(parsed(scenario.text), changes)
+    document = changed(toml_document(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
         cast("dict[str, Any]", run).pop("lead", None)

@@ -6,16 +6,12 @@ from typing import Any
 
 from martensite import units
 from martensite.app.views.columns import converted
-from martensite.identify.fit_verdicts import PERCENT
 from martensite.identify.fitting.words import difference
 
 
 def shown(name: str, unit: str) -> dict[str, Any]:
     """How a column or output is shown; strain in percent."""
-    spelling = units.readable(unit)
-    if unit == "1" and name.rpartition(".")[2] in PERCENT:
-        spelling = "%"
-    return converted(unit, spelling)
+    return converted(unit, units.of_column(name, unit))
 
 
 def shown_number(value: float, unit: str) -> dict[str, Any]:
@@ -25,7 +21,7 @@ def shown_number(value: float, unit: str) -> dict[str, Any]:
 
 def shown_difference(name: str, unit: str) -> dict[str, Any]:
     """How an error or an offset is shown, which has no zero to be shifted."""
-    if unit == "1" and name.rpartition(".")[2] in PERCENT:
+    if units.of_column(name, unit) == "%":
         return converted(unit, "%")
     factor, spelling = difference(unit)
     return {

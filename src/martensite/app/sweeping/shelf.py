@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import re
-import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,11 +17,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from martensite.app.drawer import is_key, new_key
 from martensite.errors import DataError
 
 PLACE = "sweeps"
 LONGEST = 40
-_KEY = re.compile(r"^[0-9a-f]{16}$")
 _STORE = re.compile(r"^[a-z0-9-]+-([0-9a-f]{16})\.zarr$")
 
 
@@ -46,7 +45,7 @@ class Shelf:
 
     def new(self, title: str) -> tuple[str, Path]:
         """A new key, and where its store shall be; nothing is made there."""
-        key = secrets.token_hex(8)
+        key = new_key()
         self.place.mkdir(parents=True, exist_ok=True)
         return key, self.place / f"{slug(title)}-{key}.zarr"
 
@@ -56,7 +55,7 @@ class Shelf:
         Raises:
             DataError: there is none.
         """
-        found = sorted(self.place.glob(f"*-{key}.zarr")) if _KEY.match(key) else []
+        found = sorted(self.place.glob(f"*-{key}.zarr")) if is_key(key) else []
         if len(found) != 1:
             raise DataError("There is no such sweep in this folder; it may have been deleted.")
         return found[0]

@@ -1,11 +1,10 @@
-"""The command line that makes the same sweep, and numbers as a scenario holds them."""
+"""The command line that makes the same sweep."""
 
 from __future__ import annotations
 
 import re
 import shlex
 
-from martensite import units
 from martensite.io.sweeps.job import Wanted
 from martensite.sweep.plan import CHUNK
 
@@ -34,14 +33,3 @@ def command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
     }  # fmt: skip
     pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
     return " ".join(pieces)
-
-
-def exact(value: float, unit: str) -> str:
-    """A quantity as text that reads as exactly this number, in the unit people prefer if it can."""
-    shown = units.familiar(value, unit)
-    for digits in (6, 12, 15, 16, 17):
-        number = f"{units.from_si(value, shown, unit):.{digits}g}"
-        text = number if shown == "1" else f"{number} {shown}"
-        if units.parse(text, unit) == value:
-            return text
-    return repr(value) if unit == "1" else f"{value!r} {unit}"

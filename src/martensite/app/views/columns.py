@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from martensite import units
-from martensite.plot.labels import PERCENT
 from martensite.simulate.result import Result
 
 MOST = 2001
@@ -36,9 +35,7 @@ def kept_rows(count: int, most: int = MOST) -> list[int]:
 def shown(result: Result, name: str) -> dict[str, Any]:
     """How a column is called, and how it is shown."""
     output = result.outputs[name]
-    percent = name.rpartition(".")[-1] in PERCENT
-    unit = "%" if percent else units.readable(output.unit)
-    how = converted(output.unit, unit)
+    how = converted(output.unit, units.of_column(name, output.unit))
     return {**how, "long_name": output.long_name, "symbol": output.symbol}
 
 

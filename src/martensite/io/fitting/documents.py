@@ -17,13 +17,13 @@ record: name, scenario, columns (headings of a file without), interval, weight, 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
 
 from martensite import units
 from martensite.errors import DataError, ParameterError, UnitError, suggestion
+from martensite.files import toml_document
 from martensite.io.build import as_table, refuse_unknown
 from martensite.io.fitting.hold_out import AUTO
 from martensite.io.fitting.logs import Log
@@ -73,14 +73,13 @@ def read_fit_file(path: str | Path) -> Task:
 
 def _document(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
         raise DataError(f"There is no fit file `{path}`. {suggestion(path.name, beside)}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the fit file `{path}`: {error}.") from None
-    except tomllib.TOMLDecodeError as error:
-        raise DataError(f"`{path}` is not valid TOML: {error}.") from None
+    return toml_document(text, f"`{path}`")
 
 
 def _log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
