@@ -175,3 +175,16 @@ def test_a_kept_sweep_is_looked_at(page: Page, bench: Bench, ready: str) -> None
     assert len(lines) == 31 and "refused" in "".join(lines)
     page.reload()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Ready power")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("design", "count"), [("latin-hypercube", 24), ("saltelli", 64)])
+def test_a_sample_is_run_and_looked_at(page: Page, bench: Bench, design: str, count: int) -> None:
+    ask(page, bench, ("6", "5"))
+    page.get_by_role("combobox", name="Sample").select_option(design)
+    page.get_by_label("Number", exact=True).fill("24" if design != "saltelli" else "16")
+    expect(page.get_by_text(f"{count} runs", exact=True)).to_be_visible()
+    start(page)
+    expect(page.get_by_text(re.compile(f"^{count} runs are there"))).to_be_visible()
+    expect(page.get_by_role("application", name=re.compile("stroke over diameter"))).to_be_visible()
+    page.get_by_role("button", name="Sensitivity").click()

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from martensite.errors import ParameterError
-from martensite.signals.base import WAVEFORMS
+from martensite.signals.base import MANY, WAVEFORMS
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.ramp import Ramp
@@ -25,6 +25,27 @@ def values(waveform, times):
 def test_every_waveform_is_registered():
     kinds = ["constant", "pwm", "ramp", "sine", "staircase", "step", "table", "triangle"]
     assert set(kinds) <= set(WAVEFORMS.names())
+
+
+@pytest.mark.parametrize("count", [7, MANY])
+@pytest.mark.parametrize(
+    "waveform",
+    [
+        Constant(level=2.5),
+        PulseWidthModulation(high=2.0, frequency=0.7, duty=0.3),
+        Ramp(low=0.1, high=0.7, start=2.0, end=5.3),
+        Ramp(low=0.7, high=0.1, start=0.0, end=9.1),
+        Sine(low=0.1, high=0.7, frequency=0.3),
+        Step(low=1.0, high=3.0, at=2.0, until=5.0),
+        Table(times=(1.0, 1.3, 4.7), values=(0.1, 0.7, 0.2), factor=0.3, stretch=1.7),
+        Triangle(low=0.1, high=0.7, frequency=0.3),
+    ],
+    ids=lambda one: one.registered_name,
+)
+def test_signals_at_many_times_are_the_same_numbers_as_one_by_one(waveform, count):
+    times = [11.0 * k / (count - 1) for k in range(count)]
+    times += [1.0, 2.0, 5.0, 5.3, math.nextafter(5.3, 0.0)]
+    assert waveform.signals(times) == values(waveform, times)
 
 
 def test_constant_has_no_edges():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 
@@ -15,3 +17,7 @@ class Constant(AbstractWaveform):
     def value(self, time: float) -> float:
         """The level, at any time."""
         return self.level
+
+    def signals(self, times: Sequence[float]) -> list[float]:
+        """The level, as often as it is asked for."""
+        return [self.level] * len(times)

@@ -8,6 +8,7 @@ beside it can never disagree by a rounding error.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from martensite.errors import ParameterError
 
@@ -52,6 +53,15 @@ def blend(first: float, last: float, share: float) -> float:
         return last
     low, high = min(first, last), max(first, last)
     return min(max(first + share * (last - first), low), high)
+
+
+def blends(first: Any, last: Any, share: Any) -> Any:
+    """`blend` over arrays: the same numbers."""
+    import numpy as np
+
+    first, last, share = np.broadcast_arrays(first, last, np.asarray(share, float))
+    inner = np.clip(first + share * (last - first), *np.sort([first, last], axis=0))
+    return np.select([share <= 0.0, share >= 1.0], [first, last], inner)
 
 
 def require_order(owner: str, low: float, high: float) -> None:

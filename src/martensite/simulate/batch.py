@@ -15,7 +15,7 @@ from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, grid_of
 from martensite.simulate.grid import Grid
-from martensite.simulate.march import Track, classify, track
+from martensite.simulate.march import Track, classify, track_of
 from martensite.status import Status
 from martensite.system import AbstractSystem
 
@@ -148,8 +148,7 @@ def march_jax(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
     plan, padded = schedule(grid)
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
-    status = classify(float(rows.residual), float(rows.crossing))
-    return track([tuple(row) for row in table.tolist()], status)
+    return track_of(table, float(rows.residual), float(rows.crossing))
 
 
 def _plan(

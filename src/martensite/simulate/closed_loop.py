@@ -189,5 +189,5 @@ class _Walk:
         }
         return {**starts, **peaks, "drive": [*self.signals, self.signals[-1]]}
 
-    def _columns(self, rows: Sequence[Row | list[float]]) -> dict[str, list[float]]:
+    def _columns(self, rows: Sequence[Sequence[float]]) -> dict[str, list[float]]:
         return {name: [row[i] for row in rows] for i, name in enumerate(self.names)}

@@ -101,10 +101,8 @@ def grid_of_samples(
         )
     pieces = min(samples - 1, steps)
     ends = [round(steps * i / pieces) for i in range(pieces + 1)]
-    signals = [
-        tuple(waveform.value((k + JUST_AFTER) * interval) for waveform in waveforms)
-        for k in range(steps + 1)
-    ]
+    instants = [(k + JUST_AFTER) * interval for k in range(steps + 1)]
+    signals = rows_of(waveforms, [instants] * len(waveforms), steps + 1)
     played = [
         tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
         for pair in pairwise(signals)
@@ -135,9 +133,8 @@ def grid_at(
         )
     counts: list[int] = []
     lengths: list[float] = []
-    drives: list[Signals] = []
     shares = [share(late) for late in at_end]
-    rows = list(zip(waveforms, shares, strict=True))
+    asked: dict[float, list[float]] = {part: [] for part in shares}
     next_edge, hair = 0, 1e-12 * duration
     for first, last in pairwise(times):
         cuts = [first]
@@ -150,10 +147,18 @@ def grid_at(
             pieces = max(1, math.ceil((b - a) / step - 1e-9))
             length = (b - a) / pieces
             lengths += [length] * pieces
-            drives += [
-                tuple(wave.value(a + (k + part) * length) for wave, part in rows)
-                for k in range(pieces)
-            ]
+            for part, at in asked.items():
+                at += [a + (k + part) * length for k in range(pieces)]
         counts.append(len(lengths) - before)
-    sampled = [tuple(waveform.value(t) for waveform in waveforms) for t in times]
-    return Grid(times, sampled, counts, lengths, drives)
+    drives = rows_of(waveforms, [asked[part] for part in shares], len(lengths))
+    return Grid(
+        times, rows_of(waveforms, [times] * len(waveforms), samples), counts, lengths, drives
+    )
+
+
+def rows_of(
+    waveforms: Sequence[AbstractWaveform], times: Sequence[Sequence[float]], count: int
+) -> list[Signals]:
+    """Signals as `count` rows of one number per waveform, each read at times of its own."""
+    columns = [wave.signals(at) for wave, at in zip(waveforms, times, strict=True)]
+    return list(zip(*columns, strict=True)) if columns else [()] * count

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from martensite.errors import SolveError
 from martensite.simulate.grid import Grid
@@ -20,7 +21,7 @@ Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 class Track:
     """What one march returns: rows of outputs at the samples, and how its steps ended."""
 
-    rows: list[tuple[float, ...]]
+    rows: Sequence[Sequence[float]]
     status: Status
     status_time: float | None
     """Start of the first step with this status [s]; None where it was not recorded."""
@@ -85,3 +86,12 @@ def track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None 
     """A track whose rows have been checked for numbers that are none."""
     finite = all(math.isfinite(value) for row in rows for value in row)
     return Track(list(rows), status if finite else Status.NOT_FINITE, time)
+
+
+def track_of(table: Any, residual: float, crossing: float) -> Track:
+    """A track whose rows are an array (samples, outputs), from its worst reports."""
+    import numpy as np
+
+    finite = bool(np.isfinite(table).all())
+    status = classify(residual, crossing) if finite else Status.NOT_FINITE
+    return Track(table.tolist(), status, None)

@@ -19,7 +19,7 @@ from martensite.runtimes.program import Function
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.march import SOLVED, Track, classify, track
+from martensite.simulate.march import SOLVED, Track, track_of
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
@@ -157,5 +157,4 @@ def march_c(
 ) -> Track:
     """One run on the C runtime; unsolved steps once more by a `thorough` program if given."""
     rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)), thorough)
-    status = classify(float(worst[0, 0]), float(worst[1, 0]))
-    return track([tuple(row) for row in rows[:, :, 0].tolist()], status)
+    return track_of(rows[:, :, 0], float(worst[0, 0]), float(worst[1, 0]))
