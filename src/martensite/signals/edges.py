@@ -59,8 +59,8 @@ def blends(first: Any, last: Any, share: Any) -> Any:
     """`blend` over arrays: the same numbers."""
     import numpy as np
 
-    first, last, share = np.broadcast_arrays(first, last, np.asarray(share, float))
-    inner = np.clip(first + share * (last - first), *np.sort([first, last], axis=0))
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    inner = np.clip(first + share * (last - first), low, high)
     return np.select([share <= 0.0, share >= 1.0], [first, last], inner)
 
 

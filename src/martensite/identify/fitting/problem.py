@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from os import cpu_count
 from typing import Any
@@ -77,6 +77,10 @@ class Problem:
 
     def __post_init__(self) -> None:
         check_problem(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was declared; what is made of it, such as threads, is made anew elsewhere."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache
 
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.solve import solve
@@ -20,6 +19,7 @@ from martensite.identify.fitting.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
 from martensite.studies.finger_calibration.printed import Printed
+from martensite.studies.kept import kept
 
 STARTS = (
     (25e9, 345.0, 80e6, 10e6, 5.5e6),
@@ -71,7 +71,7 @@ def rms(cost: float) -> float:
     return math.degrees(bench.NOISE * math.sqrt(cost))
 
 
-@cache
+@kept
 def search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> Search:
     """A search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
@@ -102,7 +102,7 @@ def prepare(printed: Printed, *, full: bool) -> None:
             search(data, start, SQUARES, printed)
     jobs = [(data, start) for data in (FAR, NEAR) for start in tried(full)]
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda job: search(*job, COORDINATE, printed), jobs))
+        list(pool.map(lambda job: search(job[0], job[1], COORDINATE, printed), jobs))
 
 
 def moving() -> tuple[int, ...]:

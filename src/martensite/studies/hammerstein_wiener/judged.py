@@ -14,6 +14,7 @@ from martensite.sensors.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import models, records
 from martensite.studies.hammerstein_wiener.bench import Bench, Plant
+from martensite.studies.kept import kept
 
 SMOOTH = 500
 """Samples over which the course of a duty is judged."""
@@ -97,7 +98,7 @@ VARIANTS = {
 """Benches that no model has seen."""
 
 
-@cache
+@kept
 def elsewhere(variant: str) -> Sampled:
     """The validation record of another bench; with a fan, of more power."""
     bench = VARIANTS[variant]

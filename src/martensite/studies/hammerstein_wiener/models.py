@@ -18,6 +18,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate, refine
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import records
+from martensite.studies.kept import kept
 
 FIRST = "poly2 | oe(3,3,1) | pwl10"
 SECOND = "wavelet88 | oe(3,3,1) | sigmoid10"
@@ -60,7 +61,7 @@ RECIPES = {
 }
 
 
-@cache
+@kept
 def record(name: str) -> Sampled:
     """A record of the reference bench: estimation, validation, slow, or sealed with a seed."""
     kind, _, seed = name.partition(" ")
@@ -78,7 +79,7 @@ def seen(model: str, whole: Sampled) -> Sampled:
     return records.stages(whole)[1 if model.startswith("stage 2") else 0]
 
 
-@cache
+@kept
 def model(name: str) -> Chain:
     """A model, by its recipe."""
     recipe, full = RECIPES[name], seen(name, record("estimation"))

@@ -1,0 +1,82 @@
+"""Results that are kept from one run to the next, as what takes long need not be computed twice.
+
+A result is kept in the user's cache folder and found again by the very same program only: its name
+holds the arguments, all the source of this package, and the versions of what computes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import platform
+import shutil
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache, wraps
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+import martensite
+from martensite.errors import DataError
+from martensite.files import cache_folder, replacing
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+SOURCES = (".py", ".toml", ".json", ".csv")
+"""Endings of files that a result may depend on."""
+COMPUTING = ("numpy", "scipy")
+UNREADABLE = (
+    OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError
+)  # fmt: skip
+"""What `pickle` raises over a file that is none of its own."""
+PROGRAMS = 3
+"""Versions of the program whose results are kept; those of others are removed."""
+
+
+def kept(function: Function) -> Function:
+    """A pure function whose results are kept: in memory, and on disk if that can be written to.
+
+    Its arguments and results must be such as `pickle` takes, and its arguments hashable.
+    """
+
+    @cache
+    @wraps(function)
+    def found(*arguments: Any, **named: Any) -> Any:
+        given = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
+        path = folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
+        with suppress(*UNREADABLE):
+            return pickle.loads(path.read_bytes())
+        result = function(*arguments, **named)
+        with suppress(OSError, DataError):
+            _keep(result, path)
+        return result
+
+    return found  # type: ignore[return-value]
+
+
+def _keep(result: Any, path: Path) -> None:
+    if not path.parent.is_dir():
+        path.parent.mkdir(parents=True)
+        others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
+        for old in others[:-PROGRAMS]:
+            shutil.rmtree(old, ignore_errors=True)
+    with replacing(path) as part:
+        part.write_bytes(pickle.dumps(result))
+
+
+def folder() -> Path:
+    """Where the results of this program are kept."""
+    return cache_folder() / "studies" / _program()
+
+
+@cache
+def _program() -> str:
+    """What tells this program from others, in a few letters."""
+    digest = hashlib.sha256(platform.python_version().encode() + platform.machine().encode())
+    for name in COMPUTING:
+        digest.update(version(name).encode())
+    root = Path(martensite.__file__).parent
+    for path in sorted(path for path in root.rglob("*") if path.suffix in SOURCES):
+        digest.update(str(path.relative_to(root)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

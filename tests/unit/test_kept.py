@@ -1,0 +1,78 @@
+"""Results of studies that are kept: found again by the same program, made anew otherwise."""
+
+from pathlib import Path
+
+import pytest
+
+from martensite.studies import kept as module
+from martensite.studies.kept import folder, kept
+
+MADE: list[float] = []
+
+
+def doubled(number: float) -> dict[str, float]:
+    MADE.append(number)
+    return {"twice": 2.0 * number}
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    MADE.clear()
+    return tmp_path
+
+
+def test_a_result_is_made_once_and_found_by_another_process() -> None:
+    one = kept(doubled)
+    assert one(1.5) == one(1.5) == kept(doubled)(1.5) == {"twice": 3.0}
+    assert MADE == [1.5]
+
+
+def test_other_arguments_have_another_result() -> None:
+    assert kept(doubled)(1.5) != kept(doubled)(2.5)
+    assert MADE == [1.5, 2.5]
+
+
+def test_another_program_makes_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept(doubled)(1.5)
+    monkeypatch.setattr(module, "_program", lambda: "another")
+    assert kept(doubled)(1.5) == {"twice": 3.0}
+    assert MADE == [1.5, 1.5]
+
+
+def test_the_program_is_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = tmp_path / "package" / "law.py"
+    source.parent.mkdir()
+    source.write_text("E_A = 75e9")
+    monkeypatch.setattr("martensite.__file__", str(source))
+    tell = module._program.__wrapped__
+    before = tell()
+    assert tell() == before
+    source.write_text("E_A = 74e9")
+    assert tell() != before
+
+
+def test_what_cannot_be_read_is_made_anew() -> None:
+    kept(doubled)(1.5)
+    (path,) = folder().iterdir()
+    for spoiled in (b"", path.read_bytes()[:-5], b"no pickle"):
+        path.write_bytes(spoiled)
+        assert kept(doubled)(1.5) == {"twice": 3.0}
+    assert len(MADE) == 4
+
+
+def test_a_folder_that_cannot_be_written_to_keeps_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert kept(doubled)(1.5) == kept(doubled)(1.5) == {"twice": 3.0}
+    assert MADE == [1.5, 1.5]
+
+
+def test_old_programs_are_forgotten(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("a", "b", "c", "d", "e"):
+        monkeypatch.setattr(module, "_program", lambda name=name: name)
+        kept(doubled)(1.5)
+    left = {path.name for path in (place / "martensite" / "studies").iterdir()}
+    assert len(left) == module.PROGRAMS and "e" in left
