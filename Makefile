@@ -45,7 +45,7 @@ lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
