@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from martensite.app.calls import differences
+from martensite.app.messages import BadMessageError
 from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, energy, straight_length
 from martensite.app.views.key_results import key_results
 from martensite.app.views.phase import phase
@@ -18,7 +19,7 @@ from martensite.app.views.traces import loops, stretches, traces
 from martensite.app.views.warnings import alarms
 from martensite.app.worker import Desk
 from martensite.control.analysis.energy import energy_per_cycle
-from martensite.errors import InputError
+from martensite.errors import DataError, InputError
 from martensite.io.scenario import load
 from martensite.simulate.result import Result
 
@@ -200,7 +201,10 @@ def test_documents_are_compared_by_path() -> None:
     assert tomllib.loads(other)["run"]
 
 
-@pytest.mark.parametrize("texts", [["a = "], [1], ["a = 1"] * 13])
-def test_what_is_no_document_is_refused(texts: list[Any]) -> None:
-    with pytest.raises(InputError):
+@pytest.mark.parametrize(
+    ("texts", "error"),
+    [(["a = "], DataError), ([1], BadMessageError), (["a = 1"] * 13, BadMessageError)],
+)
+def test_what_is_no_document_is_refused(texts: list[Any], error: type[InputError]) -> None:
+    with pytest.raises(error):
         asked(*texts)

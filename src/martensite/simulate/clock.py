@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 
 from martensite.parameters import part
 from martensite.signals.base import AbstractWaveform
+from martensite.signals.constant import Constant
 from martensite.simulate.driven import grid_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import Grid, rows_of
 from martensite.system import AbstractSystem
 
 
@@ -47,16 +48,9 @@ def clocked(
 
 def played(grid: Grid, waveforms: Sequence[AbstractWaveform | None]) -> Grid:
     """A grid of times with the signals of waveforms, one per drive; 0 where there is none."""
-    drives = _signals(list(zip(*grid.drives, strict=True)), waveforms)
-    sampled = _signals(list(zip(*grid.sampled, strict=True)), waveforms)
+    waves = [wave or Constant(level=0.0) for wave in waveforms]
+    drives, sampled = (
+        rows_of(waves, list(zip(*times, strict=True)), len(times))
+        for times in (grid.drives, grid.sampled)
+    )
     return Grid(grid.times, sampled, grid.counts, grid.lengths, drives)
-
-
-def _signals(
-    times: Sequence[Sequence[float]], waveforms: Sequence[AbstractWaveform | None]
-) -> list[tuple[float, ...]]:
-    columns = [
-        [0.0] * len(row) if wave is None else wave.signals(row)
-        for row, wave in zip(times, waveforms, strict=True)
-    ]
-    return list(zip(*columns, strict=True))

@@ -56,7 +56,7 @@ def kept(function: Function) -> Function:
 
 def _keep(result: Any, path: Path) -> None:
     if not path.parent.is_dir():
-        path.parent.mkdir(parents=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
         for old in others[:-PROGRAMS]:
             shutil.rmtree(old, ignore_errors=True)

@@ -9,7 +9,6 @@ export interface Palette {
   soft: string;
   line: string;
   panel: string;
-  paper: string;
   accent: string;
   bad: string;
 }
@@ -31,7 +30,6 @@ function read(): Palette {
     soft: colour("soft"),
     line: colour("line"),
     panel: colour("panel"),
-    paper: colour("paper"),
     accent: colour("accent"),
     bad: colour("bad"),
   };

@@ -1,6 +1,6 @@
 // Drawing a picture of a sweep on a canvas: frame, cells or points, lines, and what is marked.
 
-import { palette, type Palette } from "../lib/theme.ts";
+import type { Palette } from "../lib/theme.ts";
 import { viridis } from "./colours.ts";
 import { share, ticks, tickText, type Dim } from "./scale.ts";
 
@@ -67,7 +67,7 @@ export function dimOfLevels(label: string, levels: number[], log: boolean): Dim 
   return { label, low: first - (second - first) / 2, high: last + (last - before) / 2 };
 }
 
-export function draw(canvas: HTMLCanvasElement, picture: Picture, marked: number[]): void {
+export function draw(canvas: HTMLCanvasElement, picture: Picture, marked: number[], theme: Palette): void {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const dense = devicePixelRatio || 1;
   canvas.width = Math.round(width * dense);
@@ -76,7 +76,6 @@ export function draw(canvas: HTMLCanvasElement, picture: Picture, marked: number
   if (!pen) return;
   pen.scale(dense, dense);
   pen.font = FONT;
-  const theme = palette.peek();
   const box = boxOf(width, height);
   frame(pen, picture, box, theme);
   pen.save();

@@ -63,19 +63,15 @@ export function Plane({ picture, label, onLook }: { picture: Picture; label: str
   const canvas = useRef<HTMLCanvasElement>(null);
   const over = useSignal<number | null>(null);
   const marked = [chosen.value, over.value].filter((row) => row !== null);
-  const redraw = (): void => void (canvas.current && draw(canvas.current, picture, marked));
+  const colours = palette.value;
+  const redraw = (): void => void (canvas.current && draw(canvas.current, picture, marked, colours));
   useEffect(redraw);
   const latest = useRef(redraw);
   latest.current = redraw;
   useEffect(() => {
-    const again = (): void => latest.current();
-    const sizes = new ResizeObserver(again);
+    const sizes = new ResizeObserver(() => latest.current());
     if (canvas.current) sizes.observe(canvas.current);
-    const leave = palette.subscribe(again);
-    return () => {
-      sizes.disconnect();
-      leave();
-    };
+    return () => sizes.disconnect();
   }, []);
   const look = (row: number | null): void => {
     over.value = row;

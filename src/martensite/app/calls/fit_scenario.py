@@ -45,7 +45,8 @@ LOSS_WORDS = {
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Look at scenario and log together."""
     records = records_of(request, desk)
-    text, document = wanted(request, "text", str), toml_document(wanted(request, "text", str))
+    text = wanted(request, "text", str)
+    document = toml_document(text)
     follow = wanted(request, "follow", dict, {})
     if follow:
         column = wanted(follow, "column", str)
