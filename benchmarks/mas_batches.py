@@ -1,7 +1,7 @@
 """Batches of problem B for the section `mas`: ours, LSODA one by one, Kvaerno5 by vmap.
 
 What: wires around a given one, on JAX through `simulate_batch` and on SIMD lanes of C, each at
-several settings (step, iterations of the coupled step). A big batch is cut to what takes about a
+several steps. A big batch is cut to what takes about a
 second. The first sets are judged, each against its own reference; an engine of which any set
 fails has failed.
 """
@@ -60,29 +60,29 @@ class Judge:
 
 
 def library(
-    judge: Judge, sets: list[Wire], settings: dict[str, Sequence[tuple[float, int]]]
+    judge: Judge, sets: list[Wire], settings: dict[str, Sequence[float]]
 ) -> list[Candidate]:
-    """Ours: engine -> (step [ms], iterations)."""
+    """Ours: engine -> steps [ms]."""
     problem, found = Problem(sets[0]), []
     for name, make in mas_runs.BATCH.items():
-        for ms, n in settings[name]:
-            run, count = cut(make, problem, sets, 1e-3 * ms, n)
-            found.append(judge.candidate(name, f"dt {ms:g} ms, N {n}", run, count))
+        for ms in settings[name]:
+            run, count = cut(make, problem, sets, 1e-3 * ms)
+            found.append(judge.candidate(name, f"dt {ms:g} ms", run, count))
     return found
 
 
 def cut(
-    make: Any, problem: Problem, sets: list[Wire], step: float, iterations: int
+    make: Any, problem: Problem, sets: list[Wire], step: float
 ) -> tuple[Callable[[], Any], int]:
     """A batch of as many chunks as take about `MOST` seconds, and its number of sets."""
     chunk = min(LANES, len(sets))
-    one = make(problem, sets[:chunk], step, iterations)
+    one = make(problem, sets[:chunk], step)
     one()
     begin = time.process_time()
     one()
     count = round(MOST / max(time.process_time() - begin, 1e-6))
     size = chunk * max(1, min(len(sets) // chunk, count))
-    return make(problem, sets[:size], step, iterations), size
+    return make(problem, sets[:size], step), size
 
 
 def lsoda(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:

@@ -13,14 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.grid import Grid, build_grid
 from martensite.simulate.march import classify, march_floats
 from martensite.simulate.native import march_lanes
-from martensite.simulate.patient import THOROUGH
 from martensite.status import Status
 
 LANES = 256
@@ -71,13 +69,11 @@ def scaled(columns: Any, failed: bool) -> Any:
     return np.full_like(found, np.nan) if failed else found
 
 
-def twice(march: Callable[[int], Any]) -> Callable[[], Any]:
-    """As `simulate` does it: once more and thoroughly where a step stayed unsolved."""
+def judged(march: Callable[[], tuple[Any, Status]]) -> Callable[[], Any]:
+    """The columns of a march, not numbers where it failed."""
 
     def run() -> Any:
-        found, status = march(ITERATIONS)
-        if status is Status.UNSOLVED:
-            found, status = march(THOROUGH)
+        found, status = march()
         return scaled(found, status.failed)
 
     return run
@@ -94,25 +90,25 @@ def floats(problem: Problem, step: float) -> Callable[[], Any]:
     """One run on plain floats."""
     whole, steps, places = prepared(problem, step)
 
-    def march(iterations: int) -> tuple[Any, Status]:
-        compiled = compile_system(whole, iterations)
+    def march() -> tuple[Any, Status]:
+        compiled = compile_system(whole)
         functions = compiled.program.bind_floats(*compiled.values(whole))
         track = march_floats(functions, compiled.size, steps)
         return [[row[i] for row in track.rows] for i in places], track.status
 
-    return twice(march)
+    return judged(march)
 
 
 def native(problem: Problem, step: float) -> Callable[[], Any]:
     """One run in C."""
     whole, steps, places = prepared(problem, step)
 
-    def march(iterations: int) -> tuple[Any, Status]:
-        compiled = compile_system(whole, iterations)
+    def march() -> tuple[Any, Status]:
+        compiled = compile_system(whole)
         rows, worst = march_lanes(compiled, compiled.values(whole), steps, 1, places)
         return rows[:, :, 0].T, classify(*worst[:, 0].tolist())
 
-    return twice(march)
+    return judged(march)
 
 
 def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
@@ -120,12 +116,12 @@ def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     whole, steps, places = prepared(problem, step)
     plan, padded = schedule(steps)
 
-    def march(iterations: int) -> tuple[Any, Status]:
-        compiled = compile_system(whole, iterations)
+    def march() -> tuple[Any, Status]:
+        compiled = compile_system(whole)
         rows = jitted_march(compiled, tuple(places), padded)(compiled.values(whole), plan)
         return rows.outputs, classify(float(rows.residual), float(rows.crossing))
 
-    return twice(march)
+    return judged(march)
 
 
 SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
@@ -134,9 +130,7 @@ SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
 # ---------------------------------------------------------------- batches
 
 
-def jax_batch(
-    problem: Problem, sets: list[Wire], step: float, iterations: int
-) -> Callable[[], Any]:
+def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
     """x [mm] of all sets by `simulate_batch`, one row each; not numbers where it failed."""
     whole = problem.system()
     over = {NAMES.get(name, name): [getattr(p, name) for p in sets] for name in SHARES}
@@ -145,7 +139,7 @@ def jax_batch(
     def run() -> Any:
         found = simulate_batch(
             whole, waveform(), DURATION, over,
-            step=step, samples=SAMPLES, chunk=chunk, iterations=iterations,
+            step=step, samples=SAMPLES, chunk=chunk,
         )  # fmt: skip
         failed = np.array([status.failed for status in found.status])
         return np.where(failed[:, None], np.nan, 1e3 * found.columns["position"])
@@ -153,12 +147,10 @@ def jax_batch(
     return run
 
 
-def simd_batch(
-    problem: Problem, sets: list[Wire], step: float, iterations: int
-) -> Callable[[], Any]:
+def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
     """x [mm] of all sets in C, `LANES` at a time."""
     whole, steps = problem.system(), grid(step)
-    compiled = compile_system(whole, iterations)
+    compiled = compile_system(whole)
     width, place = min(LANES, len(sets)), compiled.outputs.index("position")
     nominal = compiled.values(whole)
     varied = {

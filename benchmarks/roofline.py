@@ -22,6 +22,8 @@ from martensite.runtimes.c99 import load_library
 from martensite.simulate.compiled import Compiled
 
 FREE = frozenset({"input", "constant", "item", "result", "detach", "store", "solved", "eps"})
+TYPICAL = 3
+"""Turns of a solve, which ends when it is done."""
 _WIDTH, _CHAINS = 8, 12
 _SOURCE = f"""
 typedef double vector __attribute__((vector_size({8 * _WIDTH})));
@@ -93,7 +95,7 @@ def peaks(turns: int = 1_000_000, megabytes: int = 256) -> Peaks:
 
 
 def work(compiled: Compiled) -> Work:
-    """Operations of a step, those in loops as often as they are made."""
+    """Operations of a step, those in loops as often as they are made, about."""
     graph, found = compiled.program.graph, Counter[str]()
     constant = {node.index for node in compiled.program.hoisted}
 
@@ -112,7 +114,8 @@ def work(compiled: Compiled) -> Work:
             if loop:
                 count(list(loop.outputs), times * len(loop.columns[0]), loop.bit)
             if turns:
-                count(list(turns.outputs), times * turns.turns, turns.bit)
+                made = TYPICAL if turns.stops else turns.turns
+                count(list(turns.outputs), times * made, turns.bit)
             stack.extend(graph.children(index))
 
     count([node.index for node in compiled.program.functions["step"].outputs], 1, 0)

@@ -26,7 +26,6 @@ from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import grid_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.native import march_lanes
-from martensite.simulate.patient import THOROUGH
 
 LANES = 64
 STEP = 0.02  # [s]
@@ -46,7 +45,6 @@ class Case(NamedTuple):
     values: Sequence[Any]
     grid: Grid
     output: str
-    thorough: Compiled | None = None
 
     @property
     def place(self) -> int:
@@ -73,21 +71,17 @@ def wire(count: int, drive: Drive | None = None) -> tuple[Case, Wire]:
     return Case("coupled wire", compiled, values, grid, "position"), sets
 
 
-def finger(law: str, count: int, duration: float | None = None, patient: bool = True) -> Case:
-    """The finger with a law; parameters uniform within their shares of the nominal ones.
-
-    When `patient`, steps that stay unsolved are made once more, as in a sweep.
-    """
+def finger(law: str, count: int, duration: float | None = None) -> Case:
+    """The finger with a law; parameters uniform within their shares of the nominal ones."""
     scenario = load(ROOT / "examples/finger.toml", {"element.law": law})
     system, rng = scenario.system, np.random.default_rng(0)
     compiled = compile_system(system)
-    thorough = compile_system(system, THOROUGH) if patient else None
     values: list[Any] = list(compiled.values(system))
     for path, share in VARIED.items():
         place = compiled.paths.index(path)
         values[place] = values[place] * (1.0 + share * (2.0 * rng.random(count) - 1.0))
     grid = grid_of(system, scenario.waveform, duration or scenario.duration, 101, STEP)
-    return Case(f"finger, {law}", compiled, values, grid, "stress", thorough)
+    return Case(f"finger, {law}", compiled, values, grid, "stress")
 
 
 class Kept(NamedTuple):
@@ -113,9 +107,7 @@ def in_lanes(case: Case, count: int, threads: int = 1, lanes: int = LANES) -> Ca
     lanes = min(lanes, -(-count // BLOCK) * BLOCK)
 
     def block(values: list[Any]) -> Any:
-        return march_lanes(case.compiled, values, case.grid, lanes, [case.place], case.thorough)[0][
-            :, 0
-        ]
+        return march_lanes(case.compiled, values, case.grid, lanes, [case.place])[0][:, 0]
 
     def run() -> Kept:
         if threads == 1:

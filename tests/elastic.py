@@ -49,7 +49,7 @@ class Elastic(AbstractElement):
         return state.pull
 
     def advance(
-        self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar, iterations: int
+        self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Warm, Report]:
         warm = state._replace(temperature=heating.drive)
         return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), Report(0.0, 0.0)

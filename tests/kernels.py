@@ -128,7 +128,7 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
         return xp.maximum(meets / (1.0 + 300.0 * spring.compliance), 0.0)
 
     heating = Heating(environment, CurrentSource(), amperes)
-    after, report = element.advance(xp, state, heating, pull, dt, 4)
+    after, report = element.advance(xp, state, heating, pull, dt)
     now = element.force(after)
     seen = element.tangent(xp, after, now), element.condition(xp, after, now, environment)
     there = Fractions(0.5, 0.5), temperature, force
@@ -196,7 +196,7 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
             for k in range(len(elements))
         ]
         loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
-        memory, states, report = mechanism.advance(xp, memory, loads, signals, dt, 4)
+        memory, states, report = mechanism.advance(xp, memory, loads, signals, dt)
         crossings.append(report.crossing)
     loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
     tensions, seen = mechanism.observe(xp, memory, loads, signals)

@@ -60,11 +60,11 @@ class Path(NamedTuple):
 _PROGRAMS: dict[Any, Any] = {}
 
 
-def traced(law: Any, iterations: int) -> Any:
+def traced(law: Any) -> Any:
     """A program for a law, and the numbers of the law that it takes."""
-    key = structure(law), iterations
+    key = structure(law)
     if key not in _PROGRAMS:
-        _PROGRAMS[key] = _trace(law, iterations)
+        _PROGRAMS[key] = _trace(law)
     program, paths = _PROGRAMS[key]
     known = {leaf.path: leaf.value for leaf in law.leaves()}
     return program, [known[path] for path in paths]
@@ -104,9 +104,9 @@ def _built(program: Program, control: str) -> Any:
     return load_library(c_source(program, [function]) + march)
 
 
-def marched(law: Any, iterations: int, control: str, start: Any, rows: np.ndarray) -> np.ndarray:
+def marched(law: Any, control: str, start: Any, rows: np.ndarray) -> np.ndarray:
     """What a law answers to rows of value, temperature and length of step: one row each."""
-    program, values = traced(law, iterations)
+    program, values = traced(law)
     if compiler() is None:
         return stepped(program.bind_floats(*values)[control], start, rows)
     found = np.empty((len(rows), len(program.functions[control].outputs)))
@@ -125,7 +125,7 @@ def stepped(advance_by: Any, start: Any, rows: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def _trace(law: Any, iterations: int) -> tuple[Program, list[str]]:
+def _trace(law: Any) -> tuple[Program, list[str]]:
     program, paths = Program(), [leaf.path for leaf in law.leaves()]
     twin = law.rebuilt({path: program.parameter(path) for path in paths})
     example = law.init(floats, Fractions(0.5, 0.5), 0.0, 300.0)
@@ -148,7 +148,7 @@ def _trace(law: Any, iterations: int) -> tuple[Program, list[str]]:
             free = twin.free_strain(xp, fractions, temperature)
             return (strain - free) / twin.compliance(xp, fractions), temperature
 
-        memory, report = advance(xp, twin, rebuilt(example, iter(numbers)), settle, dt, iterations)
+        memory, report = advance(xp, twin, rebuilt(example, iter(numbers)), settle, dt)
         return answers(xp, memory, report.residual)
 
     for name, kernel in (("stress", by_stress), ("strain", by_strain)):
@@ -166,7 +166,7 @@ def rebuilt(example: Any, numbers: Any) -> Any:
 
 def follow(
     law: Any, start: tuple[float, float], corners: list[Any], step: float,
-    control: str = "stress", iterations: int = 16,
+    control: str = "stress",
 ) -> Path:  # fmt: skip
     """The law from (x₊, x₋) along straight lines through corners (time, value, temperature).
 
@@ -191,7 +191,7 @@ def follow(
             times.append(t)
             rows.append((value, temperature, (b.time - a.time) / count))
     begin = [*numbers[-2:], strain, *fractions, 0.0]
-    found = marched(law, iterations, control, numbers, np.array(rows))[:, size - 2 :]
+    found = marched(law, control, numbers, np.array(rows))[:, size - 2 :]
     t = np.array(times)
     stress, temperature, strain, martensite, oriented, residual = np.vstack([begin, found]).T
     half = 0.5 * (martensite + oriented), 0.5 * (martensite - oriented)

@@ -1,8 +1,8 @@
 """Runs whose derivatives are known: exact ones in C, and differences of the same run in C.
 
-Every case is marched with so many iterations that its steps are solved to rounding: a run that
-is not has other derivatives than its solution. Differences are taken at several widths, and
-count only where two widths agree: at a kink, and below the noise, they are no derivative.
+Steps are solved to rounding: a run that is not has other derivatives than its solution. Differences
+are taken at several widths, and count only where two widths agree: at a kink, and below the noise,
+they are no derivative.
 """
 
 from __future__ import annotations
@@ -27,8 +27,6 @@ from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import Slopes, march_slopes
 from martensite.system import AbstractSystem
 
-SOLVED = 12
-"""Iterations: all steps of the cases are then solved to rounding, or as far as can be."""
 MISMATCH = 1e-8
 STEPS = {"ribbon": 0.005}
 """[s]; a ribbon makes a fixed number of sweeps over its wires, enough for short steps."""
@@ -60,7 +58,7 @@ class Case:
 
     @cached_property
     def compiled(self) -> Compiled:
-        return compile_system(self.system, SOLVED)
+        return compile_system(self.system)
 
     @cached_property
     def grid(self) -> Grid:

@@ -15,7 +15,6 @@ from c_cores import LONG_STEP, UNSOLVED, Called, compiled
 
 from martensite.export.c_core import c_core
 from martensite.parameters import Parametrised
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED
 
@@ -51,9 +50,9 @@ def things() -> list[Any]:
 @pytest.mark.parametrize("thing", things())
 def test_it_goes_the_way_of_floats(thing: Parametrised, tmp_path: Path) -> None:
     system = example_system(thing)
-    compiled_ = compile_system(system, ITERATIONS)
+    compiled_ = compile_system(system)
     functions = compiled_.program.bind_floats(*compiled_.values(system))
-    called = Called(c_core(system, name="core", retry=False), tmp_path)
+    called = Called(c_core(system, name="core"), tmp_path)
     rng, size, taken = random.Random(0), compiled_.size, 0
     most = 0.8 if thing.registered_name == "current" else 4.0
     rest = (0.0,) * compiled_.drives
@@ -74,5 +73,5 @@ def test_it_goes_the_way_of_floats(thing: Parametrised, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("thing", things())
 def test_in_float_it_compiles_without_warnings(thing: Parametrised, tmp_path: Path) -> None:
-    core = c_core(example_system(thing), name="core", precision="float32", retry=False)
+    core = c_core(example_system(thing), name="core", precision="float32")
     compiled(core, tmp_path, "-fsyntax-only")

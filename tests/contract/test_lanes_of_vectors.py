@@ -49,5 +49,5 @@ def test_divisions_by_one_number_share_its_inverse() -> None:
     compiled = compile_system(problem_a())
     text = lanes_source(compiled.program, [compiled.program.functions["step"]])
     kernel = text[text.index("k_step") :]
-    assert kernel.count("over(all(1.0), ") > 10
+    assert kernel.count("over(all(1.0), ") > 8
     assert kernel.count("over(") < 40

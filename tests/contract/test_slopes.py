@@ -50,7 +50,7 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
     "case", [listed(under_weight(law_a()), False), listed(in_machine(example(Brinson)), True)]
 )
 def test_slopes_are_those_of_jax(case: Case, c_compiler):
-    """Both as for a user: optimised, with the usual iterations."""
+    """Both as for a user: optimised."""
     compiled = compile_system(case.system)
     place = compiled.outputs.index("position")
     paths = [case.system.resolve(name) for name in EXACT]

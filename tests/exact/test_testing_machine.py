@@ -2,7 +2,7 @@
 
 Sources of truth: the mechanism `dead-weight`, laws driven by themselves (`material_point`), and
 closed forms of an elastic element. Where a law is compared to rounding, every step is solved to
-rounding as well (`marched`): the usual few iterations stop at a mismatch of 1e-4 of a fraction.
+rounding as well (`marched`).
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def marched(
     system: AbstractSystem, waves: Mapping[str, AbstractWaveform], legs: int, steps: int
 ) -> dict[str, np.ndarray]:
     """All outputs after every step of legs of 1 s, each step solved to rounding."""
-    compiled = compile_system(system, 24)
+    compiled = compile_system(system)
     functions = compiled.program.bind_floats(*compiled.values(system))
     grid = grid_of(system, waves, float(legs), legs * steps + 1, 1.0 / steps)
     track = march_floats(functions, compiled.size, grid)
@@ -218,7 +218,7 @@ def test_constrained_recovery_is_that_of_the_law() -> None:
 
 
 def test_a_run_to_a_tolerance_has_the_stress_of_the_law() -> None:
-    """With the usual few iterations; 1e-4 of a fraction is 0.3 MPa at a given strain."""
+    """A tolerance of 1e-4 of a fraction is 0.3 MPa at a given strain."""
     law = law_a()
     alone = point(law, [Leg(strain=0.05), Leg(strain=0.0)], (0.0, HOT), AUSTENITE, 2000)
     waves = pull(law, alone.strain[0], alone.strain[0])

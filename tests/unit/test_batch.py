@@ -56,7 +56,7 @@ def test_bad_arguments_are_refused() -> None:
 
 
 def test_a_stiff_spring_costs_no_million_steps() -> None:
-    """The kink where the spring goes slack needs more than the usual iterations."""
+    """The kink where the spring goes slack needs more iterations than are usual."""
     stiff = problem_a().with_values({"stiffness": "20 N/mm", "preload": "4 N"})
     result = ms.simulate(stiff, PULSE, 12.0, samples=121)
     assert result.steps < 20_000

@@ -92,7 +92,7 @@ def test_mas():
 @pytest.mark.slow
 def test_both_batches_agree():
     problem, sets = mas_runs.Problem(Wire(), "mas-hybrid"), mas_runs.parameter_sets(Wire(), 8)
-    found = [make(problem, sets, 0.1, 4) for make in mas_runs.BATCH.values()]
+    found = [make(problem, sets, 0.1) for make in mas_runs.BATCH.values()]
     a, b = (run() for run in found)
     assert a.shape == (8, mas_runs.SAMPLES)
     assert np.isfinite(a).all()

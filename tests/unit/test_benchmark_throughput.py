@@ -33,12 +33,12 @@ def test_all_tables():
     assert batch.rows[0]["ratio"] == 1.0
     assert "no crossover" in batch.note
     assert [row["runs"] for row in scaling.rows] == [20]
-    assert share.rows[0]["divisions/step"] == 59
+    assert 30 < share.rows[0]["divisions/step"] < 80
     assert "throughput" in SECTIONS
 
 
 def test_the_finger_in_lanes_is_the_finger_one_by_one():
-    case = throughput_runs.finger("mas-hybrid", 3, duration=5.0, patient=False)
+    case = throughput_runs.finger("mas-hybrid", 3, duration=5.0)
     error = sections_throughput.apart(case, 2)
     found = throughput_runs.in_lanes(case, 3, threads=2)()
     assert error(found) < 1e-9
@@ -47,8 +47,6 @@ def test_the_finger_in_lanes_is_the_finger_one_by_one():
 
 
 def test_operations_in_loops_count_as_often_as_they_are_made():
-    quick = throughput_runs.finger("mas-hybrid", 1)
-    assert quick.thorough is not None
-    few, many = (roofline.work(c) for c in (quick.compiled, quick.thorough))
-    assert many.divisions > 3 * few.divisions
+    work = roofline.work(throughput_runs.finger("mas-hybrid", 1).compiled)
+    assert work.divisions > 300
     assert np.isfinite(roofline.peaks.__wrapped__(turns=1000, megabytes=1)).all()

@@ -81,8 +81,8 @@ def test_a_bench_is_written() -> None:
     assert "wrote held.h, held.c, held_example.c" in done.stdout
     assert f"model: {core.size:,} bytes" in done.stdout
     assert "operations at most" in done.stdout
-    retry = next(line.split() for line in done.stdout.splitlines() if "retry" in line)
-    assert int(retry[1]) == sum(core.operations["retry"].values())
+    step = next(line.split() for line in done.stdout.splitlines() if "step" in line)
+    assert int(step[1]) == sum(core.operations["step"].values())
 
 
 def test_the_example_runs(c_compiler: str) -> None:
@@ -102,17 +102,16 @@ def test_the_example_runs(c_compiler: str) -> None:
 def test_options() -> None:
     Path("made").mkdir()
     done = call(
-        "held.toml", "--out", "made", "--name", "core", "--part", "plant", "--no-retry",
+        "held.toml", "--out", "made", "--name", "core", "--part", "plant",
         "--set", 'element.diameter="0.2 mm"', "--json",
     )  # fmt: skip
     report = json.loads(done.stdout)
     system = load("held.toml", {"element.diameter": "0.2 mm"}).system
-    core = c_core(system, name="core", retry=False)
+    core = c_core(system, name="core")
     assert read("made/core.c") == core.source
     assert report["files"] == ["made/core.h", "made/core.c", "made/core_example.c"]
     assert (report["name"], report["part"], report["model_bytes"]) == ("core", "plant", core.size)
     assert report["operations"] == core.operations
-    assert "retry" not in report["operations"]
 
 
 def test_the_loop_without_its_plant() -> None:

@@ -26,7 +26,6 @@ from martensite.parameters import param
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.simulate.patient import THOROUGH
 from martensite.simulate.steered import Steering
 from martensite.sizing.design.designed import Designed
 from martensite.sizing.design.evaluate import Designs
@@ -66,7 +65,7 @@ def found(
 def all_measures() -> Designs:
     """In steps that are solved exactly, as derivatives take them to be."""
     free = COUNT, DIAMETER, POWER, "stiffness=0.2..1 N/mm"
-    return designs(free, "energy", ALL, iterations=THOROUGH)
+    return designs(free, "energy", ALL)
 
 
 def agree(exact: NDArray[np.float64], near: NDArray[np.float64]) -> bool:

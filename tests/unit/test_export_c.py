@@ -36,13 +36,10 @@ from martensite.export.c_names import identifier
 from martensite.export.c_operations import operations
 from martensite.export.c_played import played_by_system
 from martensite.observers.extended import ExtendedKalman
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.program import Program
 from martensite.sensors.position import PositionSensor
 from martensite.signals.sine import Sine
-from martensite.simulate.compiled import compile_system
-from martensite.simulate.march import SOLVED
-from martensite.simulate.patient import Patient
+from martensite.simulate.compiled import bind_system
 from martensite.system import AbstractSystem
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
@@ -91,12 +88,12 @@ def on_floats(
     system: AbstractSystem, steps: Steps, first: tuple[float, ...] | None = None
 ) -> Iterator[tuple[Any, Any]]:
     """State and outputs after every step, as a run has them."""
-    step, first = Patient(system), first or steps[0][0]
-    state = step.functions["init"](*first)
-    yield state, step.functions["observe"](*state, *first)
+    (functions, size), first = bind_system(system), first or steps[0][0]
+    state = functions["init"](*first)
+    yield state, functions["observe"](*state, *first)
     for inputs, dt in steps:
-        state = step(*state, *inputs, dt)[: step.size]
-        yield state, step.functions["observe"](*state, *inputs)
+        state = functions["step"](*state, *inputs, dt)[:size]
+        yield state, functions["observe"](*state, *inputs)
 
 
 def in_c(called: Called, steps: Steps) -> Iterator[tuple[Any, Any]]:
@@ -141,11 +138,6 @@ def started(wire: Called) -> Called:
 
 def test_a_wire_is_the_same_bit_for_bit(wire: Called) -> None:
     steps = pulses(2000)
-    quick = compile_system(SYSTEM, ITERATIONS)
-    step, size = quick.program.bind_floats(*quick.values(SYSTEM))["step"], quick.size
-    states = [state for state, _ in on_floats(SYSTEM, steps)]
-    after = [step(*x, *u, dt) for x, (u, dt) in zip(states, steps, strict=False)]
-    assert sum(one[size] > SOLVED for one in after) > 20  # steps that were made once more
     assert differing(SYSTEM, wire, steps) == 0
 
 
@@ -268,18 +260,11 @@ def test_no_number_is_ever_none(wire: Called) -> None:
     assert {("step", NOT_FINITE), ("step", UNSOLVED)} <= found
 
 
-def test_an_unsolved_step_is_not_taken(tmp_path: Path) -> None:
-    called = Called(c_core(SYSTEM, name="once", retry=False), tmp_path)
-    assert called.start(0.0) == OK
-    found: list[int] = []
-    for inputs, dt in pulses(300):
-        before = called.state
-        found.append(called.step(*inputs, dt=dt))
-        if found[-1] == UNSOLVED:
-            assert called.state == before
-            assert called.model.residual > SOLVED
-    assert UNSOLVED in found
-    assert set(found) <= {OK, LONG_STEP, UNSOLVED}
+def test_pulses_leave_no_step_unsolved(wire: Called) -> None:
+    """What an unsolved step leaves is looked at above."""
+    wire.call("defaults")
+    assert wire.start(0.0) == OK
+    assert {wire.step(*inputs, dt=dt) for inputs, dt in pulses(300)} <= {OK, LONG_STEP}
 
 
 def test_a_bench_steps_by_its_period(bench: Called) -> None:
@@ -334,7 +319,7 @@ def test_the_header_is_one_of_cpp_too(tmp_path: Path) -> None:
 def test_it_needs_no_library_but_libm(tmp_path: Path) -> None:
     if shutil.which("nm") is None:
         pytest.skip("no nm on this machine")
-    path = compiled(c_core(SYSTEM, name="a", retry=False), tmp_path, "-c")
+    path = compiled(c_core(SYSTEM, name="a"), tmp_path, "-c")
     listed = subprocess.run(["nm", str(path)], capture_output=True, text=True, check=True).stdout
     rows = [line.split()[-2:] for line in listed.splitlines()]
     wanted = {name for kind, name in rows if kind == "U"}
@@ -365,8 +350,7 @@ def test_what_is_in_it_is_said() -> None:
     assert line in core.header.splitlines()
     assert [(one.name, one.unit) for one in core.inputs] == [("drive", "V")]
     assert [one.name for one in core.outputs][:13] == list(SYSTEM.outputs())[:13]
-    assert {"step", "retry"} <= core.operations.keys()
-    assert "retry" not in c_core(SYSTEM, name="a", retry=False).operations
+    assert core.operations.keys() == {"prepare", "start", "step", "observe"}
 
 
 def test_operations_are_those_counted_by_hand() -> None:

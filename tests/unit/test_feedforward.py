@@ -38,7 +38,7 @@ from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite.simulate.patient import patient
+from martensite.simulate.compiled import bind_system
 from martensite.system import AbstractSystem
 
 PERIOD = 0.02
@@ -103,7 +103,7 @@ def test_derivatives_go_through_the_inversion():
     """Slopes of the signal by the reference and by the model's state, against differences."""
     controller, seen = feedforward(), {"position": 0.0}
     bench = Bench(plant=PLANT, period=PERIOD, controllers=Controllers(drive=controller))
-    functions, size = patient(bench)
+    functions, size = bind_system(bench)
     state = functions["init"](1e-4)
     for k in range(150):
         state = functions["step"](*state, 1e-4 + 1e-5 * k, PERIOD)[:size]

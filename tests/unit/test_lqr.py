@@ -30,7 +30,7 @@ from martensite.runtimes import floats
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite.simulate.patient import patient
+from martensite.simulate.compiled import bind_system
 
 PERIOD, LEVEL = 0.02, 3e-3
 PLANT = problem_a()
@@ -96,7 +96,7 @@ def test_what_is_not_there_is_refused():
 
 def pushed(found: OperatingPoint, share: float, samples: int) -> np.ndarray:
     """Positions under a signal that is changed by a share of itself, less that at rest [m]."""
-    functions, size = patient(PLANT)
+    functions, size = bind_system(PLANT)
     state, signal, y = tuple(found.state.tolist()), found.signal * (1.0 + share), []
     place = list(PLANT.outputs()).index("position")
     for _ in range(samples):

@@ -23,7 +23,6 @@ from martensite.bench.supervisor import SUPERVISORS, AbstractSupervisor
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.parameters import option, param, part
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.simulate.api import steps_in
 from martensite.system import AbstractSystem, Actuator, advanced
@@ -123,15 +122,14 @@ class Bench(AbstractSystem, init=False):
         return BenchState(0.0, state, sensors, observers, controllers, held)
 
     def step(
-        self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar,
-        iterations: int = ITERATIONS,
-    ) -> tuple[BenchState, Report]:  # fmt: skip
+        self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar
+    ) -> tuple[BenchState, Report]:
         """One period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
         allowed = period.verdict(self, xp, state, given)
         signals = period.arriving(self, xp, state.time, allowed.signals)
         plant, pieces = period.faulty(self, xp, state.time), period.pieces(self, xp, signals)
-        after, report = advanced(xp, plant, state.plant, pieces, self.turns, iterations)
+        after, report = advanced(xp, plant, state.plant, pieces, self.turns)
         time = state.time + self.period
         known = period.truth(self, xp, period.faulty(self, xp, time), after, signals)
         sensors = period.sensed(self, xp, state.sensors, known, given, time)

@@ -37,10 +37,6 @@ def c(
     precision: Annotated[
         str, typer.Option(help="float64 (double), or float32 (float).")
     ] = "float64",
-    retry: Annotated[
-        bool,
-        typer.Option(help="Make a step that stays unsolved once more, as a run does; more code."),
-    ] = True,
     modules: Imports = None,
     force: Force = False,
     json: Json = False,
@@ -61,7 +57,7 @@ def c(
     name = checked_identifier(name or identifier(scenario.stem))
     files = _free(out, name, force)
     loaded = load(scenario, read_settings(settings or []))
-    core, example = _made(loaded, name, part, precision, retry)
+    core, example = _made(loaded, name, part, precision)
     out.mkdir(exist_ok=True)
     core.write(out)
     _write(files[-1], example)
@@ -89,7 +85,7 @@ def _write(path: Path, text: str) -> None:
         part.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _made(loaded: Scenario, name: str, part: str, precision: str, retry: bool) -> tuple[CCore, str]:
+def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
     """The core of a part of a scenario, and the text of its example."""
     from martensite.errors import ParameterError
     from martensite.export.c_core import c_core
@@ -105,7 +101,7 @@ def _made(loaded: Scenario, name: str, part: str, precision: str, retry: bool) -
         )
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
-        core = c_core(system, name=name, precision=precision, retry=retry)
+        core = c_core(system, name=name, precision=precision)
         played = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
         return core, example_text(core, *played)
     if loaded.bench is None:

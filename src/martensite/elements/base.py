@@ -107,7 +107,7 @@ class AbstractElement(Parametrised):
         raise NotImplementedError
 
     def advance(
-        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar, iterations: int
+        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Any, Report]:
         """The state after a step of dt [s], and how well the step was solved."""
         raise NotImplementedError

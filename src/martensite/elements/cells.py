@@ -9,16 +9,15 @@ from martensite.elements.network import Column
 from martensite.elements.sweeps import Step
 from martensite.laws.base import Fractions
 from martensite.laws.coupling import Report
-from martensite.runtimes.bracket import UNROLLED
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest, total
 from martensite.thermal.base import Environment
 
-SWEEPS, HALF_SWEEPS = 3, 20
-"""Sweeps of a step, and those before them where they leave it unsolved: where all cells cross a
-kink together, sweeps go to and fro over it, so first only half of every change is taken."""
-MOST = 12
-"""Iterations of one cell, which are written out."""
+SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
+"""Sweeps of a step; where they do not settle it, sweeps that take half of every change, for where
+all cells cross a kink together sweeps go to and fro over it; and the last ones."""
+SETTLED = 1e-11
+"""Change of a fraction in a sweep [-] that is none."""
 
 
 class AbstractCells(AbstractCut):
@@ -49,26 +48,27 @@ class AbstractCells(AbstractCut):
         return m, o, [memory.temperature for memory in state.memories]
 
     def advance(
-        self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Cells, Report]:  # fmt: skip
         """The state after a step of dt [s], and how well the step was solved."""
         step = Step(self, state, heating, pull, dt)
         start = step.start(xp)
         guess = step.unmoved(start)
-        shape, most = Shape(guess), min(iterations, MOST)
+        shape = Shape(guess)
 
-        def sweep(*numbers: Scalar) -> list[Scalar]:
-            return flatten(step.sweep(xp, start, shape.rebuild(numbers), most))
+        def turn(_: Scalar, turned: Scalar, *numbers: Scalar) -> list[Scalar]:
+            before = shape.rebuild(numbers)
+            after = step.sweep(xp, start, before)
+            pairs = zip(after.martensite, before.martensite, strict=True)
+            moved = largest(xp, [xp.abs(a - b) for a, b in pairs])
+            halved = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
+            share = xp.where(halved, 0.5, 1.0)
+            now = [b + share * (a - b) for a, b in zip(flatten(after), numbers, strict=True)]
+            return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, *now]
 
-        def half(*numbers: Scalar) -> list[Scalar]:
-            return [0.5 * (a + b) for a, b in zip(numbers, sweep(*numbers), strict=True)]
-
-        numbers = flatten(guess)
-        if iterations > UNROLLED:
-            numbers = xp.repeat(HALF_SWEEPS, half, *numbers)
-        guess = shape.rebuild(xp.repeat(SWEEPS, sweep, *numbers))
-        return step.end(xp, start, guess)
+        most = SWEEPS + HALF_SWEEPS + LAST_SWEEPS
+        _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten(guess))
+        return step.end(xp, start, shape.rebuild(numbers))
 
     def condition(
         self, xp: Namespace, state: Cells, force: Scalar, environment: Environment

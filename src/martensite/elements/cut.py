@@ -10,7 +10,6 @@ from martensite.elements.network import Column
 from martensite.elements.wire import Wire
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes.bracket import UNROLLED
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.ends import AdiabaticEnds
 
@@ -32,7 +31,7 @@ class AbstractCut(AbstractElement):
                 f"The `wire` of `{owner}` must have `adiabatic` ends, but they are "
                 f"`{wire.ends.registered_name}`."
             )
-        if wire.law.iterations > UNROLLED:
+        if wire.law.grouped:
             raise ParameterError(
                 f"Law `{wire.law.registered_name}` has groups of its own, which a `{owner}` "
                 "cannot divide further; try law `mas`."

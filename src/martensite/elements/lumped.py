@@ -84,8 +84,7 @@ class AbstractLumped(AbstractElement):
         return self.spring(xp, fractions, state.memory.temperature, force)
 
     def advance(
-        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, Report]:  # fmt: skip
         """The state after a step of dt [s], and how well the step was solved."""
         heat = self._heat_line(xp, state, heating, dt)
@@ -100,7 +99,7 @@ class AbstractLumped(AbstractElement):
             temperature = heat(xp, fractions.martensite)
             return self.stress(xp, loaded(xp, fractions, temperature)), temperature
 
-        memory, report = advance(xp, self.law, state.memory, settle, dt, iterations)
+        memory, report = advance(xp, self.law, state.memory, settle, dt)
         force = loaded(xp, self.law.fractions(memory), memory.temperature)
         return Lumped(memory, force), report
 

@@ -24,7 +24,6 @@ from martensite.elements.linkage import Rest
 from martensite.elements.network import Column, others, solved
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report, advance
-from martensite.runtimes.bracket import unrolled
 from martensite.runtimes.dual import value_and_slope, values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest, total
@@ -120,7 +119,7 @@ class Step:
         current = self.heating.current(xp, element.copies() * total(seen))
         return [self.dt * current * current * r for r in heated]
 
-    def sweep(self, xp: Namespace, start: Start, guess: Guess, iterations: int) -> Guess:
+    def sweep(self, xp: Namespace, start: Start, guess: Guess) -> Guess:
         """Every cell for itself, with the others as they answered before."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
@@ -129,7 +128,7 @@ class Step:
         rests = self._rests(xp, guess, solved(diagonal, guess.gives, lines.links))
 
         def one(*row: Scalar) -> tuple[Scalar, ...]:
-            return self._alone(xp, iterations, row)
+            return self._alone(xp, row)
 
         found = xp.each(
             one,
@@ -156,7 +155,7 @@ class Step:
         free = [e - c * f for e, c, f in long]
         return self.element.linkage().rests(xp, free, soft, guess.force)
 
-    def _alone(self, xp: Namespace, iterations: int, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
+    def _alone(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
         """One cell's own step, and how it answers to a little more heat or force."""
         length, x0, latent, diagonal, right, felt, before, *rest = row[:9]
         cell, law, memory = self.element.cell(length), self.law, self.memory(row[9:])
@@ -170,7 +169,7 @@ class Step:
             at = at + felt * (force - before) / diagonal
             return cell.stress(xp, force), at if imposed is None else imposed
 
-        after, report = advance(unrolled(xp), law, memory, settle, self.dt, iterations)
+        after, report = advance(xp, law, memory, settle, self.dt)
         end, stress, at = law.fractions(after), after.stress, after.temperature
 
         def moved(xp: Namespace, stress: Scalar, at: Scalar) -> tuple[Scalar, Scalar]:

@@ -25,10 +25,8 @@ from martensite.export.c_operations import operations
 from martensite.export.c_source import source_text
 from martensite.export.c_text import Layout, header_text, sized
 from martensite.files import replacing
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.program import Program
 from martensite.simulate.compiled import compile_system
-from martensite.simulate.patient import THOROUGH
 from martensite.system import PROFILES, AbstractSystem
 
 Rows = list[tuple[str, str, str]]
@@ -55,7 +53,7 @@ class CCore:
     sample_time: float
     """The length of every step [s] of a system in discrete time; else 0."""
     operations: dict[str, dict[str, int]]
-    """The most that `prepare`, `start`, `step`, its `retry` and `observe` take, by kind."""
+    """The most that `prepare`, `start`, `step` and `observe` take, by kind."""
 
     @property
     def size(self) -> int:
@@ -82,23 +80,18 @@ class CCore:
         return found
 
 
-def c_core(
-    system: AbstractSystem, *, name: str | None = None, precision: str = "float64",
-    retry: bool = True,
-) -> CCore:  # fmt: skip
+def c_core(system: AbstractSystem, *, name: str | None = None, precision: str = "float64") -> CCore:
     """A system or a bench as C.
 
     Args:
         system: a `System`, a `Machine`, or a `Bench` with its loops.
         name: of the core, an identifier of C; by default made of the kinds of its parts.
         precision: float64 (`double`), or float32 (`float`) for processors without doubles.
-        retry: whether a step that stays unsolved is made once more with more iterations, as
-            simulations do; without, less code, and NAME_UNSOLVED is returned sooner.
 
     Raises:
         ParameterError: the name is no identifier, or there is no such precision.
     """
-    compiled = compile_system(system, ITERATIONS, THOROUGH if retry else 0)
+    compiled = compile_system(system)
     return core_of(
         system, compiled.program, compiled.size, _drives(system), _seen(system, compiled.outputs),
         name=name, precision=precision_of(precision), reports=True,
@@ -109,7 +102,7 @@ def core_of(
     whole: AbstractSystem, program: Program, states: int, inputs: Rows, outputs: Rows, *,
     name: str | None, precision: Precision, reports: bool, pruned: bool = False,
 ) -> CCore:  # fmt: skip
-    """The core of a program with functions `init`, `step`, perhaps `again`, and `observe`.
+    """The core of a program with functions `init`, `step` and `observe`.
 
     `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
     change nothing are left out.
@@ -157,10 +150,10 @@ def _sample_path(whole: AbstractSystem) -> str | None:
 
 
 def _operations(program: Program) -> dict[str, dict[str, int]]:
-    """Counts of all functions; `retry` comes on top of a step."""
+    """Counts of all functions."""
     graph, known = program.graph, program.hoisted
     found = {"prepare": operations(graph, known)}
-    called = {"init": "start", "step": "step", "again": "retry", "observe": "observe"}
+    called = {"init": "start", "step": "step", "observe": "observe"}
     for name, label in called.items():
         if name in program.functions:
             found[label] = operations(graph, program.functions[name].outputs, known)

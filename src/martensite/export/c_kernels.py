@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from martensite.errors import ParameterError, suggestion
-from martensite.runtimes.c99 import scalar_dialect
+from martensite.runtimes.c99 import Going, scalar_dialect
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.printer import Dialect, Printer
 from martensite.runtimes.program import Function, Program
@@ -80,7 +80,8 @@ class Precision:
         """C in this type, with functions of its own named after a prefix."""
         templates = _DOUBLE if self.number == "double" else _FLOAT
         own = {"erfcx": f"{prefix}erfcx({{}})"}
-        return scalar_dialect(self.number, {**templates, **own}, self.literal)
+        going = Going(f"{{}} > {self.literal(0.0)}")
+        return scalar_dialect(self.number, {**templates, **own}, self.literal, going=going)
 
 
 PRECISIONS = {

@@ -1,7 +1,6 @@
 """Source of a C core: kernels, tables of parameters, and the calls that a caller sees.
 
-A step that stays unsolved is made once more by the kernel `again`, where there is one, as plain
-floats do (`martensite.simulate.patient`). A step whose state is not finite is not taken.
+A step whose state is not finite is not taken.
 """
 
 from __future__ import annotations
@@ -20,11 +19,7 @@ def source_text(core: Layout) -> str:
     """NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [Kernel.of(traced["init"], 0, count)]
-    kernels += [
-        Kernel.of(traced[name], core.states, count)
-        for name in ("step", "again", "observe")
-        if name in traced
-    ]
+    kernels += [Kernel.of(traced[name], core.states, count) for name in ("step", "observe")]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
     return _filled(core, begin + _FINITE + _tables(core) + _PREPARE + _START + _step(core) + _SEEN)
@@ -74,7 +69,6 @@ def _step(core: Layout) -> str:
         _STEP_BEGIN,
         _SAMPLE if core.sample else "",
         "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
-        _AGAIN if "again" in core.program.functions else "",
         _CHECKED if core.reports else _FINITE_STATE,
         _TAKEN,
         _REPORTED if core.reports else "    return ${NAME}_OK;\n",
@@ -151,10 +145,6 @@ int ${NAME}_step(${NAME}_model *m, const ${NAME}_real *u, ${NAME}_real dt) {
 
 _SAMPLE = """\
     if (!(fabs$F(dt - $SAMPLE) <= $NEAR * $SAMPLE)) return ${NAME}_BAD_INPUT;
-"""
-
-_AGAIN = """\
-    if (!(y[${NAME}_STATES] <= $SOLVED)) ${NAME}_kernel_again(m->c, m->x, u, dt, y);
 """
 
 _CHECKED = """\

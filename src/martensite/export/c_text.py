@@ -20,7 +20,7 @@ class Layout:
     """What it is, in words."""
     precision: Precision
     program: Program
-    """With functions `init`, `step`, `observe`, and `again` if steps are retried."""
+    """With functions `init`, `step` and `observe`."""
     kept: Sequence[int]
     """Places in the program of the parameters."""
     parameters: tuple[Variable, ...]

@@ -29,7 +29,7 @@ from martensite.identify.chains.linear_system import Linear
 from martensite.identify.chains.linearise import linearise
 from martensite.runtimes import floats
 from martensite.simulate.api import steps_in
-from martensite.simulate.patient import patient
+from martensite.simulate.compiled import bind_system
 from martensite.system import AbstractSystem
 
 
@@ -103,7 +103,7 @@ def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
     """
     drives = len(system.drives())
     first = [*map(float, signals), *[0.0] * (drives - len(signals))][:drives]
-    functions, _ = patient(system)
+    functions, _ = bind_system(system)
     return np.array(functions["init"](*first))
 
 
@@ -178,7 +178,7 @@ class _PlantStep:
         self.names = state_names(system)
         self._given = [drives.index(name) for name in self.inputs]
         self._shown = [list(system.outputs()).index(name) for name in self.outputs]
-        self._functions, self._size = patient(system)
+        self._functions, self._size = bind_system(system)
         self._idle = [0.0] * len(drives)
         self._turns = 1 if own else steps_in(system, interval)
 

@@ -11,8 +11,8 @@ from martensite.export.balance import Answer
 from martensite.export.tendon_line import Held, TendonLine
 from martensite.runtimes import floats
 from martensite.runtimes.nested import flatten
-from martensite.simulate.march import SOLVED, classify
-from martensite.simulate.patient import Patient
+from martensite.simulate.compiled import compile_system
+from martensite.simulate.march import classify
 from martensite.status import Status
 from martensite.system import Actuator, System
 
@@ -47,8 +47,10 @@ class Strand:
             mechanism=TendonLine(start=start_force),
         )  # fmt: skip
         self.drive = actuator.environment.temperature if actuator.source.sets_temperature else 0.0
-        self.steps = Patient(self.system)
-        self._observe = self.steps.functions["observe"]
+        compiled = compile_system(self.system)
+        functions = compiled.program.bind_floats(*compiled.values(self.system))
+        self._step, self._observe = functions["step"], functions["observe"]
+        self._names = compiled.outputs
         state = self.system.init(floats, self.drive, 0.0, 0.0)
         spring = actuator.element.tangent(floats, state.elements[0], start_force)
         self.state = tuple(flatten(state))
@@ -66,19 +68,13 @@ class Strand:
         """The next step as a function of the line; commits nothing."""
 
         def answer(reach: float, give: float) -> Answer:
-            found = self._answer(self.steps.quick, drive, dt, reach, give)
-            if found.residual > SOLVED:
-                found = self._answer(self.steps.thorough, drive, dt, reach, give)
-            return found
+            return self._answer(drive, dt, reach, give)
 
         return answer
 
-    def _answer(
-        self, step: Callable[..., tuple[float, ...]], drive: float, dt: float, reach: float,
-        give: float,
-    ) -> Answer:  # fmt: skip
+    def _answer(self, drive: float, dt: float, reach: float, give: float) -> Answer:
         try:
-            *state, residual, crossing = step(*self.state, drive, reach, give, dt)
+            *state, residual, crossing = self._step(*self.state, drive, reach, give, dt)
         except ArithmeticError:  # a division by zero or an overflow
             return Answer(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
         force, free, compliance = state[-len(Held._fields) :]  # what the line holds comes last
@@ -110,6 +106,6 @@ class Strand:
     def observe(self, drive: float) -> dict[str, float]:
         """Everything that can be measured on the element, in SI, by name."""
         row = self._observe(*self.state, drive, *self.line)
-        found = dict(zip(self.steps.outputs, row, strict=True))
+        found = dict(zip(self._names, row, strict=True))
         known = self.system.mechanism.signals()
         return {name: value for name, value in found.items() if name not in known}

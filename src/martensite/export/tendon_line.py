@@ -62,12 +62,11 @@ class TendonLine(AbstractMechanism):
         return Held(self.start, 0.0, 0.0)
 
     def advance(
-        self, xp: Namespace, memory: Held, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Held, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Held, list[Any], Report]:  # fmt: skip
         """The element solves the step by itself, against the line."""
         ((element, state, heating),) = loads
-        after, report = element.advance(xp, state, heating, _pull(signals), dt, iterations)
+        after, report = element.advance(xp, state, heating, _pull(signals), dt)
         force = element.force(after)
         return Held(force, *element.tangent(xp, after, force)), [after], report
 

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, NamedTuple
 
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 
 LAWS: Registry[AbstractLaw] = Registry("law", "martensite.laws")
@@ -43,8 +42,8 @@ class AbstractLaw(Parametrised):
     """True if one move changes both fractions in a fixed proportion, wherever it ends."""
     steep: ClassVar[bool] = False
     """True if the law offers `drive`."""
-    iterations: ClassVar[int] = ITERATIONS
-    """Of the solve that couples the law with what feeds back on it."""
+    grouped: ClassVar[bool] = False
+    """True if the law divides the material into groups, each with a phase state of its own."""
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes.bracket import ITERATIONS, solve_bracketed, turns
+from martensite.runtimes.bracket import SMALL, solve_bracketed
 from martensite.runtimes.dual import value_and_slope, values_and_slopes
 from martensite.runtimes.namespace import Namespace, Scalar
 
@@ -30,6 +30,14 @@ REFINED = 2
 """Newton steps of the first guess; they do not ask the law for an answer."""
 LEAST = 1e-30
 """Overshoot [-] below which nothing transforms."""
+NEAR = 1e-3
+"""Step on the chord from which Newton's method in both fractions goes on."""
+WHOLE = 4.0
+"""So many roundings from the whole chord are the whole chord."""
+POLISHED = 1e-13
+"""Mismatch of the fractions [-] that is none."""
+MOST = 24
+"""Steps of Newton's method in both fractions."""
 
 
 class Report(NamedTuple):
@@ -42,9 +50,8 @@ class Report(NamedTuple):
 
 
 def advance(
-    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
-    iterations: int = ITERATIONS,
-) -> tuple[Any, Report]:  # fmt: skip
+    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar
+) -> tuple[Any, Report]:
     """The memory after a step of dt [s], and how well the step was solved."""
     start = law.fractions(memory)
     trial = settle(xp, start)
@@ -58,9 +65,9 @@ def advance(
 
     aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
     guess = _guess(xp, drive) if law.steep else 0.0
-    end = _seek(xp, answer, start, aim, guess, max(iterations, law.iterations))
+    end = _seek(xp, answer, start, aim, guess, SMALL if law.one_way or law.steep else NEAR)
     if not law.one_way:
-        end = _polish(xp, answer, end, 1 + iterations // 2)
+        end = _polish(xp, answer, end)
     found = answer(xp, end)
     stress, temperature = settle(xp, end)
     residual = xp.maximum(
@@ -89,7 +96,7 @@ def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scala
 
 def _seek(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
-    aim: Fractions, guess: Scalar, iterations: int,
+    aim: Fractions, guess: Scalar, enough: float,
 ) -> Fractions:  # fmt: skip
     """The point of the chord from `start` through `aim` that the law answers with itself."""
     m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
@@ -104,32 +111,33 @@ def _seek(
         way = per_m * (found.martensite - start.martensite)
         return q - way - per_o * (found.oriented - start.oriented)
 
-    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), iterations)
+    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough)
+    q = xp.where(xp.abs(q - 1.0) > WHOLE * xp.eps(), q, 1.0)
     return _between(start, aim, xp.where(moves, q, 0.0))
 
 
 def _polish(
-    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
-    iterations: int,
-) -> Fractions:  # fmt: skip
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions
+) -> Fractions:
     """Newton's method in both fractions; a step that does not help is shortened."""
 
     def turn(
-        m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar, least: Scalar
-    ) -> tuple[Scalar, ...]:
+        _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar,
+        least: Scalar,
+    ) -> tuple[Scalar, ...]:  # fmt: skip
         tried = _admissible(xp, m + length * step_m, o + length * step_o)
         newton, residual = _newton(xp, answer, tried)
         better = residual < least
         pairs = zip((*tried, *newton), (m, o, step_m, step_o), strict=True)
-        kept = (xp.where(better, new, old) for new, old in pairs)
-        return (
-            *kept,
-            xp.where(better, 1.0, 0.25 * length),
-            xp.where(better, residual, least),
-        )
+        kept = [xp.where(better, new, old) for new, old in pairs]
+        left, length = xp.where(better, residual, least), xp.where(better, 1.0, 0.25 * length)
+        far = xp.abs(kept[2]) + xp.abs(kept[3]) > SMALL
+        going = xp.both(left > POLISHED, xp.both(far, length > SMALL))
+        return (xp.where(going, 1.0, 0.0), *kept, length, left)
 
-    begin = *start, 0.0, 0.0, 1.0, float("inf")
-    m, o, step_m, step_o, length, _ = turns(xp, iterations, turn, *begin)
+    begin = 1.0, *start, 0.0, 0.0, 1.0, float("inf")
+    going, m, o, step_m, step_o, length, _ = xp.iterate(MOST, turn, *begin)
+    length = xp.where(going > 0.0, 0.0, length)
     end = _admissible(xp, m + length * step_m, o + length * step_o)
     at = Fractions(*(xp.detach(x) for x in end))
     step, _ = _newton(xp, answer, at)

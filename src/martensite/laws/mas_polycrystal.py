@@ -59,7 +59,7 @@ class Move(NamedTuple):
 class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
-    iterations = 16
+    grouped = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(

@@ -86,8 +86,7 @@ class AbstractMechanism(Parametrised):
         raise NotImplementedError
 
     def advance(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         raise NotImplementedError

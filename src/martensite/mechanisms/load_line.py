@@ -61,13 +61,12 @@ class AbstractLoadLine(AbstractMechanism):
         return Assembly(elongations[0])
 
     def advance(
-        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Assembly, list[object], Report]:  # fmt: skip
         """The element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
         pull = self._pull(memory)
-        after, report = element.advance(xp, state, heating, pull, dt, iterations)
+        after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
     def observe(

@@ -164,11 +164,10 @@ class AbstractMultibody(AbstractMechanism):
         return quasi_static(xp, course, dt)
 
     def advance(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Assembled, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
-        step = condensed.Step(self, memory, loads, signals, dt, iterations)
+        step = condensed.Step(self, memory, loads, signals, dt)
         course, stiffness, states, report = step.solved(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 

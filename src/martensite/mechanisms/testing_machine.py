@@ -111,13 +111,12 @@ class TensileTestingMachine(AbstractMechanism):
         return Mounted(elongations[0], self.first_forces(xp, signals)[0])
 
     def advance(
-        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Mounted, list[Any], Report]:  # fmt: skip
         """The element solves the step by itself, against what is prescribed at its end."""
         ((element, state, heating),) = loads
         pull = self._pull(memory, signals)
-        after, report = element.advance(xp, state, heating, pull, dt, iterations)
+        after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
     def observe(

@@ -17,7 +17,6 @@ from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.observers import hidden
 from martensite.parameters import param, part
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system import AbstractSystem, Actuator
 from martensite.system.base import Drive
@@ -75,13 +74,10 @@ class Shaken(AbstractSystem):
         """The plant at rest."""
         return self.plant.init(xp, *self._apart(drives)[0])
 
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar,
-        iterations: int = ITERATIONS,
-    ) -> tuple[Any, Report]:  # fmt: skip
+    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
         """A step of the plant, then one of the walk."""
         signals, numbers = self._apart(drives)
-        after, report = self.plant.step(xp, state, *signals, dt=dt, iterations=iterations)
+        after, report = self.plant.step(xp, state, *signals, dt=dt)
         share = dt / xp.sqrt(self.held)
         sizes = [self.temperature_noise, self.fraction_noise] * len(self.plant.actuators())
         at = hidden.values(xp, self.plant, after, signals)

@@ -21,7 +21,6 @@ from martensite.observers.covariance import Matrix
 from martensite.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
 from martensite.observers.going import Going
 from martensite.parameters import param
-from martensite.runtimes.bracket import unrolled
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, total
 
@@ -67,17 +66,17 @@ class UnscentedKalman(AbstractFilter):
     def _moved(self, xp: Namespace, before: Believed, going: Going) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""
         shape, size = Shape(before.state), len(flatten(before.state))
-        points, inside = self.points(xp, before, going), unrolled(xp)
+        points = self.points(xp, before, going)
         unknown = len(points[0]) - len(before.drift)
 
         def begin(*x: Scalar) -> list[Scalar]:
             model = self.believed(x[unknown:])
-            state = hidden.placed(inside, model, before.state, x[:unknown], going.signals)
+            state = hidden.placed(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
             model, now = self.believed(row[size:]), shape.rebuild(row[:size])
-            then, _ = model.step(inside, now, *going.signals, dt=going.step)
+            then, _ = model.step(xp, now, *going.signals, dt=going.step)
             return [*flatten(then), *row[size:]]
 
         def turn(*numbers: Scalar) -> list[Scalar]:
@@ -91,10 +90,10 @@ class UnscentedKalman(AbstractFilter):
 
     def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: Going) -> Matrix:
         """Hidden values, factors and outputs of every point."""
-        shape, size, inside = Shape(before.state), len(flatten(before.state)), unrolled(xp)
+        shape, size = Shape(before.state), len(flatten(before.state))
 
         def told(*row: Scalar) -> list[Scalar]:
-            return self.told(inside, shape.rebuild(row[:size]), row[size:], going.signals)
+            return self.told(xp, shape.rebuild(row[:size]), row[size:], going.signals)
 
         columns = xp.each(told, *zip(*rows, strict=True))
         return [list(row) for row in zip(*columns, strict=True)]

@@ -22,7 +22,7 @@ class ArrayNamespace:
 
     def __init__(
         self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64",
-        repeat: Any = floats.repeat, solved: Any = floats.solved,
+        repeat: Any = floats.repeat, solved: Any = floats.solved, iterate: Any = None,
     ) -> None:  # fmt: skip
         self.np = np
         self.precision = precision
@@ -35,7 +35,18 @@ class ArrayNamespace:
         self.store = store
         self.each = floats.each
         self.repeat = repeat
+        self.iterate = iterate or self._iterate
         self.solved = solved
+
+    def _iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
+        """Turns of a body; elements whose first number is not above 0 keep their state."""
+        now: Sequence[Any] = state
+        for _ in range(most):
+            going = now[0] > 0.0
+            if not self.np.any(going):
+                break
+            now = [self.np.where(going, a, b) for a, b in zip(body(*now), now, strict=True)]
+        return now
 
     def eps(self) -> float:
         """Distance from 1 to the next number of the working precision."""

@@ -15,7 +15,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -93,23 +93,41 @@ def _declared(kind: str, types: Mapping[str, str]) -> str:
     return types[NUMBER if kind == FLAG else kind]
 
 
-def _repeat(loop: RepeatText, types: Mapping[str, str] = _TYPES) -> list[str]:
+@dataclass(frozen=True)
+class Going:
+    """How a loop asks whether it goes on, and keeps the state of lanes that do not."""
+
+    test: str = "{} > 0.0"
+    """Whether the first number of the state is above 0, in any lane."""
+    keep: str = "{new}"
+    """What a variable becomes, from its `old` and `new` value and the first number, `going`."""
+
+
+def _repeat(
+    loop: RepeatText, types: Mapping[str, str] = _TYPES, going: Going = Going()
+) -> list[str]:
     """A loop over variables of its own block."""
-    name = loop.name
+    name, first = loop.name, loop.state[0]
+    test = f" && {going.test.format(first)}" if loop.stops else ""
+    keep = going.keep if loop.stops else Going.keep
     kinds = [_declared(kind, types) for kind in loop.kinds]
     state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
     rows = zip(loop.used, kinds, loop.results(), loop.state, strict=True)
     results = [row[1:] for row in rows if row[0]]
-    named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs)))) | {r[-1] for r in results}
+    named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs, test))))
+    named |= {r[-1] for r in results}
     return [
         *(f"{kind} {result};" for kind, result, _ in results),
         "{",
         *(f"    {kind} {name} = {begin};" for kind, name, begin, _ in state),
         *(f"    (void){name};" for name in loop.state if name not in named),
-        f"    for (int k_{name} = 0; k_{name} < {loop.count}; k_{name}++) {{",
+        f"    for (int k_{name} = 0; k_{name} < {loop.count}{test}; k_{name}++) {{",
         *(f"        {line}" for line in loop.body),
         *(f"        const {kind} n_{name} = {value};" for kind, name, _, value in state),
-        *(f"        {name} = n_{name};" for _, name, _, _ in state),
+        *(
+            f"        {name} = {keep.format(old=name, new=f'n_{name}', going=first)};"
+            for _, name, _, _ in (*state[1:], state[0])
+        ),
         "    }",
         *(f"    {result} = {name};" for _, result, name in results),
         "}",
@@ -150,7 +168,7 @@ C_DIALECT = Dialect(
 
 def scalar_dialect(
     number: str, templates: Mapping[str, str], constant: Callable[[float | bool], str],
-    flag: str = _TYPES[FLAG],
+    flag: str = _TYPES[FLAG], going: Going = Going(),
 ) -> Dialect:  # fmt: skip
     """C of one run at a time, which may leave out what is not chosen.
 
@@ -159,6 +177,7 @@ def scalar_dialect(
         templates: operations that look otherwise than in a batch.
         constant: how a number is written.
         flag: the type of what is true or false.
+        going: how loops end.
     """
     types = {**_TYPES, NUMBER: number, FLAG: flag}
     return replace(
@@ -168,7 +187,7 @@ def scalar_dialect(
         assign=partial(_assign, types=types),
         constant=constant,
         loop=partial(_loop, types=types),
-        repeat=partial(_repeat, types=types),
+        repeat=partial(_repeat, types=types, going=going),
     )
 
 

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
 
-from martensite.runtimes.c99 import C_DIALECT, c_number, scalar_dialect, vector_math
+from martensite.runtimes.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
 from martensite.runtimes.printer import Dialect, Printer
@@ -123,6 +123,12 @@ _PRELUDE = """
     TEST(differs, !=)
     LOGIC(both, &)
     LOGIC(either, |)
+    INLINE int some(flags x) {
+        const mask either = x.a | x.b;
+        long long found = 0;
+        for (int i = 0; i < WIDTH; i++) found |= either[i];
+        return found != 0;
+    }
     BY_LANE(sqrt_of, sqrt)
     BY_LANE(exp_1, exp)
     BY_LANE(log_1, log)
@@ -163,7 +169,8 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
 
 def _dialect() -> Dialect:
     templates = {**C_DIALECT.templates, **_TEMPLATES}
-    dialect = scalar_dialect("number", templates, _constant, "flags")
+    going = Going("some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})")
+    dialect = scalar_dialect("number", templates, _constant, "flags", going)
     return replace(dialect, wants_names=frozenset(), shares_inverses=True)
 
 

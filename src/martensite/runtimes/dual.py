@@ -256,6 +256,23 @@ class DualNamespace:
         """The state after `count` turns of `body`, written out."""
         return floats.repeat(count, body, *state)
 
+    def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """Values and tangents through the base's loop; all but the first number may move."""
+        pairs = [self.parts(s) for s in state]
+        first, *values = [value for value, _ in pairs]
+        tangents = [self.zero if t is None else t for _, t in pairs[1:]]
+        count = len(values)
+
+        def turn(going: Any, *numbers: Any) -> list[Any]:
+            rows = zip(numbers[:count], numbers[count:], strict=True)
+            found = [self.parts(r) for r in body(going, *(self.pair(v, t) for v, t in rows))]
+            slopes = [self.zero if t is None else t for _, t in found[1:]]
+            return [*(v for v, _ in found), *slopes]
+
+        going, *numbers = self.base.iterate(most, turn, first, *values, *tangents)
+        rows = zip(numbers[:count], numbers[count:], strict=True)
+        return [going, *(self.pair(v, t) for v, t in rows)]
+
     def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:
         if tangents is None:
             return values

@@ -109,6 +109,16 @@ def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> S
     return found
 
 
+def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
+    """The state after turns of `body` for as long as its first number is above 0."""
+    found: Sequence[float] = state
+    for _ in range(most):
+        if not found[0] > 0.0:
+            break
+        found = body(*found)
+    return found
+
+
 def detach(x: float) -> float:
     """`x` itself."""
     return x

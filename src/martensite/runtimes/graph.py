@@ -54,6 +54,8 @@ class Repeat(NamedTuple):
     """A body that replaces a state by the next, some times."""
 
     turns: int
+    stops: bool
+    """True if it ends before that where the first number of the state is not above 0."""
     begin: tuple[int, ...]
     state: tuple[int, ...]
     """The inputs of the body."""
@@ -120,7 +122,7 @@ class Graph:
 
     def repeat(
         self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any],
-        slopes: Sequence[Any] = (),
+        slopes: Sequence[Any] = (), stops: bool = False,
     ) -> list[Expr]:  # fmt: skip
         """Trace one turn of a loop over a state, its `slopes` last."""
         begin = tuple(self._expr(value).index for value in (*state, *slopes))
@@ -128,8 +130,8 @@ class Graph:
         outputs = tuple(r.index for r in results)
         needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, bit))))
         depends = self._loop_depends(needed)
-        node = self._node("repeat", needed, depends, (count, begin, outputs)).index
-        self.repeats[node] = Repeat(count, begin, inputs, outputs, bit)
+        node = self._node("repeat", needed, depends, (count, stops, begin, outputs)).index
+        self.repeats[node] = Repeat(count, stops, begin, inputs, outputs, bit)
         return [
             self._node("result", (node,), self._like(depends, input_), place)
             for place, input_ in enumerate(inputs)
@@ -331,6 +333,10 @@ class GraphNamespace:
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
         """One loop over a state."""
         return self.graph.repeat(count, body, state)
+
+    def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
+        """One loop over a state that ends where the first number is not above 0."""
+        return self.graph.repeat(most, body, state, stops=True)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
         """`x` limited to [low, high]."""

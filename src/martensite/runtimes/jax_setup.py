@@ -20,11 +20,41 @@ class JaxNamespace(ArrayNamespace):
 
     def __init__(self, jax: Any) -> None:
         detach, solved = jax.lax.stop_gradient, _solved(jax)
-        super().__init__(jax.numpy, detach=detach, repeat=self.loop, solved=solved)
+        super().__init__(
+            jax.numpy, detach=detach, repeat=self.loop, solved=solved, iterate=self.until
+        )
         self.jax = jax
 
     def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
         """One loop of the compiler, over states of the shape that the body makes of them."""
+        now = self._of_shape(body, state)
+
+        def turn(_: Any, now: Sequence[Any]) -> list[Any]:
+            return self._shaped(body(*now), now, [n.shape for n in now])
+
+        return self.jax.lax.fori_loop(0, count, turn, now)
+
+    def until(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """The same, until the first number is nowhere above 0; where it is not, all stays."""
+        now = self._of_shape(body, state)
+        shapes = [self.np.broadcast_shapes(n.shape, now[0].shape) for n in now]
+        now = self._shaped(now, now, shapes)
+
+        def goes_on(carry: Any) -> Any:
+            count, now = carry
+            return self.np.logical_and(count < most, self.np.any(now[0] > 0.0))
+
+        def turn(carry: Any) -> Any:
+            count, now = carry
+            going = now[0] > 0.0
+            found = self._shaped(body(*now), now, [n.shape for n in now])
+            kept = [self.np.where(going, a, b) for a, b in zip(found, now, strict=True)]
+            return count + 1, kept
+
+        return self.jax.lax.while_loop(goes_on, turn, (0, now))[1]
+
+    def _of_shape(self, body: Callable[..., Sequence[Any]], state: Sequence[Any]) -> list[Any]:
+        """A state of the shapes and types that the body makes of it."""
         now: list[Any] = list(state)
         for _ in range(len(state) + 1):
             made, before = self.jax.eval_shape(body, *now), [self.np.shape(v) for v in now]
@@ -33,12 +63,7 @@ class JaxNamespace(ArrayNamespace):
             now = self._shaped(now, made, shapes)
             if shapes == before:
                 break
-
-        def turn(_: Any, now: Sequence[Any]) -> list[Any]:
-            found = body(*now)
-            return self._shaped(found, now, [n.shape for n in now])
-
-        return self.jax.lax.fori_loop(0, count, turn, now)
+        return now
 
     def _shaped(self, values: Sequence[Any], like: Sequence[Any], shapes: Any) -> list[Any]:
         """Arrays of given shapes, each of the type of another."""
@@ -91,4 +116,4 @@ def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.solved)
+    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.solved, xp.iterate)

@@ -101,7 +101,17 @@ class Namespace(Protocol):
     def repeat(
         self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
     ) -> Sequence[Scalar]:
-        """The state after `count` turns of `body`, as one loop: for long iterations."""
+        """The state after `count` turns of `body`, as one loop."""
+        ...
+
+    def iterate(
+        self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
+    ) -> Sequence[Scalar]:
+        """The state after turns of `body` for as long as its first number is above 0.
+
+        At most `most` turns, none if that number is 0 from the beginning. Every lane of a batch
+        stops by itself.
+        """
         ...
 
     def detach(self, x: Scalar, /) -> Scalar:

@@ -77,6 +77,14 @@ class _Partials(DualNamespace):
         found = self.base.repeat(count, turn, *state)
         return super().repeat(count, body, *state) if moved else found
 
+    def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """A root: its derivatives come from the step of Newton's method behind it."""
+
+        def turn(*now: Any) -> list[Any]:
+            return [self.parts(result)[0] for result in body(*now)]
+
+        return self.base.iterate(most, turn, *(self.parts(s)[0] for s in state))
+
     def each(
         self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
     ) -> tuple[Sequence[Any], ...]:

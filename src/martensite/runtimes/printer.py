@@ -59,6 +59,8 @@ class RepeatText:
 
     name: str
     count: int
+    stops: bool
+    """Whether it ends where the first number of the state is not above 0."""
     state: Sequence[str]
     """Names of the inputs of the body."""
     begin: Sequence[str]
@@ -156,6 +158,7 @@ class Printer:
         named = RepeatText(
             name=text[index],
             count=loop.turns,
+            stops=loop.stops,
             state=[str(self.graph.arguments[i][0]) for i in loop.state],
             begin=[text[i] for i in loop.begin],
             body=body,
@@ -297,6 +300,7 @@ def _float_repeat(loop: RepeatText) -> list[str]:
     return [
         f"{state}, = {', '.join(loop.begin)},",
         f"for _ in range({loop.count}):",
+        *([f"    if not {loop.state[0]} > 0.0:", "        break"] if loop.stops else []),
         *(f"    {line}" for line in loop.body),
         f"    {state}, = {', '.join(loop.outputs)},",
         f"{', '.join(loop.results())}, = {state},",
@@ -309,8 +313,8 @@ def _array_repeat(loop: RepeatText) -> list[str]:
         f"def {loop.name}({', '.join(loop.state)}):",
         *(f"    {line}" for line in loop.body),
         f"    return {', '.join(loop.outputs)},",
-        f"{', '.join(loop.results())}, = xp.repeat({loop.count}, {loop.name}, "
-        f"{', '.join(loop.begin)})",
+        f"{', '.join(loop.results())}, = xp.{'iterate' if loop.stops else 'repeat'}("
+        f"{loop.count}, {loop.name}, {', '.join(loop.begin)})",
     ]
 
 

@@ -224,7 +224,7 @@ class Walk:
             slopes = [
                 self.zero if s is None else s for (_, s), m in zip(begin, moving, strict=True) if m
             ]
-            results = graph.repeat(loop.turns, body, values, slopes)
+            results = graph.repeat(loop.turns, body, values, slopes, loop.stops)
             spread = [a or b for a, b in zip(moving, found, strict=True)]
             if spread == moving:
                 break

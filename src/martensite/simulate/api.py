@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 from martensite.errors import InputError, ParameterError, suggestion
 from martensite.runtimes import floats
-from martensite.runtimes.bracket import ITERATIONS
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import bind_system, compile_system
 from martensite.simulate.driven import Waveforms, arranged, grid_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, march_floats
-from martensite.simulate.patient import THOROUGH, patient
 from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
@@ -84,25 +82,22 @@ class _Runner:
     def __call__(self, step: float) -> tuple[Grid, Track]:
         grid = grid_of(self.system, self.waveform, self.duration, self.samples, step)
         if self.runtime == "floats":
-            return grid, march_floats(*patient(self.system), grid)
-        quick = compile_system(self.system, ITERATIONS)
-        track = self._compiled(grid, quick, None)
-        if track.status is Status.UNSOLVED:
-            track = self._compiled(grid, quick, compile_system(self.system, THOROUGH))
+            return grid, march_floats(*bind_system(self.system), grid)
+        track = self._compiled(grid)
         if track.status.failed:  # floats record when
-            track = march_floats(*patient(self.system), grid)
+            track = march_floats(*bind_system(self.system), grid)
         return grid, track
 
-    def _compiled(self, grid: Grid, quick: Compiled, thorough: Compiled | None) -> Track:
-        """C repeats the steps that stayed unsolved, JAX the whole march."""
-        values = quick.values(self.system)
+    def _compiled(self, grid: Grid) -> Track:
+        compiled = compile_system(self.system)
+        values = compiled.values(self.system)
         if self.runtime == "c":
             from martensite.simulate.native import march_c
 
-            return march_c(quick, values, grid, thorough)
+            return march_c(compiled, values, grid)
         from martensite.simulate.batch import march_jax
 
-        return march_jax(thorough or quick, values, grid)
+        return march_jax(compiled, values, grid)
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:

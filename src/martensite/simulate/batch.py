@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
@@ -60,7 +59,6 @@ def simulate_batch(
     samples: int = 1001,
     outputs: Sequence[str] = ("position",),
     chunk: int | None = None,
-    iterations: int = ITERATIONS,
     precision: str = "float64",
     devices: int | None = 1,
 ) -> Batch:
@@ -76,7 +74,6 @@ def simulate_batch(
         outputs: names of the columns to return.
         chunk: variants marched together; by default 256 on a processor, which keeps the state in
             its cache, and many more on a GPU.
-        iterations: of the solve in every step; more where variants come back unsolved.
         precision: float64, or float32 for sweeps (never for finite differences).
         devices: how many devices of JAX share the chunks; all of them if None.
 
@@ -85,7 +82,7 @@ def simulate_batch(
     """
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
-    compiled = compile_system(system, iterations)
+    compiled = compile_system(system)
     varied = _varied(system, over)
     count = len(next(iter(varied.values())))
     plan, padded = _plan(system, waveform, duration, samples, step, precision)

@@ -21,10 +21,10 @@ from typing import Any
 from martensite.errors import InputError, SolveError
 from martensite.signals.base import AbstractDrive
 from martensite.simulate.api import first_step
+from martensite.simulate.compiled import bind_system
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
 from martensite.simulate.march import Track, Watch, track
-from martensite.simulate.patient import patient
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
@@ -109,7 +109,7 @@ class _Walk:
     longest: float = 0.0
 
     def __post_init__(self) -> None:
-        functions, self.size = patient(self.plan.system)
+        functions, self.size = bind_system(self.plan.system)
         self.advance: Callable[..., Row] = functions["step"]
         self.observe: Callable[..., Row] = functions["observe"]
         self.names = tuple(self.plan.system.outputs())

@@ -6,17 +6,18 @@ mechanism makes a new one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from martensite.laws.coupling import Report
 from martensite.parameters import Keyed, values_at
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.once import once
 from martensite.runtimes.program import Program
 from martensite.system import PROFILES, AbstractSystem
+
+Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,19 +40,19 @@ class Compiled:
         return values_at(system, self.paths)
 
 
-def compile_system(
-    system: AbstractSystem, iterations: int = ITERATIONS, thorough: int = 0
-) -> Compiled:
-    """Trace a system, or return the program of an earlier one of the same structure.
+def compile_system(system: AbstractSystem) -> Compiled:
+    """Trace a system, or return the program of an earlier one of the same structure."""
+    return _compile(Keyed(system))
 
-    `iterations` is the fixed count of the bracketed solve of every step; `thorough` that of a
-    second step, `again`, in the same program (0: there is none).
-    """
-    return _compile(Keyed(system), iterations, thorough)
+
+def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
+    """The functions of a system on floats, with its numbers, and how many states it has."""
+    compiled = compile_system(system)
+    return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
 
 @once(64)
-def _compile(keyed: Keyed[AbstractSystem], iterations: int, thorough: int) -> Compiled:
+def _compile(keyed: Keyed[AbstractSystem]) -> Compiled:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     system = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
@@ -66,10 +67,7 @@ def _compile(keyed: Keyed[AbstractSystem], iterations: int, thorough: int) -> Co
     program.add("init", signals, init)
     shape, size = found[0], len(flatten(found[0].example))
     names = [f"s{i}" for i in range(size)]
-    program.add("step", [*names, *signals, "dt"], _step_kernel(system, shape, size, iterations))
-    if thorough:
-        again = _step_kernel(system, shape, size, thorough)
-        program.add("again", [*names, *signals, "dt"], again)
+    program.add("step", [*names, *signals, "dt"], _step_kernel(system, shape, size))
     program.add("observe", [*names, *signals], _observe_kernel(system, shape, size))
     profile = system.profile(shape.example)
     along = (f"{n}[{i}]" for n, c in zip(PROFILES, profile, strict=False) for i in range(len(c)))
@@ -77,13 +75,11 @@ def _compile(keyed: Keyed[AbstractSystem], iterations: int, thorough: int) -> Co
     return Compiled(program, paths, size, len(signals), outputs)
 
 
-def _step_kernel(
-    system: AbstractSystem, shape: Shape, size: int, iterations: int
-) -> Callable[..., list[Any]]:
+def _step_kernel(system: AbstractSystem, shape: Shape, size: int) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, dt = arguments
         state, drives = shape.rebuild(numbers[:size]), numbers[size:]
-        after, report = system.step(xp, state, *drives, dt=dt, iterations=iterations)
+        after, report = system.step(xp, state, *drives, dt=dt)
         return flatten(after) + flatten(report)
 
     return step

@@ -21,7 +21,6 @@ from typing import Any
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import advance
 from martensite.parameters import Keyed, values_at
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.once import once
@@ -47,21 +46,18 @@ class CompiledLaw:
         return values_at(law, self.paths)
 
 
-def compile_law(
-    law: AbstractLaw, iterations: int = ITERATIONS, *, tension_only: bool = True
-) -> CompiledLaw:
+def compile_law(law: AbstractLaw, *, tension_only: bool = True) -> CompiledLaw:
     """Trace a law, or return the program of an earlier one of the same structure.
 
     Args:
         law: any law; its numbers do not matter.
-        iterations: fixed count of the solve of every strain-driven step.
         tension_only: a strain-driven point goes slack instead of being compressed.
     """
-    return _compile(Keyed(law), iterations, tension_only)
+    return _compile(Keyed(law), tension_only)
 
 
 @once(64)
-def _compile(keyed: Keyed[AbstractLaw], iterations: int, tension_only: bool) -> CompiledLaw:
+def _compile(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     law = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
@@ -78,7 +74,7 @@ def _compile(keyed: Keyed[AbstractLaw], iterations: int, tension_only: bool) -> 
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
     program.add(
         "strain_step", [*names, "eps", "T", "dt"],
-        _strain_step(law, shape, iterations, tension_only),
+        _strain_step(law, shape, tension_only),
     )  # fmt: skip
     return CompiledLaw(program, paths, size)
 
@@ -98,9 +94,7 @@ def _stress_step(law: AbstractLaw, shape: Shape) -> Callable[..., list[Any]]:
     return step
 
 
-def _strain_step(
-    law: AbstractLaw, shape: Shape, iterations: int, tension_only: bool
-) -> Callable[..., list[Any]]:
+def _strain_step(law: AbstractLaw, shape: Shape, tension_only: bool) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, strain, temperature, dt = arguments
 
@@ -109,7 +103,7 @@ def _strain_step(
             stress = elastic / law.compliance(xp, fractions)
             return (xp.maximum(stress, 0.0) if tension_only else stress), temperature
 
-        after, report = advance(xp, law, shape.rebuild(numbers), settle, dt, iterations)
+        after, report = advance(xp, law, shape.rebuild(numbers), settle, dt)
         return _row(xp, law, after, report.residual)
 
     return step

@@ -16,11 +16,11 @@ from martensite.errors import InputError, ParameterError, SolveError
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import first_step
+from martensite.simulate.compiled import bind_system
 from martensite.simulate.driven import arranged
 from martensite.simulate.grid import MOST_STEPS, just_after, share
 from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Track, Watch, track
-from martensite.simulate.patient import patient
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 from martensite.system import AbstractSystem
@@ -97,7 +97,7 @@ class _Walk:
     """One march through all periods."""
 
     def __init__(self, plan: _Plan) -> None:
-        functions, self.size = patient(plan.system)
+        functions, self.size = bind_system(plan.system)
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())

@@ -4,9 +4,9 @@ Where a march goes its way from rest to the end, lanes are pushed: each has a st
 that can be read, set and copied, and in every call its own signals. A predictive controller
 tries its plans in them, a filter its sigma points, a learner its environments.
 
-In C if there is a compiler: one library per system, for any number of lanes; else on floats. A
-step that stays unsolved is made once more with more iterations; lanes whose step still fails are
-named by `status`, and no error is raised, for lanes are there to try things.
+In C if there is a compiler: one library per system, for any number of lanes; else on floats.
+Lanes whose step fails are named by `status`, and no error is raised, for lanes are there to try
+things.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from martensite.errors import InputError, suggestion
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.c99 import compiler
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.lanes_native import NativeLanes, Numbers
@@ -42,19 +41,17 @@ class Lanes:
             values: parameters by path that differ from lane to lane, each of shape (lanes,).
             native: whether to run in C; by default if there is a compiler.
         """
-        quick = compile_system(system, ITERATIONS)
-        self._rows = {path: k for k, path in enumerate(quick.paths)}
-        table = np.repeat(np.array(quick.values(system))[:, None], lanes, axis=1)
+        compiled = compile_system(system)
+        self._rows = {path: k for k, path in enumerate(compiled.paths)}
+        table = np.repeat(np.array(compiled.values(system))[:, None], lanes, axis=1)
         self._fill(table, values or {})
         self.lanes, self.system = lanes, system
-        self.names: tuple[str, ...] = quick.outputs
+        self.names: tuple[str, ...] = compiled.outputs
         self.drives = tuple(drive.name for drive in system.drives())
         self._shape = len(self.drives), lanes
         in_c = compiler() is not None if native is None else native
-        self._engine = (
-            NativeLanes(quick, table, system) if in_c else PlainLanes(quick, table, system)
-        )
-        self.state: Numbers = np.zeros((quick.size, lanes))
+        self._engine = NativeLanes(compiled, table) if in_c else PlainLanes(compiled, table)
+        self.state: Numbers = np.zeros((compiled.size, lanes))
         """All state variables, shape (states, lanes); set it to go on from elsewhere."""
 
     @property

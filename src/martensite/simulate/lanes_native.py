@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.once import once
-from martensite.simulate.compiled import Compiled, compile_system
-from martensite.simulate.march import SOLVED
-from martensite.simulate.patient import THOROUGH
-from martensite.system import AbstractSystem
+from martensite.simulate.compiled import Compiled
 
 Numbers: TypeAlias = NDArray[np.float64]
 
@@ -25,32 +22,12 @@ void begin(long n, const double *restrict c, const double *restrict x, double *r
 void seen(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
     k_observe(n, c, x, y);
 }}
-static void gather(long n, long m, const long *which, long rows, const double *from, double *to) {{
-    for (long k = 0; k < rows; k++)
-        for (long i = 0; i < m; i++) to[k * m + i] = from[k * n + which[i]];
-}}
-/* the step of the lanes that are unsolved in y, packed together in room */
-void mend(long n, const double *c, const double *x, double *y, double *room) {{
-    long m = 0, *which = (long *)room;
-    for (long l = 0; l < n; l++) if (!(y[{size} * n + l] <= {solved})) which[m++] = l;
-    double *some = room + n, *given = some + {constants} * m, *found = given + {inputs} * m;
-    gather(n, m, which, {constants}, c, some);
-    gather(n, m, which, {inputs}, x, given);
-    k_step(m, some, given, found);
-    for (long k = 0; k < {results}; k++)
-        for (long i = 0; i < m; i++) y[k * n + which[i]] = found[k * m + i];
-}}
 void advance(long n, long steps, const double *restrict c, double *restrict x,
              double *restrict y, double *restrict worst,
-             const double *restrict drives, double *restrict rows,
-             void (*again)(long, const double *, const double *, double *, double *),
-             const double *d, double *room) {{
+             const double *restrict drives, double *restrict rows) {{
     for (long i = 0; i < steps; i++) {{
         memcpy(x + {size} * n, drives, sizeof(double) * {drives} * n);
         k_step(n, c, x, y);
-        long bad = 0;
-        for (long l = 0; l < n; l++) bad |= !(y[{size} * n + l] <= {solved});
-        if (bad) again(n, d, x, y, room);
         memcpy(x, y, sizeof(double) * {size} * n);
         for (long l = 0; l < n; l++) {{
             const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
@@ -67,13 +44,11 @@ void advance(long n, long steps, const double *restrict c, double *restrict x,
 """
 
 _COUNT, _ARRAY = ctypes.c_long, ctypes.c_void_p
-_CALLBACK = ctypes.CFUNCTYPE(None, _COUNT, _ARRAY, _ARRAY, _ARRAY, _ARRAY)
 _ARGUMENTS = {
     "prepare": (_COUNT, _ARRAY, _ARRAY),
     "begin": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
     "seen": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
-    "mend": (_COUNT, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    "advance": (_COUNT, _COUNT, *(_ARRAY,) * 9),
+    "advance": (_COUNT, _COUNT, *(_ARRAY,) * 6),
 }
 
 
@@ -82,11 +57,11 @@ class NativeLanes:
 
     What a call needs lies where it lay before, so that a step of one lane takes microseconds:
     arguments `x` (states, signals, dt) and results `y` of a step, signals and outputs of one
-    step. More iterations are compiled when a step first needs them; C then calls them itself.
+    step.
     """
 
-    def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
-        self.compiled, self.system = compiled, system
+    def __init__(self, compiled: Compiled, table: Numbers) -> None:
+        self.compiled = compiled
         size, n, outputs = compiled.size, table.shape[1], len(compiled.outputs)
         self.n, self.library, self.table = n, _library(compiled), np.array(table, order="C")
         self.constants = self._prepared(compiled, self.library)
@@ -96,31 +71,17 @@ class NativeLanes:
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
         self._at_drives, self._at_rows = _at(self._drives), _at(self._rows)
         self._held = tuple(map(_at, (self.constants, self.x, self.y, self.worst)))
-        self._first = _CALLBACK(self._thorough)
-        self._again: tuple[Any, ...] = self._first, None, None
 
     def set_table(self, table: Numbers) -> None:
         """Other parameters, shape (parameters, lanes); what was compiled stays."""
         self.table[...] = table
         self.library.prepare(self.n, _at(self.table), _at(self.constants))
-        self._again = self._first, None, None
 
     def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
         found = np.empty((max(1, len(compiled.program.hoisted)), self.n))
         library.prepare(self.n, _at(self.table), _at(found))
         return found
-
-    def _thorough(self, n: int, _: Any, x: int, y: int, __: Any) -> None:
-        """Called by C for the first step that stays unsolved: makes it with more iterations."""
-        compiled = compile_system(self.system, THOROUGH)
-        library = _library(compiled)
-        constants = self._prepared(compiled, library)
-        room = np.empty((len(constants) + len(self.x) + len(self.y) + 1, self.n))
-        self._kept = library, constants, room
-        address = ctypes.cast(library.mend, _ARRAY).value
-        self._again = address, _at(constants), _at(room)
-        library.mend(n, _at(constants), x, y, _at(room))
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
@@ -146,7 +107,7 @@ class NativeLanes:
 
     def _go(self, steps: int, drives: int, rows: int | None) -> None:
         """Steps from `x` to `x`."""
-        self.library.advance(self.n, steps, *self._held, drives, rows, *self._again)
+        self.library.advance(self.n, steps, *self._held, drives, rows)
 
     def seen(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
@@ -162,12 +123,9 @@ def _at(array: Numbers) -> int:
 
 @once(64)
 def _library(compiled: Compiled) -> Any:
-    constants = max(1, len(compiled.program.hoisted))
     loop = _ADVANCE.format(
-        size=compiled.size, drives=compiled.drives, solved=SOLVED, constants=constants,
-        inputs=compiled.size + compiled.drives + 1, outputs=len(compiled.outputs),
-        results=compiled.size + len(compiled.report),
-    )  # fmt: skip
+        size=compiled.size, drives=compiled.drives, outputs=len(compiled.outputs)
+    )
     functions = list(compiled.program.functions.values())
     library = load_library(c_source(compiled.program, functions) + loop)
     for name, arguments in _ARGUMENTS.items():

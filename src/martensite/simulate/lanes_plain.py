@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import Compiled
 from martensite.simulate.lanes_native import Numbers
-from martensite.simulate.march import SOLVED
-from martensite.simulate.patient import THOROUGH
-from martensite.system import AbstractSystem
 
 
 class PlainLanes:
     """Lanes one after the other on floats."""
 
-    def __init__(self, compiled: Compiled, table: Numbers, system: AbstractSystem) -> None:
-        self.compiled, self.system, self.table = compiled, system, np.array(table)
+    def __init__(self, compiled: Compiled, table: Numbers) -> None:
+        self.compiled, self.table = compiled, np.array(table)
         self.functions = [compiled.program.bind_floats(*column) for column in table.T.tolist()]
         self.worst = np.zeros((2, table.shape[1]))
-        self.patient: dict[int, Callable[..., tuple[float, ...]]] = {}
 
     def set_table(self, table: Numbers) -> None:
         """Other parameters, shape (parameters, lanes)."""
@@ -29,7 +25,6 @@ class PlainLanes:
         self.table = np.array(table)
         for lane in changed.tolist():
             self.functions[lane] = self.compiled.program.bind_floats(*table[:, lane].tolist())
-            self.patient.pop(lane, None)
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
@@ -60,18 +55,7 @@ class PlainLanes:
         return np.array([functions["observe"](*now, *u) for functions, now, u in rows]).T
 
     def _step(self, lane: int, arguments: Sequence[float]) -> Sequence[float]:
-        """One step, made once more with more iterations if it stays unsolved."""
-        size = self.compiled.size
         try:
-            found = self.functions[lane]["step"](*arguments)
-            if found[size] <= SOLVED:
-                return found
-            return self._thorough(lane)(*arguments)
+            return self.functions[lane]["step"](*arguments)
         except ArithmeticError:  # a division by zero or an overflow
-            return [*arguments[:size], math.inf, 0.0]
-
-    def _thorough(self, lane: int) -> Callable[..., tuple[float, ...]]:
-        if lane not in self.patient:
-            program = compile_system(self.system, THOROUGH).program
-            self.patient[lane] = program.bind_floats(*self.table[:, lane].tolist())["step"]
-        return self.patient[lane]
+            return [*arguments[: self.compiled.size], math.inf, 0.0]

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from martensite.errors import SolveError
+from martensite.simulate.compiled import Functions
 from martensite.simulate.grid import Grid
 from martensite.status import Status
 
 SOLVED = 1e-4
 COARSE = 0.2
-
-Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
 @dataclass(frozen=True)

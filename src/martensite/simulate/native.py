@@ -1,7 +1,4 @@
-"""The march in C: a loop around the traced kernels, for one run or a batch of lanes.
-
-A step that stays unsolved can be made once more by another library, with more iterations.
-"""
+"""The march in C: a loop around the traced kernels, for one run or a batch of lanes."""
 
 from __future__ import annotations
 
@@ -19,16 +16,14 @@ from martensite.runtimes.program import Function
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.march import SOLVED, Track, track_of
+from martensite.simulate.march import Track, track_of
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
            const double *restrict sampled, const long *restrict counts,
            const double *restrict drives, const double *restrict lengths,
-           double *restrict rows, double *restrict worst,
-           void (*again)(const double *, const double *, double *)) {{
+           double *restrict rows, double *restrict worst) {{
     double c[{constants} * {lanes}], x[{inputs} * {lanes}], y[{results} * {lanes}];
-    double z[{results} * {lanes}];
     const long n = {lanes};
     k_prepare(n, p, c);
     for (long l = 0; l < n; l++) {{
@@ -48,14 +43,6 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
                 x[({size} + {drives}) * n + l] = lengths[{length}];
             }}
             k_step(n, c, x, y);
-            long bad = 0;
-            for (long l = 0; l < n; l++) bad |= !(y[{size} * n + l] <= {solved});
-            if (bad && again) {{
-                again(p, x, z);
-                for (long l = 0; l < n; l++)
-                    if (!(y[{size} * n + l] <= {solved}))
-                        for (long k = 0; k < {results}; k++) y[k * n + l] = z[k * n + l];
-            }}
             {keep}
             memcpy(x, y, sizeof(double) * {size} * n);
             for (long l = 0; l < n; l++) {{
@@ -78,14 +65,6 @@ _KEEP = """for (long l = 0; l < n; l++) if (!(lengths[l] > 0.0)) {{
                 y[{size} * n + l] = y[({size} + 1) * n + l] = 0.0;
             }}"""
 
-_PATIENT = """
-void patient(const double *p, const double *x, double *y) {{
-    double c[{constants} * {lanes}];
-    k_prepare({lanes}, p, c);
-    k_step({lanes}, c, x, y);
-}}
-"""
-
 
 def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bool = False) -> str:
     """C source of the kernels and the march for a fixed number of lanes.
@@ -103,7 +82,6 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bo
         size=compiled.size,
         drives=compiled.drives,
         outputs=len(outputs),
-        solved=SOLVED,
         own=lanes if own else 1,
         signal=f"d * {lanes} + l" if own else "d",
         length="l" if own else "0",
@@ -123,22 +101,13 @@ def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...], own: bool
     return load_library(march_source(compiled, lanes, outputs, own))
 
 
-@once(16)
-def _patient(compiled: Compiled, lanes: int) -> Any:
-    """A library that makes single steps."""
-    constants = max(1, len(compiled.program.hoisted))
-    end = _PATIENT.format(constants=constants, lanes=lanes)
-    return load_library(_kernels(compiled, [compiled.program.functions["step"]], lanes) + end)
-
-
 def march_lanes(
     compiled: Compiled, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
-    outputs: Sequence[int], thorough: Compiled | None = None,
+    outputs: Sequence[int],
 ) -> tuple[Any, Any]:  # fmt: skip
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
     A `LaneGrid` gives every lane signals and steps of its own.
-    Steps that stay unsolved are made once more by a `thorough` program of the same system.
     Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
     """
     library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid))
@@ -147,14 +116,11 @@ def march_lanes(
     worst = np.empty((2, lanes))
     arrays = (parameters, *grid.arrays, rows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
-    again = None if thorough is None else _patient(thorough, lanes).patient
-    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers, again)
+    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
     return rows, worst
 
 
-def march_c(
-    compiled: Compiled, values: Sequence[float], grid: Grid, thorough: Compiled | None = None
-) -> Track:
-    """One run on the C runtime; unsolved steps once more by a `thorough` program if given."""
-    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)), thorough)
+def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
+    """One run on the C runtime."""
+    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)))
     return track_of(rows[:, :, 0], float(worst[0, 0]), float(worst[1, 0]))

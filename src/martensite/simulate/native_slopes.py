@@ -1,7 +1,6 @@
 """One run in C with the derivatives of its outputs: all directions beside the values.
 
-As in `martensite.simulate.native`, a step that stays unsolved can be made once more by another
-library, with more iterations: values are those of a run without derivatives.
+Values are those of a run without derivatives.
 """
 
 from __future__ import annotations
@@ -18,16 +17,13 @@ from martensite.runtimes.once import once
 from martensite.runtimes.tangent import differentiated
 from martensite.simulate.compiled import Compiled
 from martensite.simulate.grid import Grid
-from martensite.simulate.march import SOLVED
 
 _MARCH = """
 void march(long intervals, const double *restrict p, const slopes *restrict dp,
            const double *restrict first, const double *restrict sampled,
            const long *restrict counts, const double *restrict drives,
            const double *restrict lengths, double *restrict rows, slopes *restrict drows,
-           double *restrict worst,
-           void (*again)(const double *, const slopes *, const double *, const slopes *,
-                         double *, slopes *)) {{
+           double *restrict worst) {{
     double c[{constants}], x[{inputs}], y[{results}];
     slopes dc[{dconstants}], dx[{size}], dy[{results}];
     k_prepare(p, dp, c, dc);
@@ -43,7 +39,6 @@ void march(long intervals, const double *restrict p, const slopes *restrict dp,
             memcpy(x + {size}, drives, sizeof(double) * {drives});
             x[{size} + {drives}] = *lengths;
             k_step(c, dc, x, dx, y, dy);
-            if (again && !(y[{size}] <= {solved})) again(p, dp, x, dx, y, dy);
             memcpy(x, y, sizeof(double) * {size});
             memcpy(dx, dy, sizeof(slopes) * {size});
             for (long j = 0; j < 2; j++)
@@ -54,16 +49,6 @@ void march(long intervals, const double *restrict p, const slopes *restrict dp,
         drows += {outputs};
         k_observe(c, dc, x, dx, rows, drows);
     }}
-}}
-"""
-
-_PATIENT = """
-void patient(const double *p, const slopes *dp, const double *x, const slopes *dx, double *y,
-             slopes *dy) {{
-    double c[{constants}];
-    slopes dc[{dconstants}];
-    k_prepare(p, dp, c, dc);
-    k_step(c, dc, x, dx, y, dy);
 }}
 """
 
@@ -80,9 +65,8 @@ class Slopes(NamedTuple):
 
 
 def march_slopes(
-    compiled: Compiled, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int],
-    thorough: Compiled | None = None,
-) -> Slopes:  # fmt: skip
+    compiled: Compiled, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int]
+) -> Slopes:
     """March one run with the derivatives of its outputs.
 
     Args:
@@ -92,16 +76,14 @@ def march_slopes(
             Rows of zeros cost nothing, whatever the parameter.
         grid: samples and steps.
         outputs: which outputs are wanted, by their places.
-        thorough: makes steps that stay unsolved once more, with more iterations.
     """
     given = np.asarray(seeds, float)
     count = given.shape[1]
     moving = tuple(int(i) for i in np.flatnonzero(np.any(given != 0.0, axis=1)))
     width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
     library = _library(compiled, moving, tuple(outputs), width)
-    again = None if thorough is None else _patient(thorough, moving, width).patient
     pieces = [
-        _march(library, again, values, _padded(given[list(moving), k : k + width], width), grid,
+        _march(library, values, _padded(given[list(moving), k : k + width], width), grid,
                len(outputs))
         for k in range(0, max(count, 1), width)
     ]  # fmt: skip
@@ -115,14 +97,12 @@ def _padded(seeds: Any, width: int) -> Any:
     return np.pad(seeds, ((0, not rows), (0, width - columns)))
 
 
-def _march(
-    library: Any, again: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int
-) -> Slopes:
+def _march(library: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int) -> Slopes:
     shape = len(grid.times), outputs
     rows, drows, worst = np.empty(shape), np.empty((*shape, seeds.shape[1])), np.empty(2)
     arrays = (np.array([*values, 0.0]), seeds, *grid.arrays, rows, drows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
-    library.march(ctypes.c_long(len(grid.counts)), *pointers, again)
+    library.march(ctypes.c_long(len(grid.counts)), *pointers)
     return Slopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
@@ -137,17 +117,7 @@ def _library(
     loop = _MARCH.format(
         constants=max(1, count), dconstants=max(1, slopes), size=size,
         inputs=size + compiled.drives + 1, results=size + len(compiled.report),
-        drives=compiled.drives, outputs=len(outputs), solved=SOLVED,
+        drives=compiled.drives, outputs=len(outputs),
     )  # fmt: skip
     functions = list(program.functions.values())
     return load_library(slopes_source(program, functions, moving, width) + loop)
-
-
-@once(16)
-def _patient(compiled: Compiled, moving: tuple[int, ...], width: int) -> Any:
-    """A library that makes single steps."""
-    program = differentiated(compiled.program, moving, {"step": compiled.size}, ())
-    count, slopes = constants(program)
-    end = _PATIENT.format(constants=max(1, count), dconstants=max(1, slopes))
-    functions = list(program.functions.values())
-    return load_library(slopes_source(program, functions, moving, width) + end)

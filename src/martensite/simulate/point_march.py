@@ -1,32 +1,24 @@
 """The march of a material point along its legs, on plain floats or in C.
 
-A step that is left unsolved by the usual few iterations is taken again with more of them, and
-on floats in halves if that does not help.
+A step that is left unsolved is taken again in halves, on floats.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
 from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify
 from martensite.status import Status
 
-THOROUGH = 24
-"""Iterations of the solve when the usual few are not enough."""
-ENOUGH = 1e-10
-"""Mismatch [-] above which they are not, on floats; in C it is `SOLVED`: compiling them costs."""
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
-
-Step = Callable[..., tuple[float, ...]]
 
 
 class Section(NamedTuple):
@@ -128,18 +120,19 @@ class Drive:
         if self.runtime == "c":
             from martensite.simulate.point_native import NativeRider
 
-            return NativeRider(self.compiled(ITERATIONS), self.compiled(THOROUGH), self.law)
+            return NativeRider(self.compiled, self.law)
         return FloatRider(self)
 
-    def compiled(self, iterations: int) -> CompiledLaw:
+    @cached_property
+    def compiled(self) -> CompiledLaw:
         """The traced law."""
-        return compile_law(self.law, iterations, tension_only=self.tension_only)
+        return compile_law(self.law, tension_only=self.tension_only)
 
 
 def march(drive: Drive, finer: int) -> PointTrack:
     """March with `finer` steps between samples; failures are a status."""
     rider = drive.rider
-    size = drive.compiled(ITERATIONS).size
+    size = drive.compiled.size
     state = rider.start(*drive.fractions, drive.stress, drive.temperature)
     rows = [state[size:]]
     worst, leg, when = 0.0, 0, 0.0
@@ -177,8 +170,7 @@ class FloatRider:
     """Traced functions as plain Python."""
 
     def __init__(self, drive: Drive) -> None:
-        self._drive = drive
-        compiled = drive.compiled(ITERATIONS)
+        compiled = drive.compiled
         self._size = compiled.size
         self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
 
@@ -186,18 +178,12 @@ class FloatRider:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         return self._functions["init"](*numbers)
 
-    @cached_property
-    def _thorough(self) -> Step:
-        compiled = self._drive.compiled(THOROUGH)
-        functions = compiled.program.bind_floats(*compiled.values(self._drive.law))
-        return functions["strain_step"]
-
     def _carefully(
         self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float],
         dt: float, splits: int,
     ) -> tuple[float, ...]:  # fmt: skip
-        """A strain-driven step with more iterations; in two halves where it stays unsolved."""
-        after = self._thorough(*state, *end, dt)
+        """A strain-driven step; in two halves where it stays unsolved."""
+        after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:
             return after
         middle = 0.5 * (begin[0] + end[0]), 0.5 * (begin[1] + end[1])
@@ -214,7 +200,7 @@ class FloatRider:
         for k in range(1, ramp.samples * ramp.finer + 1):
             given = ramp.at(k)
             after = step(*state, *given, dt)
-            if not after[-1] <= ENOUGH:
+            if not after[-1] <= SOLVED:
                 after = self._carefully(state, ramp.at(k - 1), given, dt, SPLITS)
             if not after[-1] <= worst:
                 worst, where = after[-1], k - 1

@@ -11,7 +11,6 @@ from martensite.laws.base import AbstractLaw
 from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.once import once
 from martensite.simulate.compiled_law import ROW, CompiledLaw
-from martensite.simulate.march import SOLVED
 from martensite.simulate.point_march import Ramp, Ridden
 
 _RIDE = """
@@ -67,32 +66,27 @@ def _pointer(array: Any) -> Any:
 
 
 class NativeRider:
-    """Traced functions in C; a leg that is left unsolved is ridden again, more thoroughly."""
+    """Traced functions in C."""
 
-    def __init__(self, usual: CompiledLaw, thorough: CompiledLaw, law: AbstractLaw) -> None:
-        self._usual, self._more = usual, thorough
-        self._parameters = np.array([*usual.values(law), 0.0], float)
+    def __init__(self, compiled: CompiledLaw, law: AbstractLaw) -> None:
+        self._compiled = compiled
+        self._parameters = np.array([*compiled.values(law), 0.0], float)
 
     def start(self, *numbers: float) -> tuple[float, ...]:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
-        found = np.empty(self._usual.size + len(ROW))
+        found = np.empty(self._compiled.size + len(ROW))
         given = np.array(numbers, float)
-        _library(self._usual, "stress_step").start(*map(_pointer, (self._parameters, given, found)))
+        library = _library(self._compiled, "stress_step")
+        library.start(*map(_pointer, (self._parameters, given, found)))
         return tuple(found.tolist())
 
     def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
         """Along one section."""
-        ridden = self._ride(self._usual, memory, ramp)
-        if not ridden.residual <= SOLVED:
-            ridden = self._ride(self._more, memory, ramp)
-        return ridden
-
-    def _ride(self, compiled: CompiledLaw, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
         state, worst = np.array(memory, float), np.empty(1)
         rows, where = np.empty((ramp.samples, len(ROW))), np.empty(1, np.int_)
         line = np.array([ramp.begin, ramp.end, ramp.first, ramp.last, ramp.dt], float)
         arrays = (self._parameters, line, state, rows, worst, where)
-        ride = _library(compiled, f"{ramp.control}_step").ride
+        ride = _library(self._compiled, f"{ramp.control}_step").ride
         ride(ctypes.c_long(ramp.samples), ctypes.c_long(ramp.finer), *map(_pointer, arrays))
         found = [tuple(row) for row in rows.tolist()]
         return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))

@@ -25,7 +25,6 @@ from martensite.errors import ParameterError, suggestion
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.parameters import REQUIRED, Declared, Parametrised, part
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.simulate.driven import Waveforms, arranged
@@ -140,12 +139,9 @@ class Steered(AbstractSystem, init=False):
         """The system at rest under the signals put together."""
         return self.system.init(xp, *self._signals(drives))
 
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar,
-        iterations: int = ITERATIONS,
-    ) -> tuple[Any, Report]:  # fmt: skip
+    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
         """Advance by `dt` [s]."""
-        return self.system.step(xp, state, *self._signals(drives), dt=dt, iterations=iterations)
+        return self.system.step(xp, state, *self._signals(drives), dt=dt)
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured."""

@@ -17,15 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.errors import ParameterError, suggestion
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.clock import Edges, clocked, edges_of, played
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
-from martensite.simulate.march import SOLVED, classify
-from martensite.simulate.patient import THOROUGH
+from martensite.simulate.march import classify
 from martensite.simulate.refusals import refused
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -150,12 +148,7 @@ class Course:
     @cached_property
     def compiled(self) -> Compiled:
         """The traced system."""
-        return compile_system(self.system, ITERATIONS)
-
-    @cached_property
-    def thorough(self) -> Compiled:
-        """The same with more iterations."""
-        return compile_system(self.system, THOROUGH)
+        return compile_system(self.system)
 
     @cached_property
     def places(self) -> tuple[int, ...]:
@@ -185,8 +178,6 @@ class Course:
 
         table = self.table(values)
         rows, worst = march_lanes(self.compiled, table, grid, runs, self.places)
-        if not (worst[0] <= SOLVED).all():
-            rows, worst = march_lanes(self.compiled, table, grid, runs, self.places, self.thorough)
         return [rows[:, k].T for k in range(len(self.outputs))], worst
 
     def _march_floats(

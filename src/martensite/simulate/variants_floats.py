@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.simulate.compiled import bind_system
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import march_floats
-from martensite.simulate.patient import patient
 from martensite.status import Status
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def march_one_by_one(
         system = course.system.rebuilt({path: float(v[run]) for path, v in values.items()})
         one = grid if isinstance(grid, Grid) else grid.lane(run)
         try:
-            track = march_floats(*patient(system), one)
+            track = march_floats(*bind_system(system), one)
         except ArithmeticError:  # what follows from parameters alone is no number
             reports[:, run] = BROKEN
             continue

@@ -13,34 +13,24 @@ from martensite.simulate.arrays import Schedule, jitted_march, schedule
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.march import SOLVED
 
 if TYPE_CHECKING:
-    from martensite.simulate.compiled import Compiled
     from martensite.simulate.variants import Course, Numbers, Values
 
 
 class JaxMarch:
-    """The march of a course on JAX; runs that stay unsolved march once more, with patience."""
+    """The march of a course on JAX."""
 
     def __init__(self, course: Course) -> None:
         self.course = course
 
-    def __call__(self, values: Values, grid: Grid | LaneGrid, runs: int) -> tuple[list[Any], Any]:
-        """Columns (runs, samples) and reports (2, runs)."""
-        columns, reports = self._march(self.course.compiled, values, grid, runs)
-        solved = reports[0] <= SOLVED
-        if solved.all():
-            return columns, reports
-        patient, second = self._march(self.course.thorough, values, grid, runs)
-        pairs = zip(columns, patient, strict=True)
-        mixed = [np.where(solved[:, None], quick, slow) for quick, slow in pairs]
-        return mixed, np.where(solved, reports, second)
-
-    def _march(
-        self, compiled: Compiled, values: Values, grid: Grid | LaneGrid, runs: int
+    def __call__(
+        self, values: Values, grid: Grid | LaneGrid, runs: int
     ) -> tuple[list[Numbers], Numbers]:
-        """Chunks of a block over the devices; variants of a waveform stay on the first."""
+        """Columns (runs, samples) and reports (2, runs).
+
+        Chunks of a block go over the devices; variants of a waveform stay on the first.
+        """
         devices = devices_of()[: 1 if isinstance(grid, LaneGrid) else None]
         plan, padded = _schedule(grid, self.course.precision)
         size = -(-runs // len(devices))
@@ -49,7 +39,7 @@ class JaxMarch:
             [np.resize(v[k : k + size], size) if v.ndim else v for v in table]
             for k in range(0, runs, size)
         )
-        run = jitted_march(compiled, self.course.places, padded)
+        run = jitted_march(self.course.compiled, self.course.places, padded)
         pieces = list(march_chunks(run, chunks, plan, devices))
         columns = [
             np.concatenate([_by_run(piece.outputs[i], size) for piece in pieces])[:runs]

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system.actuator import Actuator
 from martensite.system.outputs import Outputs
@@ -81,10 +80,7 @@ class AbstractSystem(Parametrised, init=False):
         """The state at rest, at ambient temperature, under the first drive signals."""
         raise NotImplementedError
 
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar,
-        iterations: int = ITERATIONS,
-    ) -> tuple[Any, Report]:  # fmt: skip
+    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
         """Advance by `dt` [s] under constant drive signals."""
         raise NotImplementedError
 
@@ -139,14 +135,11 @@ class AbstractAssembly(AbstractSystem):
         return State(tuple(states), own)
 
     def step(
-        self, xp: Namespace, state: State, *drives: Scalar, dt: Scalar,
-        iterations: int = ITERATIONS,
-    ) -> tuple[State, Report]:  # fmt: skip
+        self, xp: Namespace, state: State, *drives: Scalar, dt: Scalar
+    ) -> tuple[State, Report]:
         """Advance by `dt` [s] under constant drive signals."""
         loads, signals = self._loads(state, drives), self._signals(drives)
-        own, states, report = self.mechanism.advance(
-            xp, state.mechanism, loads, signals, dt, iterations
-        )
+        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 
     def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:

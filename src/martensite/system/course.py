@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.laws.coupling import Report
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten
 from martensite.system.base import AbstractSystem
@@ -16,16 +15,15 @@ Piece = tuple[Sequence[Scalar], Scalar]
 
 
 def advanced(
-    xp: Namespace, system: AbstractSystem, state: Any, pieces: Sequence[Piece], turns: int,
-    iterations: int = ITERATIONS,
-) -> tuple[Any, Report]:  # fmt: skip
+    xp: Namespace, system: AbstractSystem, state: Any, pieces: Sequence[Piece], turns: int
+) -> tuple[Any, Report]:
     """The state after some turns of the same pieces, and the worst report of all steps."""
     shape, size = Shape(state), len(flatten(state))
 
     def turn(*numbers: Any) -> list[Any]:
         now, worst = shape.rebuild(numbers[:size]), Report(*numbers[size:])
         for signals, length in pieces:
-            now, found = system.step(xp, now, *signals, dt=length, iterations=iterations)
+            now, found = system.step(xp, now, *signals, dt=length)
             worst = Report(*map(xp.maximum, worst, found))
         return flatten(now) + flatten(worst)
 

@@ -12,7 +12,6 @@ sample earlier, the run itself jumps a little.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,13 +24,12 @@ from martensite.errors import ParameterError, suggestion
 from martensite.observers.base import ESTIMATED
 from martensite.runtimes.c99 import compiler
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import Compiled, bind_system, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import SOLVED, march_floats
-from martensite.simulate.patient import THOROUGH, patient
 
 Numbers = NDArray[np.float64]
-LANES = 8
+LANES = 16
 """Runs that are marched together."""
 
 
@@ -83,7 +81,6 @@ class LoopRuns:
         self._groups = self._wanted()
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
         self._places = [self.compiled.outputs.index(name) for name in self._names]
-        self._hard = False
 
     def place(self, path: str) -> int:
         """Where a parameter is in a row of numbers."""
@@ -115,38 +112,26 @@ class LoopRuns:
         seeds = np.zeros((len(values), len(moving)))
         for k, path in enumerate(moving):
             seeds[self.place(path), k] = 1.0
-        thorough = self._thorough if self._hard else None
         given = self.compiled, values.tolist(), seeds, self.grid, self._places
-        found = march_slopes(*given, thorough)
-        if not found.residual <= SOLVED and not self._hard:
-            self._hard = True
-            found = march_slopes(*given, self._thorough)
+        found = march_slopes(*given)
         finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
         if not (found.residual <= SOLVED and finite):
             return None
         return self._sorted(found.rows), self._sorted(found.slopes, axis=1)
 
-    @cached_property
-    def _thorough(self) -> Compiled:
-        return compile_system(self.bench, THOROUGH)
-
     def _lanes(self, table: Numbers) -> Numbers:
         from martensite.simulate.native import march_lanes
 
         padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
-        thorough = self._thorough if self._hard else None
         given = self.compiled, list(padded.T), self.grid, LANES, self._places
-        rows, worst = march_lanes(*given, thorough)
-        if not (worst[0] <= SOLVED).all() and not self._hard:
-            self._hard = True  # from now on, steps that stay unsolved are made once more
-            rows, worst = march_lanes(*given, self._thorough)
+        rows, worst = march_lanes(*given)
         rows = np.moveaxis(rows, 2, 0)
         rows[~(worst[0] <= SOLVED) | ~np.isfinite(rows).all(axis=(1, 2))] = np.nan
         return rows[: len(table)]
 
     def _floats(self, values: Numbers) -> Numbers:
         bench = self.bench.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
-        track = march_floats(*patient(bench), self.grid)
+        track = march_floats(*bind_system(bench), self.grid)
         solved = not track.status.failed and len(track.rows) == len(self.times)
         rows = np.asarray(track.rows)[:, self._places]
         return rows if solved else np.full((len(self.times), len(self._places)), np.nan)

@@ -135,8 +135,7 @@ class ModelMechanism(AbstractMechanism):
         return tuple(found)
 
     def advance(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar,
-        iterations: int,
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """The state one sample on, whatever `dt`."""
         after, _ = self._sample(xp, memory, signals)

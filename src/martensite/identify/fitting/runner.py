@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from martensite.identify.fitting.experiment import Experiment
 from martensite.runtimes.c99 import compiler
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import Compiled, bind_system, compile_system
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import SOLVED, march_floats
-from martensite.simulate.patient import THOROUGH, patient
 
-LANES = 8
+LANES = 16
 """Variants that are marched together in a batch."""
 SHIFT = 1e-6
 """Step of a difference, as a share of a direction."""
@@ -49,18 +47,12 @@ class Runner:
         names = self.compiled.outputs
         self.places = tuple(names.index(output) for output in experiment.outputs)
         self.native = compiler() is not None
-        self._hard = False
 
     def run(self, values: Sequence[float], seeds: Any = None) -> Seen:
         """One run; `seeds` (parameters, directions) say in which directions to differentiate."""
         if not self.native:
             return self._floats(values, seeds)
-        if not self._hard:
-            found = self._run(self.compiled, values, seeds)
-            if found.solved:
-                return found
-            self._hard = True  # from now on, steps that stay unsolved are made once more
-        return self._run(self.compiled, values, seeds, self._thorough)
+        return self._run(values, seeds)
 
     def batch(self, variants: Any) -> Any:
         """Outputs (variants, rows, outputs) of many sets of values (variants, parameters).
@@ -75,23 +67,16 @@ class Runner:
         ]
         return np.concatenate(pieces)
 
-    @cached_property
-    def _thorough(self) -> Compiled:
-        return compile_system(self.experiment.system, THOROUGH)
-
-    def _run(
-        self, compiled: Compiled, values: Sequence[float], seeds: Any,
-        thorough: Compiled | None = None,
-    ) -> Seen:  # fmt: skip
+    def _run(self, values: Sequence[float], seeds: Any) -> Seen:
         from martensite.simulate.native import march_lanes
         from martensite.simulate.native_slopes import march_slopes
 
         if seeds is None:
-            rows, worst = march_lanes(compiled, values, self.grid, 1, self.places, thorough)
+            rows, worst = march_lanes(self.compiled, values, self.grid, 1, self.places)
             rows, residual = rows[self.first :, :, 0], float(worst[0, 0])
             slopes = np.zeros((*rows.shape, 0))
         else:
-            found = march_slopes(compiled, values, seeds, self.grid, self.places, thorough)
+            found = march_slopes(self.compiled, values, seeds, self.grid, self.places)
             rows, slopes = found.rows[self.first :], found.slopes[self.first :]
             residual = found.residual
         finite = bool(np.isfinite(rows).all() and np.isfinite(slopes).all())
@@ -125,7 +110,7 @@ class Runner:
         system = self.experiment.system.rebuilt(
             dict(zip(self.paths, map(float, values), strict=True))
         )
-        track = march_floats(*patient(system), self.grid)
+        track = march_floats(*bind_system(system), self.grid)
         rows = np.asarray(track.rows)[self.first :, list(self.places)]
         solved = not track.status.failed and len(track.rows) == len(self.grid.times)
         return Seen(rows, np.zeros((*rows.shape, 0)), solved)

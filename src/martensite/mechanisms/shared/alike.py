@@ -51,20 +51,20 @@ class Answer(NamedTuple):
 
 
 def answers(
-    xp: Namespace, loads: Sequence[Load], lines: Sequence[Line], dt: Scalar, iterations: int
+    xp: Namespace, loads: Sequence[Load], lines: Sequence[Line], dt: Scalar
 ) -> list[Answer]:
     """The step of every element on its own line, in the order of the loads."""
     found: dict[int, Answer] = {}
     for places in _alike(loads):
         first = loads[places[0]]
         if len(places) < LEAST:
-            found |= {i: _answer(xp, loads[i], lines[i], dt, iterations) for i in places}
+            found |= {i: _answer(xp, loads[i], lines[i], dt) for i in places}
             continue
         shape = Shape(Answer(first.state, 0.0, Spring(0.0, 0.0), Report(0.0, 0.0)))
 
         def row(*numbers: Scalar, first: Load = first) -> list[Scalar]:
             line, load = Line(*numbers[:5]), _load(first, numbers[5:])
-            return flatten(_answer(xp, load, line, dt, iterations))
+            return flatten(_answer(xp, load, line, dt))
 
         rows = [[*lines[i], *_numbers(loads[i])] for i in places]
         columns = xp.each(row, *zip(*rows, strict=True))
@@ -73,10 +73,10 @@ def answers(
     return [found[i] for i in range(len(loads))]
 
 
-def _answer(xp: Namespace, load: Load, line: Line, dt: Scalar, iterations: int) -> Answer:
+def _answer(xp: Namespace, load: Load, line: Line, dt: Scalar) -> Answer:
     """One step of one element."""
     element, state, heating = load
-    after, report = element.advance(xp, state, heating, line.pull(), dt, iterations)
+    after, report = element.advance(xp, state, heating, line.pull(), dt)
     force = element.force(after)
     return Answer(after, force, element.tangent(xp, after, force), report)
 

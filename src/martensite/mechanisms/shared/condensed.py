@@ -29,7 +29,6 @@ from martensite.mechanisms.base import Column, Load
 from martensite.mechanisms.shared.alike import Line, answers
 from martensite.mechanisms.shared.elimination import inner, solutions
 from martensite.mechanisms.shared.motion import Course, Numbers, Scheme, predicted
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.dual import jacobian
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 from martensite.runtimes.nested import Shape, flatten, largest
@@ -37,9 +36,10 @@ from martensite.runtimes.nested import Shape, flatten, largest
 if TYPE_CHECKING:
     from martensite.mechanisms.multibody import AbstractMultibody, Assembled
 
-PASSES = 3
-THOROUGH = 20
-"""Passes where the laws are solved with more iterations than usual, too."""
+PASSES = 24
+"""Passes after which a step counts as not solved."""
+SETTLED = 1e-11
+"""Correction of a coordinate, in its size, that is none."""
 FLOOR = 1e-9
 """Stiffness of a slack element as a share of that of a taut one, lest nothing holds."""
 STILL = 1e-13
@@ -92,7 +92,6 @@ class Step:
     loads: Sequence[Load]
     signals: Column
     dt: Scalar
-    iterations: int
 
     def solved(self, xp: Namespace) -> tuple[Course, list[Scalar], list[Any], Report]:
         """Course, stiffness and state of every element at the end, and the residual."""
@@ -102,11 +101,14 @@ class Step:
             tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
         ))  # fmt: skip
 
-        def turn(*flat: Scalar) -> list[Scalar]:
-            return flatten(self._turn(xp, scheme, shape.rebuild(flat)))
+        def turn(_: Scalar, *flat: Scalar) -> list[Scalar]:
+            before: _Turn = shape.rebuild(flat)
+            after = self._turn(xp, scheme, before)
+            going = xp.either(after.moved > SETTLED, before.turned < 0.5)
+            return [xp.where(going, 1.0, 0.0), *flatten(after)]
 
-        passes = PASSES if self.iterations <= ITERATIONS else THOROUGH
-        end: _Turn = shape.rebuild(xp.repeat(passes, turn, *flatten(shape.example)))
+        _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten(shape.example))
+        end: _Turn = shape.rebuild(flat)
         residual = xp.maximum(end.report.residual, end.moved)
         stiffness = [tangent.stiffness for tangent in end.tangents]
         report = end.report._replace(residual=residual)
@@ -168,7 +170,7 @@ class Step:
         if not lines:
             return [], [], Report(0.0, 0.0)
         found: list[Tangent] = []
-        answered = answers(xp, self.loads, lines, self.dt, self.iterations)
+        answered = answers(xp, self.loads, lines, self.dt)
         for _, force, spring, _ in answered:
             elongation = spring.free + spring.compliance * force
             found.append(Tangent(force, elongation, 1.0 / spring.compliance))

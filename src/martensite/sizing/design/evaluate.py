@@ -18,24 +18,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.runtimes.bracket import ITERATIONS
 from martensite.runtimes.c99 import compiler
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import Compiled, bind_system, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import SOLVED, march_floats
 from martensite.simulate.measures.base import needed
-from martensite.simulate.patient import THOROUGH, patient
 from martensite.simulate.steered import Level, Steering
 from martensite.sizing.design.question import Aim, Question
 
 Numbers: TypeAlias = NDArray[np.float64]
-LANES = 8
+LANES = 16
 """Runs that are marched together."""
 APART = 1e-4
 """Half the width of a central difference, as a share of a range."""
@@ -69,7 +66,7 @@ class Designs:
 
     def __init__(
         self, steering: Steering, question: Question, *, samples: int, step: float,
-        also: Sequence[Aim] = (), native: bool | None = None, iterations: int = ITERATIONS,
+        also: Sequence[Aim] = (), native: bool | None = None,
     ) -> None:  # fmt: skip
         """Prepare runs.
 
@@ -80,8 +77,6 @@ class Designs:
             step: longest step [s].
             also: what is told of designs besides, without derivatives.
             native: whether to run in C; by default if there is a compiler.
-            iterations: of the solve in every step. Derivatives are those of steps solved exactly:
-                the fewer, the more they differ from those of the runs, by 1e-4 with the usual few.
 
         Raises:
             ParameterError: a level of a waveform cannot be free.
@@ -91,7 +86,7 @@ class Designs:
         self.question, self.step, self.counts = question, step, Counts()
         self.native = compiler() is not None if native is None else native
         self.system = self.steering.whole
-        self.compiled: Compiled = compile_system(self.system, iterations)
+        self.compiled: Compiled = compile_system(self.system)
         played = self.steering.played()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
         self.times = np.array(self.grid.times)
@@ -102,7 +97,6 @@ class Designs:
         self._rows = [
             [self._row(c.path, c.level) for c in one.choices] for one in question.free
         ]  # fmt: skip
-        self._hard = False
 
     def numbers(self, z: Numbers) -> Numbers:
         """Free numbers [SI] at places, (..., free)."""
@@ -223,10 +217,6 @@ class Designs:
 
     # ---------------------------------------------------------------- runs
 
-    @cached_property
-    def _thorough(self) -> Compiled:
-        return compile_system(self.system, THOROUGH)
-
     def _run(self, row: Numbers) -> tuple[Numbers, Numbers] | None:
         """Outputs of a run and their derivatives by the free numbers; None if it fails."""
         from martensite.simulate.native_slopes import march_slopes
@@ -237,10 +227,7 @@ class Designs:
             seeds[rows, k] = 1.0
         places = [self.compiled.outputs.index(name) for name in self.outputs]
         given = self.compiled, row.tolist(), seeds, self.grid, places
-        found = march_slopes(*given, self._thorough if self._hard else None)
-        if not found.residual <= SOLVED and not self._hard:
-            self._hard = True
-            found = march_slopes(*given, self._thorough)
+        found = march_slopes(*given)
         finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
         if not (found.residual <= SOLVED and finite):
             return None
@@ -251,10 +238,7 @@ class Designs:
 
         padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
         given = self.compiled, list(padded.T), self.grid, LANES, places
-        rows, worst = march_lanes(*given, self._thorough if self._hard else None)
-        if not (worst[0] <= SOLVED).all() and not self._hard:
-            self._hard = True  # from now on, steps that stay unsolved are made once more
-            rows, worst = march_lanes(*given, self._thorough)
+        rows, worst = march_lanes(*given)
         rows[:, :, ~(worst[0] <= SOLVED)] = np.nan
         return np.moveaxis(rows, 1, 0)[:, :, : len(table)]
 
@@ -262,7 +246,7 @@ class Designs:
         found = np.full((len(places), len(self.times), len(table)), np.nan)
         for k, row in enumerate(table):
             values = dict(zip(self.compiled.paths, row.tolist(), strict=True))
-            track = march_floats(*patient(self.system.rebuilt(values)), self.grid)
+            track = march_floats(*bind_system(self.system.rebuilt(values)), self.grid)
             if not track.status.failed and len(track.rows) == len(self.times):
                 found[:, :, k] = np.asarray(track.rows)[:, places].T
         return found
