@@ -10,11 +10,13 @@ plain number, whatever the source takes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise, takewhile
 from typing import Any, ClassVar
 
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
+from martensite.signals.moments import Moments, Segment, Shape, Tone, parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals")
 DRIVE = "drive"
@@ -62,3 +64,30 @@ class AbstractWaveform(AbstractDrive):
     def edges(self, duration: float) -> list[float]:
         """Times in (0, duration) at which the signal jumps or bends, ascending [s]."""
         return []
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """What it is besides its tones, from the segment that holds at `begin` [s] on, ascending.
+
+        The last one holds for ever. By default parabolas are put through its values between
+        its edges, as many as it takes.
+        """
+        first, last = 0.0, 1.0
+        while True:
+            cuts = [first, *(edge for edge in self.edges(last) if edge > first), last]
+            for one, next_one in pairwise(cuts):
+                if next_one > begin:
+                    yield from parabolas(self.value, one, next_one)
+            first, last = last, 2.0 * last
+
+    def tones(self) -> tuple[Tone, ...]:
+        """What it swings by at all times, beside its segments."""
+        return ()
+
+    def shape(self, begin: float, end: float) -> Shape:
+        """The waveform as segments and tones in [begin, end] [s]."""
+        known = takewhile(lambda segment: segment.start < end, self.segments(begin))
+        return Shape(list(known) or [next(self.segments(begin))], self.tones())
+
+    def moments(self, begin: float, end: float) -> Moments:
+        """Mean, mean square and range over [begin, end] [s], exactly."""
+        return self.shape(begin, end).moments(begin, end)

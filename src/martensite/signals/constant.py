@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("constant")
@@ -21,3 +22,7 @@ class Constant(AbstractWaveform):
     def signals(self, times: Sequence[float]) -> list[float]:
         """The level, as often as it is asked for."""
         return [self.level] * len(times)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """One."""
+        yield Segment(0.0, self.level)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from martensite.parameters import param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import inside, interval
+from martensite.signals.moments import Segment
 
 
 class Held(AbstractWaveform):
@@ -15,12 +18,21 @@ class Held(AbstractWaveform):
 
     def value(self, time: float) -> float:
         """The value of the period at `time` [s]; the new one at its start."""
-        k = interval(time, time * self.frequency, self._start)
-        return self.values[min(max(k, 0), len(self.values) - 1)]
+        return self.values[self._period(time)]
 
     def edges(self, duration: float) -> list[float]:
         """Starts of the periods in (0, duration) [s]."""
         return inside((self._start(k) for k in range(1, len(self.values))), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """One for each value."""
+        for k in range(self._period(begin), len(self.values)):
+            yield Segment(self._start(k), self.values[k])
+
+    def _period(self, time: float) -> int:
+        """Number of the value at `time` [s]."""
+        k = interval(time, time * self.frequency, self._start)
+        return min(max(k, 0), len(self.values) - 1)
 
     def _start(self, k: int) -> float:
         return k / self.frequency

@@ -5,8 +5,12 @@ On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with f the frequency and D_k the 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import count
+
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import inside, interval, require_countable
+from martensite.signals.moments import Segment
 
 
 class AbstractPulses(AbstractWaveform):
@@ -18,6 +22,10 @@ class AbstractPulses(AbstractWaveform):
         """Share of period k that is on."""
         raise NotImplementedError
 
+    def levels(self) -> tuple[float, float]:
+        """Signal while a pulse is on, and while it is off."""
+        return 1.0, 0.0
+
     def is_on(self, time: float) -> bool:
         """Whether a pulse is on at `time` [s]; it is at its start and is not at its end."""
         return time < self._end(interval(time, time * self.frequency, self._start))
@@ -28,6 +36,16 @@ class AbstractPulses(AbstractWaveform):
         require_countable(self.registered_name, count, duration)
         periods = range(int(0.5 * count) + 2)
         return inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """A pulse and a gap by turns, as far as they have a length."""
+        on, off = self.levels()
+        for k in count(max(interval(begin, begin * self.frequency, self._start), 0)):
+            start, end, after = self._start(k), self._end(k), self._start(k + 1)
+            if end > start:
+                yield Segment(start, on)
+            if end < after:
+                yield Segment(max(start, end), off)
 
     def _start(self, k: int) -> float:
         return k / self.frequency

@@ -25,6 +25,10 @@ class PulseWidthModulation(AbstractPulses):
         """The duty, in every period."""
         return self.duty
 
+    def levels(self) -> tuple[float, float]:
+        """`high` and `low`."""
+        return self.high, self.low
+
     def value(self, time: float) -> float:
         """Level at `time` [s]; the new one at a jump itself."""
         return self.high if self.is_on(time) else self.low

@@ -7,12 +7,13 @@ Before, `low` is held, and afterwards `high`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from martensite.errors import ParameterError
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("ramp")
@@ -48,3 +49,10 @@ class Ramp(AbstractWaveform):
     def edges(self, duration: float) -> list[float]:
         """Beginning and end of the ramp, where they lie in (0, duration) [s]."""
         return inside((self.start, self.end), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """Level, rising, level."""
+        if self.start > 0.0:
+            yield Segment(0.0, self.low)
+        yield Segment(self.start, self.low, (self.high - self.low) / (self.end - self.start))
+        yield Segment(self.end, self.high)

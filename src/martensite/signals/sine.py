@@ -8,10 +8,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from martensite.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, require_order
+from martensite.signals.moments import Segment, Tone
 
 _TURNS = {"low": 0.0, "middle": 0.25, "high": 0.5}
 """Phase -> share of a period by which it is ahead of the start at `low`."""
@@ -38,3 +40,12 @@ class Sine(AbstractWaveform):
         """Level at `time` [s]."""
         turns = math.fmod(time * self.frequency, 1.0) + _TURNS[self.phase]
         return blend(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """Its middle."""
+        yield Segment(0.0, 0.5 * (self.low + self.high))
+
+    def tones(self) -> tuple[Tone, ...]:
+        """One."""
+        ahead = math.tau * _TURNS[self.phase]
+        return (Tone(-0.5 * (self.high - self.low), math.tau * self.frequency, ahead),)

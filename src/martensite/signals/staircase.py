@@ -6,10 +6,13 @@ through backwards (the topmost is held once), and then the first one is held.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside, interval
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("staircase")
@@ -31,14 +34,25 @@ class Staircase(AbstractWaveform):
 
     def value(self, time: float) -> float:
         """Level at `time` [s]; the new one at a jump itself."""
-        step = min(max(interval(time, time / self.hold, self._start), 0), self._last)
-        top = int(self.count) - 1
-        return self.first + (step if step <= top else 2 * top - step) * self.increment
+        return self._level(self._step(time))
 
     def edges(self, duration: float) -> list[float]:
         """All jumps in (0, duration) [s]."""
         jumps = min(self._last, int(duration / self.hold) + 1)
         return inside((self._start(k) for k in range(1, jumps + 1)), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """One for each level."""
+        for step in range(self._step(begin), self._last + 1):
+            yield Segment(self._start(step), self._level(step))
+
+    def _step(self, time: float) -> int:
+        """Number of the level at `time` [s]."""
+        return min(max(interval(time, time / self.hold, self._start), 0), self._last)
+
+    def _level(self, step: int) -> float:
+        top = int(self.count) - 1
+        return self.first + (step if step <= top else 2 * top - step) * self.increment
 
     def _start(self, k: int) -> float:
         return k * self.hold

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from martensite.errors import ParameterError
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("step")
@@ -37,3 +39,11 @@ class Step(AbstractWaveform):
     def edges(self, duration: float) -> list[float]:
         """The step and the step back, where they lie in (0, duration) [s]."""
         return inside((self.at, self.until), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """Before, between and behind the jumps."""
+        if self.at > 0.0:
+            yield Segment(0.0, self.low)
+        yield Segment(self.at, self.high)
+        if math.isfinite(self.until):
+            yield Segment(self.until, self.low)

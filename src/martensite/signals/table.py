@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from martensite.errors import ParameterError
@@ -12,6 +12,7 @@ from martensite.parameters import param, part
 from martensite.runtimes.namespace import Scalar
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("table")
@@ -61,6 +62,19 @@ class Table(AbstractWaveform):
         first, last = levels[place - 1], levels[place]
         share = (asked - known[place - 1]) / (known[place] - known[place - 1])
         return (self.factor * blends(first, last, share)).tolist()
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """Straight lines between the samples, and the levels before and behind them."""
+        at = max(0, bisect_right(self.times, begin / self.stretch) - 1)
+        factor, stretch = self.factor, self.stretch
+        if at == 0 and self.times[0] > 0.0:
+            yield Segment(0.0, factor * self.values[0])
+        for k in range(at, len(self.times) - 1):
+            rise, time = self.values[k + 1] - self.values[k], self.times[k + 1] - self.times[k]
+            yield Segment(
+                self.times[k] * stretch, factor * self.values[k], factor * rise / (time * stretch)
+            )
+        yield Segment(self.times[-1] * stretch, factor * self.values[-1])
 
     def _sample(self, time: float) -> float:
         right = bisect_right(self.times, time)

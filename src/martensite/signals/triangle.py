@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import count
+
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, inside, interval, require_countable, require_order
+from martensite.signals.moments import Segment
 
 
 @WAVEFORMS.register("triangle")
@@ -33,6 +37,13 @@ class Triangle(AbstractWaveform):
         count = 2.0 * self.frequency * duration
         require_countable("triangle", count, duration)
         return inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """Up and down by turns."""
+        rise = 2.0 * self.frequency * (self.high - self.low)
+        for k in count(max(interval(begin, 2.0 * begin * self.frequency, self._bend), 0)):
+            level, slope = (self.high, -rise) if k % 2 else (self.low, rise)
+            yield Segment(self._bend(k), level, slope)
 
     def _bend(self, k: int) -> float:
         return 0.5 * k / self.frequency

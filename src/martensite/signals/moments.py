@@ -1,0 +1,329 @@
+r"""What a signal brings in an interval: mean, mean square and range, in closed form.
+
+A signal is a parabola from segment to segment, and tones that go on all the time,
+
+    u(t) = level + slope τ + bend τ² + Σ A_k cos(ω_k t + φ_k),     τ = t - start of the segment
+
+About the middle m of an interval of half width r the parabola is d₀ + d₁ x + d₂ x², and
+
+    ⟨p⟩  = d₀ + d₂ r²/3        ⟨p²⟩ = d₀² + (d₁² + 2 d₀ d₂) r²/3 + d₂² r⁴/5
+    ⟨c⟩  = A cos θ sinc ωr     θ = ω m + φ
+    ⟨c_j c_k⟩ = ½ A_j A_k [cos(θ_j - θ_k) sinc(ω_j - ω_k)r + cos(θ_j + θ_k) sinc(ω_j + ω_k)r]
+    ⟨p c⟩ = A [cos θ (d₀ S₀ + d₂ S₂) - sin θ d₁ S₁],      S_n = mean of xⁿ cos ωx or xⁿ sin ωx
+    3 ⟨x p⟩ = d₁ r²        3 ⟨x p²⟩ = 2 d₁ (d₀ r² + 3 d₂ r⁴/5)        ⟨x c⟩ = -A sin θ S₁
+
+so a drive is integrated, not sampled, whatever the length of a step. Nothing is a difference of
+large numbers: an interval of a microsecond after a day is as exact as the first.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+FITTED = 1e-9
+"""Error of parabolas that are put through a signal, as a share of its size."""
+FINEST = 1e-7
+"""The shortest of them, as a share of the interval."""
+LOOKED_AT = tuple((k * 0.6180339887498949) % 1.0 for k in range(1, 14))
+"""Where in an interval a parabola is compared with the signal: at no regular distance."""
+MANY = 1000
+"""Intervals from which on arrays are quicker than numbers one by one."""
+RESOLVED = 0.5
+"""Half an interval in radians of a tone up to which the interval sees the tone."""
+SERIES = 0.25
+"""Argument below which functions that are 0/0 at 0 are taken from their series."""
+
+
+class Segment(NamedTuple):
+    """A stretch of a signal that is a parabola, up to the start of the next one."""
+
+    start: float
+    """[s]"""
+    level: float
+    """At its start."""
+    slope: float = 0.0
+    """[1/s]"""
+    bend: float = 0.0
+    """Half of the second derivative [1/s²]."""
+
+    def value(self, time: float) -> float:
+        """The parabola at `time` [s]."""
+        along = time - self.start
+        return self.level + (self.slope + self.bend * along) * along
+
+
+class Tone(NamedTuple):
+    """A cos(ω t + φ), at all times."""
+
+    amplitude: float
+    rate: float
+    """ω [rad/s], above 0."""
+    phase: float = 0.0
+    """φ [rad]"""
+
+    def value(self, time: float) -> float:
+        """The tone at `time` [s]."""
+        return self.amplitude * math.cos(self.rate * time + self.phase)
+
+
+class Moments(NamedTuple):
+    """What a signal brings in an interval."""
+
+    mean: float
+    square: float
+    """Mean square."""
+    low: float
+    high: float
+    """Bounds of the signal."""
+    lapse: float = 0.0
+    """How far the signal is ahead of a straight line, at most: [s] of its largest size. 0 if it
+    neither jumps nor bends nor swings within the interval: a step then sees what it does."""
+    slope: float = 0.0
+    """Of the straight line that is nearest to the signal [1/s]."""
+    square_slope: float = 0.0
+    """The same of its square."""
+
+    @classmethod
+    def constant(cls, level: float) -> Moments:
+        """Of a level that does not change."""
+        return cls(level, level * level, level, level)
+
+
+class Shape(NamedTuple):
+    """A signal as segments and tones, as far as it is known."""
+
+    segments: Sequence[Segment]
+    """Ascending; each goes on to the start of the next, the last one for ever."""
+    tones: Sequence[Tone] = ()
+
+    def value(self, time: float) -> float:
+        """The signal at `time` [s]; right-continuous at jumps."""
+        at = max(0, bisect_right(self.segments, time, key=_start) - 1)
+        return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
+
+    def before(self, time: float) -> float:
+        """The signal just before `time` [s]."""
+        at = max(0, bisect_right(self.segments, time, key=_start) - 1)
+        if at > 0 and not self.segments[at].start < time:
+            at -= 1
+        return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
+
+    def moments(self, begin: float, end: float) -> Moments:
+        """Moments over [begin, end] [s]."""
+        at = max(0, bisect_right(self.segments, begin, key=_start) - 1)
+        swings = [_Swing(tone, begin, end) for tone in self.tones]
+        found, left = _Sum(begin, end, swings), begin
+        for segment, after in zip(
+            self.segments[at:], [*self.segments[at + 1 :], None], strict=True
+        ):
+            right = end if after is None else min(end, after.start)
+            found.add(segment, left, right)
+            left = right
+            if not right < end:
+                break
+        return found.moments()
+
+    def many(self, begins: Sequence[float], ends: Sequence[float]) -> list[Moments]:
+        """Moments over many intervals; in arrays those that lie within a segment each."""
+        if len(begins) < MANY or self.tones:
+            return [self.moments(a, b) for a, b in zip(begins, ends, strict=True)]
+        import numpy as np
+
+        table = np.array([tuple(segment) for segment in self.segments])
+        first, last = np.asarray(begins), np.asarray(ends)
+        starts = table[:, 0]
+        at = np.maximum(np.searchsorted(starts, first, side="right") - 1, 0)
+        following = np.append(starts, np.inf)[at + 1]
+        start, level, slope, bend = table[at].T
+        half = 0.5 * (last - first)
+        along = first + half - start
+        d0, d1 = level + (slope + bend * along) * along, slope + 2.0 * bend * along
+        third, curve = half * half / 3.0, bend * half * half
+        reach = np.abs(d1) * half
+        columns = (
+            d0 + bend * third,
+            d0 * d0 + (d1 * d1 + 2.0 * d0 * bend) * third + bend * bend * half**4 / 5.0,
+            d0 - reach + np.minimum(curve, 0.0),
+            d0 + reach + np.maximum(curve, 0.0),
+            0.0 * d0,
+            d1,
+            2.0 * d1 * (d0 + 0.6 * curve),
+        )
+        found = [Moments(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+        for k in np.flatnonzero(following < last - 1e-9 * (last - first)).tolist():
+            found[k] = self.moments(begins[k], ends[k])
+        return found
+
+
+class _Sum:
+    """Moments of a signal, added up from segment to segment."""
+
+    def __init__(self, begin: float, end: float, swings: Sequence[_Swing]) -> None:
+        self.begin, self.length, self.swings = begin, end - begin, swings
+        self.middle = 0.5 * (begin + end)
+        self.mean = self.square = self.cross = 0.0
+        self.lean = self.square_lean = 0.0
+        """First moments of u and u² about the middle of the interval, over its length."""
+        self.low, self.high = math.inf, -math.inf
+        self.marks: list[tuple[float, float, float]] = []
+
+    def add(self, segment: Segment, left: float, right: float) -> None:
+        """A piece of the interval."""
+        half, aside = 0.5 * (right - left), 0.5 * (left + right) - self.middle
+        d0, d1, d2 = _centred(segment, left + half)
+        share, two = 2.0 * half / self.length, half * half
+        third, fifth = two / 3.0, two * two / 5.0
+        mean, square = d0 + d2 * third, d0 * d0 + (d1 * d1 + 2.0 * d0 * d2) * third
+        square += d2 * d2 * fifth
+        self.mean += share * mean
+        self.square += share * square
+        self.lean += share * (aside * mean + d1 * third)
+        self.square_lean += share * (aside * square + 2.0 * d1 * (d0 * third + d2 * fifth))
+        self.cross += share * sum(_product(s.tone, left, right, d0, d1, d2) for s in self.swings)
+        reach, curve = abs(d1) * half, d2 * two
+        self.low = min(self.low, d0 - reach + min(curve, 0.0))
+        self.high = max(self.high, d0 + reach + max(curve, 0.0))
+        self.marks.append((right - self.begin, self.mean, self.square))
+
+    def moments(self) -> Moments:
+        """All together."""
+        swings, per = self.swings, 12.0 / (self.length * self.length)
+        low, high = self.low + sum(s.low for s in swings), self.high + sum(s.high for s in swings)
+        mean, slope, second = self.mean, per * self.lean, per * self.square_lean
+        lapse = self._lapse(max(abs(low), abs(high)), slope, second)
+        for swing in swings:
+            mean, slope = mean + swing.mean, slope + per * swing.lean
+        if swings:  # that of the square as if both were straight
+            second += 2.0 * (mean * slope - self.mean * per * self.lean)
+        square = self.square + 2.0 * self.cross + _beats(swings)
+        return Moments(mean, square, low, high, lapse, slope, second)
+
+    def _lapse(self, size: float, slope: float, second: float) -> float:
+        """How far the integrals of u and u² are from those of straight lines, over its size."""
+        if not size > 0.0:
+            return 0.0
+        found = sum(swing.lapse for swing in self.swings) / size
+        if len(self.marks) == 1:
+            return found
+        length = self.length
+        first = squares = 0.0
+        for time, mean, square in self.marks:
+            bow = 0.5 * time * (time - length)
+            first = max(first, abs(length * mean - time * self.mean - slope * bow))
+            squares = max(squares, abs(length * square - time * self.square - second * bow))
+        return found + max(first / size, squares / (size * size))
+
+
+class _Swing:
+    """A tone in an interval."""
+
+    def __init__(self, tone: Tone, begin: float, end: float) -> None:
+        self.tone = tone
+        half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
+        self.angle = tone.rate * middle + tone.phase
+        self.reach = tone.rate * half
+        size = abs(tone.amplitude)
+        at, steep = tone.amplitude * math.cos(self.angle), size * abs(math.sin(self.angle))
+        self.mean = at * sinc(self.reach)
+        self.lean = -tone.amplitude * math.sin(self.angle) * half * leaning(self.reach)
+        spread = steep * self.reach + 0.5 * size * self.reach * self.reach
+        self.low, self.high = max(-size, at - spread), min(size, at + spread)
+        self.lapse = size / tone.rate if self.reach > RESOLVED else 0.0
+
+
+def sinc(x: float) -> float:
+    """sin x / x."""
+    if abs(x) < SERIES:
+        z = x * x
+        return 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0)))
+    return math.sin(x) / x
+
+
+def leaning(x: float) -> float:
+    """(sin x / x - cos x)/x: the mean of s sin xs over s between -1 and 1."""
+    if abs(x) < SERIES:
+        z = x * x
+        return x * (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0))))
+    return (math.sin(x) / x - math.cos(x)) / x
+
+
+def _centred(segment: Segment, middle: float) -> tuple[float, float, float]:
+    """A parabola about the middle of an interval."""
+    along = middle - segment.start
+    return (
+        segment.level + (segment.slope + segment.bend * along) * along,
+        segment.slope + 2.0 * segment.bend * along,
+        segment.bend,
+    )
+
+
+def _product(tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float) -> float:
+    """Mean of a parabola times a tone."""
+    half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
+    angle, x = tone.rate * middle + tone.phase, tone.rate * half
+    s0, s1 = sinc(x), half * leaning(x)
+    if abs(x) < SERIES:
+        z = x * x
+        s2 = half * half * (1.0 / 3.0 - z / 10.0 * (1.0 - 5.0 * z / 84.0 * (1.0 - 7.0 * z / 270.0)))
+    else:
+        s2 = half * half * (s0 - 2.0 * (s0 - math.cos(x)) / (x * x))
+    return tone.amplitude * (math.cos(angle) * (d0 * s0 + d2 * s2) - math.sin(angle) * d1 * s1)
+
+
+def _beats(swings: Sequence[_Swing]) -> float:
+    """Mean square of the sum of tones."""
+    found = 0.0
+    for j, a in enumerate(swings):
+        for k, b in enumerate(swings[: j + 1]):
+            part = math.cos(a.angle - b.angle) * sinc(a.reach - b.reach)
+            part += math.cos(a.angle + b.angle) * sinc(a.reach + b.reach)
+            found += (0.5 if k == j else 1.0) * a.tone.amplitude * b.tone.amplitude * part
+    return found
+
+
+def _start(segment: Segment) -> float:
+    return segment.start
+
+
+def added(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]:
+    """Segments of a sum of signals, each times a factor, from those of all."""
+    here = [next(segments) for _, segments in terms]
+    ahead = [next(segments, None) for _, segments in terms]
+    start = max(segment.start for segment in here)
+    while True:
+        level = slope = bend = 0.0
+        for (factor, _), segment in zip(terms, here, strict=True):
+            d0, d1, d2 = _centred(segment, start)
+            level, slope, bend = level + factor * d0, slope + factor * d1, bend + factor * d2
+        yield Segment(start, level, slope, bend)
+        starts = [segment.start for segment in ahead if segment is not None]
+        if not starts:
+            return
+        start = min(starts)
+        for k, segment in enumerate(ahead):
+            if segment is not None and segment.start == start:
+                here[k], ahead[k] = segment, next(terms[k][1], None)
+
+
+def parabolas(value: Callable[[float], float], first: float, last: float) -> Iterator[Segment]:
+    """Parabolas through a signal that is smooth in [first, last), ascending."""
+    stack = [(first, last)]
+    while stack:
+        begin, end = stack.pop()
+        length = end - begin
+        late = 1.0 - 1e-9  # the signal may jump at its end
+        levels = value(begin), value(begin + 0.5 * length), value(begin + late * length)
+        rise, whole = 2.0 * (levels[1] - levels[0]), (levels[2] - levels[0]) / late
+        bend = (whole - rise) / (late - 0.5)
+        slope = rise - 0.5 * bend
+        found = Segment(begin, levels[0], slope / length, bend / (length * length))
+        known = [(value(t), found.value(t)) for t in (begin + s * length for s in LOOKED_AT)]
+        size = max(*(abs(a) for a, _ in known), *map(abs, levels))
+        if length <= FINEST * (last - first) or all(abs(a - b) <= FITTED * size for a, b in known):
+            yield found
+        else:
+            middle = 0.5 * (begin + end)
+            stack += [(middle, end), (begin, middle)]

@@ -1,0 +1,76 @@
+"""A waveform read forwards: its segments are made as they are needed and forgotten behind."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.moments import Moments, Segment, Shape
+
+AHEAD = 512
+"""Segments that are made at once."""
+
+
+class Reader:
+    """What a waveform does in a window of time that moves on."""
+
+    def __init__(self, waveform: AbstractWaveform) -> None:
+        self._coming: Iterator[Segment] = waveform.segments(0.0)
+        self._known: list[Segment] = []
+        self._starts: list[float] = []
+        self._ended = False
+        self.tones = waveform.tones()
+        self.fastest = max((tone.rate for tone in self.tones), default=0.0)
+        """Highest ω of its tones [rad/s]."""
+
+    def moments(self, begin: float, end: float) -> Moments:
+        """Moments over [begin, end] [s]."""
+        self._need(end)
+        first = self._place(begin)
+        if not self.tones:
+            segment = self._known[first]
+            alone = first + 1 == len(self._starts) or self._starts[first + 1] >= end
+            if alone and segment.slope == 0.0 == segment.bend:
+                return Moments.constant(segment.level)
+        return Shape(self._known[first : self._place(end) + 1], self.tones).moments(begin, end)
+
+    def value(self, time: float) -> float:
+        """Signal at `time` [s]; the new one at a jump."""
+        self._need(time)
+        return Shape([self._known[self._place(time)]], self.tones).value(time)
+
+    def before(self, time: float) -> float:
+        """Signal just before `time` [s]."""
+        self._need(time)
+        place = self._place(time)
+        if place > 0 and not self._starts[place] < time:
+            place -= 1
+        return Shape([self._known[place]], self.tones).value(time)
+
+    def edges(self, begin: float, end: float) -> list[float]:
+        """Where it jumps or bends in (begin, end) [s]."""
+        self._need(end)
+        first = bisect_right(self._starts, begin)
+        last = self._place(end) + 1
+        return [start for start in self._starts[first:last] if start < end]
+
+    def forget(self, time: float) -> None:
+        """What lies before `time` [s] will not be asked for again."""
+        place = self._place(time) - 1
+        if place > AHEAD:
+            del self._known[:place], self._starts[:place]
+
+    def _place(self, time: float) -> int:
+        return max(0, bisect_right(self._starts, time) - 1)
+
+    def _need(self, time: float) -> None:
+        """Make segments until one begins behind `time` [s]."""
+        while not self._ended and (not self._starts or self._starts[-1] <= time):
+            for _ in range(AHEAD):
+                segment = next(self._coming, None)
+                if segment is None:
+                    self._ended = True
+                    break
+                self._known.append(segment)
+                self._starts.append(segment.start)
