@@ -18,6 +18,7 @@ class Status(IntEnum):
     NOT_FINITE = 4
     REFUSED = 5
     LOST = 6
+    OUT_OF_ENVELOPE = 7
 
     @property
     def sentence(self) -> str:
@@ -55,5 +56,9 @@ _SENTENCES = {
     Status.LOST: (
         "The process that ran this one died, or an error came out of it. "
         "Try this run alone; it may need more memory than there is."
+    ),
+    Status.OUT_OF_ENVELOPE: (
+        "The run left what can be: no wire melts, tears or is stretched that far. "
+        "Try less power or a smaller load, and look at the parameters for a wrong unit."
     ),
 }

@@ -14,9 +14,12 @@ from martensite.parameters import Parametrised, param
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.moments import Moments
 
 RESISTANCES: Registry[AbstractResistance] = Registry("resistance", "martensite.electrical")
 SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.electrical")
+STRAIGHT = 1e-9
+"""Departure of a current or a power from a straight line that is none, as a share of it."""
 
 
 class Conductor(NamedTuple):
@@ -33,6 +36,17 @@ class Reach(NamedTuple):
 
     least: float
     most: float
+
+
+class Heat(NamedTuple):
+    """Power [W] in an element during an interval."""
+
+    mean: Scalar
+    doubt: Scalar
+    """How far the mean may be off, since the source follows the drive in a part of it only."""
+    peak: Scalar
+    slope: Scalar = 0.0
+    """Of the straight line that is nearest to the power [W/s]."""
 
 
 class AbstractResistance(Parametrised):
@@ -58,10 +72,49 @@ class AbstractSource(Parametrised):
     """True if the signal is the temperature of the element itself."""
     supplied_by: ClassVar[tuple[str, ...]] = ()
     """Parameters that are the voltage of its supply: those that fall when the supply does."""
+    linear: ClassVar[str] = "current"
+    """What goes straight with the drive, within limits: `current` or `power`."""
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
         raise NotImplementedError
+
+    def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
+        """Power in an element of `resistance` [ohm] under a drive with these moments.
+
+        Exact where the source is linear over the range of the drive, or the drive constant. A
+        limit within the range shows where the source is asked between its ends; the mean is
+        then in doubt, by all that lies between the powers at the ends.
+        """
+        square = self.linear == "current"
+
+        def answer(drive: Scalar) -> Scalar:
+            current = self.current(xp, drive, resistance)
+            return current if square else current * current * resistance
+
+        span = drive.high - drive.low
+        varies = span > 0.0
+        low, high = answer(drive.low), answer(drive.high)
+        slope = (high - low) / xp.where(varies, span, 1.0)
+        middle = low + slope * (drive.mean - drive.low)
+        off = xp.abs(answer(drive.mean) - middle)
+        off = xp.maximum(off, xp.abs(answer(drive.low + 0.25 * span) - (low + 0.25 * slope * span)))
+        bent = xp.both(varies, off > STRAIGHT * (xp.abs(low) + xp.abs(high)))
+        least, most = xp.minimum(low, high), xp.maximum(low, high)
+        if square:
+            spread = xp.maximum(drive.square - drive.mean * drive.mean, 0.0)
+            mean = middle * middle + slope * slope * spread
+            crosses = xp.both(least < 0.0, most > 0.0)
+            least, most = low * low, high * high
+            least, most = xp.minimum(least, most), xp.maximum(least, most)
+            least = resistance * xp.where(crosses, 0.0, least)
+            mean, most = resistance * mean, resistance * most
+            level = low - slope * drive.low
+            by_square = slope * slope * drive.square_slope
+            change = resistance * (2.0 * level * slope * drive.slope + by_square)
+        else:
+            mean, change = middle, slope * drive.slope
+        return Heat(mean, xp.where(bent, most - least, 0.0), most, change)
 
     def reach(self, resistance: float) -> Reach:
         """What can be delivered to an element of `resistance` [ohm]; unlimited by default."""
@@ -94,6 +147,7 @@ class AbstractSwitch(AbstractSource):
     """
 
     supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
+    linear: ClassVar[str] = "power"
 
     supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4)
     series_resistance: Scalar = param(

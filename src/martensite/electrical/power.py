@@ -14,6 +14,7 @@ class PowerSource(AbstractSupply):
     """An imposed electrical power in the element; negative demands give none."""
 
     unit: ClassVar[str] = "W"
+    linear: ClassVar[str] = "power"
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """I [A] for a drive in watt."""

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
-from martensite.electrical.base import AbstractSource
+from martensite.electrical.base import AbstractSource, Heat
 from martensite.elements.limits import Limits
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw, Fractions
@@ -23,6 +23,7 @@ from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.moments import Moments
 from martensite.thermal.base import Environment
 
 ELEMENTS: Registry[AbstractElement] = Registry("element", "martensite.elements")
@@ -47,17 +48,32 @@ class Heating:
 
     environment: Environment
     source: AbstractSource
-    drive: Scalar
-    """Signal of the source, in its unit."""
+    drive: Scalar | Moments
+    """Signal of the source, in its unit: one that is constant, or what it brings in the step."""
+    owed: Scalar = 0.0
+    """Heat that the step before should have brought as well [J]."""
 
-    def current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Current [A] through a resistance [ohm]."""
-        return self.source.current(xp, self.drive, resistance)
+    def heat(self, xp: Namespace, resistance: Scalar) -> Heat:
+        """Power [W] in a resistance [ohm]."""
+        if isinstance(self.drive, Moments):
+            return self.source.heat(xp, self.drive, resistance)
+        current = self.source.current(xp, self.drive, resistance)
+        power = current * current * resistance
+        return Heat(power, 0.0, power)
+
+    def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
+        """Temperature [K] that is left out by what heats on the average of a step of dt [s]."""
+        if not isinstance(self.drive, Moments):
+            return 0.0
+        heat = self.heat(xp, resistance)
+        return (heat.doubt * dt + heat.peak * self.drive.lapse) / capacity
 
     @property
     def temperature(self) -> Scalar | None:
         """Temperature imposed on the element [K]; None if the heat balance decides."""
-        return self.drive if self.source.sets_temperature else None
+        if not self.source.sets_temperature:
+            return None
+        return self.drive.mean if isinstance(self.drive, Moments) else self.drive
 
 
 class Condition(NamedTuple):
@@ -87,9 +103,24 @@ class Profile(NamedTuple):
     """Martensite fraction."""
 
 
+class Point(NamedTuple):
+    """What decides on the phase state at a place in an element, and that state."""
+
+    temperature: Scalar
+    """[K]"""
+    stress: Scalar
+    """[Pa]"""
+    martensite_fraction: Scalar
+    oriented_fraction: Scalar
+    kinks: tuple[Scalar, ...]
+    """Of the law, see `AbstractLaw.kinks`."""
+
+
 class AbstractElement(Parametrised):
     """Interface of an element: its `law`, its safety `limits`, and a state of its own making."""
 
+    straight: ClassVar[bool] = True
+    """False if its strain is not that of a straight wire, which tears."""
     passes: ClassVar[int] = 1
     """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
 
@@ -111,6 +142,14 @@ class AbstractElement(Parametrised):
     ) -> tuple[Any, Report]:
         """The state after a step of dt [s], and how well the step was solved."""
         raise NotImplementedError
+
+    def warm_start(self, state: Any, found: Any) -> Any:
+        """The state, with what `found`, where a step from it ended before, tells its solve."""
+        return state
+
+    def rates(self, state: Any) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        return []
 
     def force(self, state: Any) -> Scalar:
         """Force at the end of the last step [N]."""
@@ -148,6 +187,14 @@ class AbstractElement(Parametrised):
         """Where the points of the profile lie [m]."""
         return []
 
+    def points(self, xp: Namespace, state: Any) -> list[Point]:
+        """Places of about equal weight; none where a law of rates acts, which knows no turn."""
+        return []
+
+    def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Heat [J] that it holds, but for a constant; None if that is no function of its state."""
+        return None
+
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""
         raise NotImplementedError
@@ -155,6 +202,15 @@ class AbstractElement(Parametrised):
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """Heat flow to the environment [W] of an element that is equally hot everywhere."""
         raise NotImplementedError
+
+
+def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[Point]:
+    """Points from the memories of a law; none if it has rates."""
+    if law.rate_dependent:
+        return []
+    return [
+        Point(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m))) for m in memories
+    ]
 
 
 def fitted(

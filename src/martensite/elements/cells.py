@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from martensite.elements.base import Condition, Heating, Profile, Pull, Spring
+from martensite.elements.base import (
+    Condition,
+    Heating,
+    Point,
+    Profile,
+    Pull,
+    Spring,
+    points_of,
+)
 from martensite.elements.columns import Cells
 from martensite.elements.cut import AbstractCut
 from martensite.elements.network import Column
@@ -40,6 +48,10 @@ class AbstractCells(AbstractCut):
         """Temperature and martensite fraction of every cell."""
         m, _, temperatures = self._columns(state)
         return Profile(temperatures, m)
+
+    def points(self, xp: Namespace, state: Cells) -> list[Point]:
+        """Every cell, unless the law has rates."""
+        return points_of(xp, self.law, state.memories)
 
     def _columns(self, state: Cells) -> tuple[Column, Column, Column]:
         """Both fractions and the temperature [K] of every cell."""

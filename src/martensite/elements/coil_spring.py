@@ -86,6 +86,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped):
 
     cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")
     passes: ClassVar[int] = 3
+    straight: ClassVar[bool] = False
 
     coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0)
     coil_measure: str = option(

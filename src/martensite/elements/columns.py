@@ -35,7 +35,7 @@ class Start(NamedTuple):
     capacity: Column
     """[J/K]"""
     diagonal: Column
-    """Heat capacity and half the loss of the step [J/K]."""
+    """Heat capacity, more by what is lost as it warms [J/K]."""
     right: Column
     """Diagonal · T less the heat lost [J]."""
     latent: Column

@@ -2,25 +2,43 @@
 
 Given the phase fractions at the end of a step, everything else follows in closed form:
 
-    T    linearised trapezoid of the heat balance, with latent heat
+    T    heat balance, linearised at the start of the step, with latent heat
     F    balance of the element (a spring at these fractions and T) with the mechanism
 
 so the coupled step is the search for the fractions that the law answers with themselves
-(`laws.coupling`). Second order in the step. An element that is not linear in force is
-linearised at the force before, and again at the one found.
+(`laws.coupling`). Second order in the step: power, resistance and latent heat count as they are
+in its middle, to first order, and a wire that only relaxes does so by
+
+    ΔT = [Δt (P - Q) + Δt² P' (½ coth(z/2) - 1/z)]/(C g),   g = z/(1 - exp(-z)),   z = Δt Q'/C,
+
+so that a rest is one step, and a power that rises or falls is no error. An element that is not
+linear in force is linearised at the force before, and again at the one found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from martensite.elements.base import AbstractElement, Condition, Heating, Pull, Spring, fitted
+from martensite.elements.base import (
+    AbstractElement,
+    Condition,
+    Heating,
+    Point,
+    Pull,
+    Spring,
+    fitted,
+    points_of,
+)
 from martensite.laws.base import Fractions
 from martensite.laws.coupling import Report, advance
-from martensite.runtimes.dual import value_and_slope
+from martensite.runtimes.dual import jacobian, value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Environment
+
+Column = Sequence[Scalar]
+Loaded = Callable[[Namespace, Fractions, Scalar], Scalar]
+"""Force [N] on the load line, at phase fractions and a temperature [K]."""
 
 
 class Lumped(NamedTuple):
@@ -30,6 +48,50 @@ class Lumped(NamedTuple):
     """Of the law."""
     force: Scalar
     """[N]"""
+    rate: Scalar
+    """Of the martensite fraction in the last step [1/s]: where the next solve begins to look."""
+
+
+class HeatLine(NamedTuple):
+    """Heat balance of a step, linearised at its start: temperature as a function of fractions."""
+
+    fractions: Fractions
+    """At the start."""
+    start: Scalar
+    """Temperature at the start [K]."""
+    share: Scalar
+    """Temperature per heat [K/J]."""
+    heat: Scalar
+    """What comes in and stays if nothing transforms [J]."""
+    by_martensite: Scalar
+    """More of it per martensite [J]: latent heat, and what another resistance takes up."""
+    by_oriented: Scalar
+    bend_martensite: Scalar
+    """Change of the latent heat along the step, per martensite, oriented fraction and kelvin."""
+    bend_oriented: Scalar
+    bend_temperature: Scalar
+    ripple: Scalar
+    """[K]"""
+
+    def temperature(self, end: Fractions) -> Scalar:
+        """Temperature at the end of the step [K]."""
+        m, o = (a - b for a, b in zip(end, self.fractions, strict=True))
+        heat = self.heat + self.by_martensite * m + self.by_oriented * o
+        bend = self.bend_martensite * m + self.bend_oriented * o
+        bend = bend + self.bend_temperature * (self.share * heat)
+        return self.start + self.share * (heat + bend * m)
+
+
+def relaxation(xp: Namespace, z: Scalar) -> Scalar:
+    """z/(1 - exp(-z)) by its Padé approximant: a step as long as one likes ends at rest."""
+    slow = (1.0 + z * (2.0 / 3.0 + z * (1.0 / 6.0))) / (1.0 + xp.maximum(z, 0.0) * (1.0 / 6.0))
+    return xp.where(z > 0.0, slow, xp.maximum(1.0 + 0.5 * z, 0.1))
+
+
+def lateness(xp: Namespace, z: Scalar) -> Scalar:
+    """½ coth(z/2) - 1/z: a rising power counts more, since less of what comes late is lost."""
+    later = xp.maximum(z, 0.0)
+    return z / (12.0 + 2.0 * later * later / (10.0 + later))
 
 
 class AbstractLumped(AbstractElement):
@@ -64,7 +126,8 @@ class AbstractLumped(AbstractElement):
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        return Lumped(self.law.init(xp, self.initial_fractions(), stress, temperature), force)
+        memory = self.law.init(xp, self.initial_fractions(), stress, temperature)
+        return Lumped(memory, force, 0.0)
 
     def force(self, state: Lumped) -> Scalar:
         """Force at the end of the last step [N]."""
@@ -76,7 +139,8 @@ class AbstractLumped(AbstractElement):
     ) -> Lumped:  # fmt: skip
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
-        return Lumped(self.law.moved(xp, state.memory, fractions, stress, temperature), force)
+        moved = self.law.moved(xp, state.memory, fractions, stress, temperature)
+        return Lumped(moved, force, state.rate)
 
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
@@ -85,9 +149,8 @@ class AbstractLumped(AbstractElement):
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Lumped, Report]:  # fmt: skip
+    ) -> tuple[Lumped, Report]:
         """The state after a step of dt [s], and how well the step was solved."""
-        heat = self._heat_line(xp, state, heating, dt)
 
         def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
             def near(xp: Namespace, force: Scalar) -> Spring:
@@ -95,39 +158,87 @@ class AbstractLumped(AbstractElement):
 
             return fitted(xp, near, pull, state.force, self.passes)
 
+        line = self._heat_line(xp, state, heating, loaded, dt)
+        imposed = heating.temperature
+
         def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
-            temperature = heat(xp, fractions.martensite)
+            temperature = line.temperature(fractions) if imposed is None else imposed
             return self.stress(xp, loaded(xp, fractions, temperature)), temperature
 
-        memory, report = advance(xp, self.law, state.memory, settle, dt)
-        force = loaded(xp, self.law.fractions(memory), memory.temperature)
-        return Lumped(memory, force), report
+        memory, report = advance(xp, self.law, state.memory, settle, dt, state.rate * dt)
+        end = self.law.fractions(memory)
+        force = loaded(xp, end, memory.temperature)
+        moves = dt > 0.0
+        change = end.martensite - line.fractions.martensite
+        rate = xp.detach(xp.where(moves, change / xp.where(moves, dt, 1.0), state.rate))
+        return Lumped(memory, force, rate), report._replace(ripple=line.ripple)
+
+    def rates(self, state: Lumped) -> list[Scalar]:
+        """That of the martensite fraction."""
+        return [state.rate]
+
+    def warm_start(self, state: Lumped, found: Lumped) -> Lumped:
+        """The state, from which a step begins to look where it ended before."""
+        return state._replace(rate=found.rate)
 
     def _heat_line(
-        self, xp: Namespace, state: Lumped, heating: Heating, dt: Scalar
-    ) -> Callable[[Namespace, Scalar], Scalar]:
-        """T at the end of the step as a function of the fraction there."""
-        imposed = heating.temperature
-        if imposed is not None:
-            return lambda xp, x: imposed
+        self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar
+    ) -> HeatLine:
+        """T at the end of the step as a function of the fractions there."""
         law, memory = self.law, state.memory
-        start, fractions = memory.temperature, law.fractions(memory)
-        strain = law.strain(xp, fractions, memory.stress, start)
+        start, stress = memory.temperature, memory.stress
+        fractions = law.fractions(memory)
+        strain = law.strain(xp, fractions, stress, start)
 
         def loss(xp: Namespace, temperature: Scalar) -> Scalar:
             return self.heat_loss(xp, temperature, heating.environment)
 
+        def power(xp: Namespace, at: Column) -> Column:
+            heat = heating.heat(xp, self.ohms(xp, *at))
+            return [heat.mean, heat.slope]
+
+        def reached(xp: Namespace, at: Column) -> Column:
+            """Strain and stress on the load line."""
+            there = Fractions(at[0], at[1])
+            pulled = self.stress(xp, loaded(xp, there, at[2]))
+            return [law.strain(xp, there, pulled, at[2]), pulled]
+
+        def latent(xp: Namespace, at: Column) -> Column:
+            return [self.latent_heat_total(xp, *at)]
+
         lost, slope = value_and_slope(xp, loss, start)
-        share = 1.0 / (self.heat_capacity_total() + 0.5 * dt * slope)
-        latent = self.latent_heat_total(xp, memory.stress, start)
+        (given, change), (by_point, _) = jacobian(xp, power, [fractions.martensite, strain, start])
+        _, (by_strain, by_stress) = jacobian(xp, reached, [*fractions, start])
+        (heat,), (by_state,) = jacobian(xp, latent, [stress, start])
+        capacity = self.heat_capacity_total()
+        less = slope - by_point[2] - by_point[1] * by_strain[2]
+        ohms = self.ohms(xp, fractions.martensite, strain, start)
+        z = dt * less / capacity
+        return HeatLine(
+            fractions=fractions,
+            start=start,
+            share=1.0 / (capacity * relaxation(xp, z)),
+            heat=dt * (given - lost) + dt * dt * change * lateness(xp, z) + heating.owed,
+            by_martensite=heat + 0.5 * dt * (by_point[0] + by_point[1] * by_strain[0]),
+            by_oriented=0.5 * dt * by_point[1] * by_strain[1],
+            bend_martensite=0.5 * by_state[0] * by_stress[0],
+            bend_oriented=0.5 * by_state[0] * by_stress[1],
+            bend_temperature=0.5 * (by_state[0] * by_stress[2] + by_state[1]),
+            ripple=heating.ripple(xp, ohms, capacity, dt),
+        )
 
-        def temperature(xp: Namespace, x: Scalar) -> Scalar:
-            ohms = self.ohms(xp, 0.5 * (fractions.martensite + x), strain, start)
-            current = heating.current(xp, ohms)
-            joule = dt * (current * current * ohms - lost)
-            return start + share * (joule + latent * (x - fractions.martensite))
+    def points(self, xp: Namespace, state: Lumped) -> list[Point]:
+        """The whole element, unless its law has rates."""
+        return points_of(xp, self.law, [state.memory])
 
-        return temperature
+    def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
+        """C T - λ ξ [J], if the latent heat λ is a number."""
+        if not self.law.constant_heat:
+            return None
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        return self.heat_capacity_total() * memory.temperature - latent * fraction
 
     def condition(
         self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment

@@ -67,6 +67,11 @@ class AbstractRow(AbstractLumped):
         return self.one.limits
 
     @property
+    def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether one is a straight wire."""
+        return self.one.straight
+
+    @property
     def passes(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Turns in which the force is fitted, of one."""
         return self.one.passes

@@ -21,6 +21,7 @@ from martensite.elements.base import Heating, Pull
 from martensite.elements.columns import Cells, Guess, Lines, Start
 from martensite.elements.cut import AbstractCut
 from martensite.elements.linkage import Rest
+from martensite.elements.lumped import relaxation
 from martensite.elements.network import Column, others, solved
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report, advance
@@ -67,7 +68,7 @@ class Step:
 
             lost, slope = value_and_slope(xp, loss, temperature)
             capacity = cell.heat_capacity_total()
-            diagonal = capacity + 0.5 * self.dt * slope
+            diagonal = capacity * relaxation(xp, self.dt * slope / capacity)
             right = diagonal * temperature - self.dt * lost
             latent = cell.latent_heat_total(xp, memory.stress, temperature)
             long = length * law.strain(xp, fractions, memory.stress, temperature)
@@ -87,8 +88,8 @@ class Step:
 
     def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
         """Heat balance with what is conducted and what the current brings."""
-        middle = [0.5 * (a + b) for a, b in zip(start.martensite, guess.martensite, strict=True)]
-        joule = self._joule(xp, middle)
+        middle = _middle(start.martensite, guess.martensite)
+        joule = self._joule(xp, start, guess)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
         diagonal = list(start.diagonal)
         right = [a + b for a, b in zip(start.right, joule, strict=True)]
@@ -104,20 +105,30 @@ class Step:
             between.append(later)
         return Lines(diagonal, right, between)
 
-    def _joule(self, xp: Namespace, middle: Column) -> list[Scalar]:
-        """Heat that the current brings to every cell [J]."""
-        element, law = self.element, self.law
+    def _joule(self, xp: Namespace, start: Start, guess: Guess) -> list[Scalar]:
+        """Heat that the current brings to every cell [J], as all are in the middle of the step."""
+        ohms, heated = self._ohms(xp, start, guess)
+        per_ohm = self.dt * self.heating.heat(xp, ohms).mean / ohms
+        return [per_ohm * r for r in heated]
 
-        def one(length: Scalar, x: Scalar, share: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:
-            memory = self.memory(flat)
-            strain = law.strain(xp, law.fractions(memory), memory.stress, memory.temperature)
-            ohms = element.cell(length).ohms(xp, x, strain, memory.temperature)
+    def _ohms(self, xp: Namespace, start: Start, guess: Guess) -> tuple[Scalar, Column]:
+        """Resistance of the element, and of every cell to the current in it [ohm]."""
+        element = self.element
+
+        def one(
+            length: Scalar, x: Scalar, share: Scalar, first: Scalar, last: Scalar, long: Scalar,
+            longer: Scalar,
+        ) -> tuple[Scalar, ...]:  # fmt: skip
+            strain = 0.5 * (long + longer) / length
+            ohms = element.cell(length).ohms(xp, x, strain, 0.5 * (first + last))
             return share * ohms, share * share * ohms
 
-        columns = element.lengths(xp), middle, element.shares(xp)
-        seen, heated = xp.each(one, *columns, *self.memories)
-        current = self.heating.current(xp, element.copies() * total(seen))
-        return [self.dt * current * current * r for r in heated]
+        columns = (
+            element.lengths(xp), _middle(start.martensite, guess.martensite), element.shares(xp),
+            start.temperature, guess.temperature, start.long, guess.long,
+        )  # fmt: skip
+        seen, heated = xp.each(one, *columns)
+        return element.copies() * total(seen), heated
 
     def sweep(self, xp: Namespace, start: Start, guess: Guess) -> Guess:
         """Every cell for itself, with the others as they answered before."""
@@ -207,7 +218,9 @@ class Step:
         residuals, *columns = xp.each(one, *guess[:2], temperatures, carried, *self.memories)
         shape = Shape(self.state.memories[0])
         memories = tuple(shape.rebuild(flat) for flat in zip(*columns, strict=True))
-        report = Report(largest(xp, residuals), largest(xp, guess.crossing))
+        ohms, capacity = self._ohms(xp, start, guess)[0], element.heat_capacity_total()
+        ripple = self.heating.ripple(xp, ohms, capacity, self.dt)
+        report = Report(largest(xp, residuals), largest(xp, guess.crossing), ripple)
         return Cells(memories, force), report
 
     def _settled(self, xp: Namespace, start: Start, guess: Guess) -> Column:
@@ -219,6 +232,11 @@ class Step:
         rows = zip(lines.right, start.latent, guess.martensite, start.martensite, strict=True)
         right = [r + latent * (x - x0) for r, latent, x, x0 in rows]
         return solved(lines.diagonal, right, lines.links)
+
+
+def _middle(first: Column, last: Column) -> list[Scalar]:
+    """Between the start and the end of the step."""
+    return [0.5 * (a + b) for a, b in zip(first, last, strict=True)]
 
 
 def _shares(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:

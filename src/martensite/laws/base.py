@@ -29,6 +29,14 @@ class Fractions(NamedTuple):
     """Net oriented (detwinned) fraction in [-ξ, ξ]: transformation strain depends on it."""
 
 
+class Doubt(NamedTuple):
+    """Where a law is not to be relied on."""
+
+    stress: float
+    """From this stress on [Pa]."""
+    sentence: str
+
+
 class AbstractLaw(Parametrised):
     """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
 
@@ -42,8 +50,19 @@ class AbstractLaw(Parametrised):
     """True if one move changes both fractions in a fixed proportion, wherever it ends."""
     steep: ClassVar[bool] = False
     """True if the law offers `drive`."""
+    rate_dependent: ClassVar[bool] = False
+    """True if time acts, not only the path of stress and temperature."""
     grouped: ClassVar[bool] = False
     """True if the law divides the material into groups, each with a phase state of its own."""
+
+    @property
+    def constant_heat(self) -> bool:
+        """True if the heat of transformation is the latent heat of the element, whatever else."""
+        return True
+
+    def doubt(self) -> Doubt | None:
+        """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
+        return None
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""
@@ -130,6 +149,14 @@ class AbstractLaw(Parametrised):
         of a `steep` law, whose answer changes within a small part of a move, guesses its start.
         """
         return 0.0
+
+    def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
+        """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
+
+        Smooth on both sides, for a march that ends a step there. None where that is not known,
+        or where nothing bends.
+        """
+        return []
 
     def crossing(
         self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar

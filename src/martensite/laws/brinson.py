@@ -21,7 +21,7 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 from __future__ import annotations
 
 from martensite.errors import ParameterError
-from martensite.laws.base import LAWS, Fractions
+from martensite.laws.base import LAWS, Doubt, Fractions
 from martensite.laws.shared import twinned
 from martensite.laws.shared.diagram import AbstractPhaseDiagram
 from martensite.laws.shared.history import Strip
@@ -58,13 +58,18 @@ class Brinson(AbstractPhaseDiagram):
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
-        if self.C_A > self.C_M:
-            found.append(
-                f"C_A > C_M: the strips overlap above {self.overlap() / 1e6:.4g} MPa, and a loop "
-                f"at constant temperature creates work above {self.workless() - 273.15:.4g} degC; "
-                "prefer equal slopes there."
-            )
         return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the strips overlap."""
+        if not self.C_A > self.C_M:
+            return None
+        return Doubt(
+            self.overlap(),
+            f"C_A > C_M: the strips overlap above {self.overlap() / 1e6:.4g} MPa, and a loop at "
+            f"constant temperature creates work above {self.workless() - 273.15:.4g} degC; "
+            "prefer equal slopes there.",
+        )
 
     def overlap(self) -> Scalar:
         """Stress [Pa] at which the start lines of S and of the reverse process meet."""

@@ -47,12 +47,19 @@ class Report(NamedTuple):
     """Largest mismatch |z - f| of a fraction at the end of the step."""
     crossing: Scalar
     """Share of a transformation strip crossed by the elastic trial."""
+    ripple: Scalar = 0.0
+    """Temperature [K] that a mean of the drive leaves out."""
 
 
 def advance(
-    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar
-) -> tuple[Any, Report]:
-    """The memory after a step of dt [s], and how well the step was solved."""
+    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
+    change: Scalar = 0.0,
+) -> tuple[Any, Report]:  # fmt: skip
+    """The memory after a step of dt [s], and how well the step was solved.
+
+    About this `change` of the martensite fraction the solve begins to look; it changes nothing
+    in what is found.
+    """
     start = law.fractions(memory)
     trial = settle(xp, start)
     move = law.select(xp, memory, *trial)
@@ -64,8 +71,9 @@ def advance(
         return law.drive(xp, move, *settle(xp, _between(start, aim, q)), dt)
 
     aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
-    guess = _guess(xp, drive) if law.steep else 0.0
-    end = _seek(xp, answer, start, aim, guess, SMALL if law.one_way or law.steep else NEAR)
+    guess = _guess(xp, drive) if law.steep else _expected(xp, start, aim, change)
+    enough = SMALL if law.one_way or law.steep else NEAR
+    end = _seek(xp, answer, start, aim, guess, enough, not law.steep)
     if not law.one_way:
         end = _polish(xp, answer, end)
     found = answer(xp, end)
@@ -94,9 +102,16 @@ def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scala
     return xp.where(falls, q, 0.0)
 
 
+def _expected(xp: Namespace, start: Fractions, aim: Fractions, change: Scalar) -> Scalar:
+    """Where on the chord the martensite fraction has changed by so much; its start if nowhere."""
+    way = aim.martensite - start.martensite
+    there = xp.both(xp.abs(way) > xp.abs(change), way * change > 0.0)
+    return xp.where(there, change / xp.where(there, way, 1.0), 0.0)
+
+
 def _seek(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
-    aim: Fractions, guess: Scalar, enough: float,
+    aim: Fractions, guess: Scalar, enough: float, smooth: bool,
 ) -> Fractions:  # fmt: skip
     """The point of the chord from `start` through `aim` that the law answers with itself."""
     m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
@@ -111,7 +126,7 @@ def _seek(
         way = per_m * (found.martensite - start.martensite)
         return q - way - per_o * (found.oriented - start.oriented)
 
-    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough)
+    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough, smooth=smooth)
     q = xp.where(xp.abs(q - 1.0) > WHOLE * xp.eps(), q, 1.0)
     return _between(start, aim, xp.where(moves, q, 0.0))
 

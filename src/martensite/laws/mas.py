@@ -44,6 +44,7 @@ RESTING = 0.03
 class MullerAchenbachSeelecke(AbstractCrystal):
     """Single crystal with austenite and two martensite variants, rate dependent."""
 
+    rate_dependent = True
     cites = ("seelecke2004", "ullrich2014")
 
     rates: str = option(

@@ -60,6 +60,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
     grouped = True
+    rate_dependent = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(

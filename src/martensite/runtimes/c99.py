@@ -23,7 +23,7 @@ from typing import Any
 from martensite.errors import MartensiteError
 from martensite.files import cache_folder
 from martensite.runtimes.graph import Expr
-from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
+from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
 from martensite.runtimes.printer import (
     FLAG,
     NUMBER,
@@ -191,9 +191,12 @@ def scalar_dialect(
     )
 
 
-def c_source(program: Program, functions: Iterable[Function]) -> str:
-    """C of `prepare` and of some traced functions of a program, over lanes."""
-    printer = Printer(program.graph, C_DIALECT)
+def c_source(program: Program, functions: Iterable[Function], shares_inverses: bool = False) -> str:
+    """C of `prepare` and of some traced functions of a program, over lanes.
+
+    Divisions by one number may share its inverse, which is quicker and rounds differently.
+    """
+    printer = Printer(program.graph, replace(C_DIALECT, shares_inverses=shares_inverses))
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
     parts = [prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
@@ -255,18 +258,17 @@ def prelude() -> str:
     return (
         f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
         "static inline double quarter_sine(double x) {\n"
-        f"    const double z = x * x;\n    return {_horner(QUARTER_SINE)} * x;\n}}\n"
+        f"    const double z = x * x{_polynomial(QUARTER_SINE)} * x;\n}}\n"
         "static inline double erfcx(double x) {\n"
-        f"    const double z = (x - {ERFCX_CENTRE}) / (x + {ERFCX_CENTRE});\n"
-        f"    return {_horner(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
+        f"    const double z = (x - {ERFCX_CENTRE}) / (x + {ERFCX_CENTRE})"
+        f"{_polynomial(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
     )
 
 
-def _horner(coefficients: Sequence[float]) -> str:
-    text = f"{coefficients[-1]!r}"
-    for coefficient in reversed(coefficients[:-1]):
-        text = f"({text} * z + {coefficient!r})"
-    return text
+def _polynomial(coefficients: list[float]) -> str:
+    """A polynomial in z, with the powers that it needs."""
+    powers, text = estrin(coefficients)
+    return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
 
 def compiler() -> str | None:
@@ -286,6 +288,20 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     Raises:
         MartensiteError: there is no compiler, or it failed.
     """
+    command = _command(more)
+    path = _kept_as(command, source)
+    if not path.exists():
+        _compile(command, source, path)
+    return ctypes.CDLL(str(path))
+
+
+def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
+    """Whether `load_library` would find what it needs, so that nothing is compiled."""
+    return compiler() is not None and _kept_as(_command(more), source).exists()
+
+
+def _command(more: tuple[str, ...]) -> tuple[str, ...]:
+    """The compiler and its flags."""
     cc = compiler()
     if cc is None:
         raise MartensiteError(
@@ -293,12 +309,13 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
             "or use the runtime `floats`."
         )
     wide = WIDE if "avx512f" in _machine() else ()
-    flags = (*FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
-    key = hashlib.sha256(" ".join((cc, *flags, _machine(), source)).encode()).hexdigest()[:24]
-    path = cache_folder() / "c" / f"{key}.so"
-    if not path.exists():
-        _compile((cc, *flags), source, path)
-    return ctypes.CDLL(str(path))
+    return (cc, *FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
+
+
+def _kept_as(command: Sequence[str], source: str) -> Path:
+    """Where a library is kept."""
+    key = hashlib.sha256(" ".join((*command, _machine(), source)).encode()).hexdigest()[:24]
+    return cache_folder() / "c" / f"{key}.so"
 
 
 def _machine() -> str:

@@ -19,7 +19,7 @@ from textwrap import dedent
 
 from martensite.runtimes.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
 from martensite.runtimes.graph import Expr
-from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
+from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
 from martensite.runtimes.printer import Dialect, Printer
 from martensite.runtimes.program import Function, Program
 
@@ -206,15 +206,15 @@ def _prelude() -> str:
     return (
         f"#include <math.h>\n#include <string.h>\n{vector_math()}{dedent(_PRELUDE)}"
         "INLINE number quarter_sine_of(number x) {\n"
-        f"    const number z = times(x, x);\n    return times({_horner(QUARTER_SINE)}, x);\n}}\n"
+        f"    const number z = times(x, x){_polynomial(QUARTER_SINE, 'times({}, x)')}}}\n"
         "INLINE number erfcx_of(number x) {\n"
-        f"    const number z = over(minus(x, {centre}), plus(x, {centre}));\n"
-        f"    return over({_horner(ERFCX)}, plus(all(1.0), times(all(2.0), x)));\n}}\n"
+        f"    const number z = over(minus(x, {centre}), plus(x, {centre}))"
+        f"{_polynomial(ERFCX, 'over({}, plus(all(1.0), times(all(2.0), x)))')}}}\n"
     )
 
 
-def _horner(coefficients: Sequence[float]) -> str:
-    text = f"all({coefficients[-1]!r})"
-    for coefficient in reversed(coefficients[:-1]):
-        text = f"plus(times({text}, z), all({coefficient!r}))"
-    return text
+def _polynomial(coefficients: list[float], result: str) -> str:
+    """A polynomial in z, with the powers that it needs, in what is returned."""
+    powers, text = estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
+    lines = "".join(f", {name} = {power}" for name, power in powers)
+    return f"{lines};\n    return {result.format(text)};\n"

@@ -20,6 +20,10 @@ SLOPE = 1 << 32
 """What a derivative depends on besides (`martensite.runtimes.tangent`)."""
 
 
+COMMUTATIVE = ("add", "mul", "both", "either")
+"""Operations whose two arguments may change places without a change of a single bit."""
+
+
 def _divide(a: float, b: float) -> float:
     return a / b
 
@@ -93,6 +97,8 @@ class Graph:
         if simple is not None:
             return simple
         indices = tuple(node.index for node in nodes)
+        if operation in COMMUTATIVE and (operation, *indices[::-1], None, None) in self._known:
+            indices = indices[::-1]
         return self._node(operation, indices, self._joined(indices))
 
     def loop(
@@ -216,7 +222,8 @@ class Graph:
             fold = _FOLD.get(operation) or getattr(floats, operation)
             return self.constant(fold(*known))
         if operation in ("add", "sub", "mul", "div"):
-            return _identities(operation, nodes, known)
+            simple = _identities(operation, nodes, known)
+            return self._signs(operation, nodes, known) if simple is None else simple
         if operation == "solved" and known[0] is not None:
             return nodes[0]
         if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
@@ -224,6 +231,22 @@ class Graph:
             absorbing = operation == "either"
             return self.constant(absorbing) if flag is absorbing else other
         return None
+
+    def _signs(self, operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+        """Rules for minus signs, which are exact as well."""
+        a, b = nodes
+        if operation == "mul" and -1.0 in known:
+            return -b if known[0] == -1.0 else -a
+        first, last = (self._negated(node) for node in nodes)
+        if operation == "add" and (first is not None or last is not None):
+            return a - last if last is not None else b - first
+        return a + last if operation == "sub" and last is not None else None
+
+    def _negated(self, node: Expr) -> Expr | None:
+        """What a node is the negative of, if it is made so."""
+        if self.operations[node.index] != "neg":
+            return None
+        return Expr(self, self.arguments[node.index][0])
 
     def _simplify_where(self, nodes: list[Expr], known: list[Any]) -> Expr | None:
         if known[0] is not None:

@@ -41,3 +41,30 @@ ERFCX = [
     -7.56915596866748e-09,
     -3.2305251806974444e-09,
 ]
+
+
+def estrin(
+    coefficients: list[float],
+    times: str = "{} * {}",
+    plus: str = "({} + {})",
+    constant: str = "{!r}",
+) -> tuple[list[tuple[str, str]], str]:
+    """A polynomial in z as pairs of pairs, which do not wait for each other.
+
+    Returns the powers that it needs, such as ("z2", "z * z"), and its text.
+    """
+    terms = [constant.format(c) for c in coefficients]
+    powers: list[tuple[str, str]] = []
+    power = "z"
+    while len(terms) > 1:
+        joined = [
+            plus.format(terms[k], times.format(terms[k + 1], power)) if k + 1 < len(terms)
+            else terms[k]
+            for k in range(0, len(terms), 2)
+        ]  # fmt: skip
+        terms = joined
+        if len(terms) > 1:
+            name = f"z{2 ** (len(powers) + 1)}"
+            powers.append((name, times.format(power, power)))
+            power = name
+    return powers, terms[0]

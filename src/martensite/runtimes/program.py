@@ -7,7 +7,7 @@ computed once, when the parameters are bound; the functions then close over it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -66,6 +66,20 @@ class Program:
         results = kernel(self.xp, *nodes)
         outputs = tuple(r if isinstance(r, Expr) else self.graph.constant(r) for r in results)
         self.functions[name] = Function(name, tuple(f"{name}_{i}" for i in inputs), outputs)
+
+    def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
+        """Whether outputs depend on any of some inputs, by their full names."""
+        wanted = {self.graph.input(name, VARYING).index for name in inputs}
+        seen: set[int] = set()
+        stack = [node.index for node in outputs]
+        while stack:
+            index = stack.pop()
+            if index in wanted:
+                return True
+            if index not in seen:
+                seen.add(index)
+                stack += self.graph.children(index)
+        return False
 
     @cached_property
     def hoisted(self) -> list[Expr]:

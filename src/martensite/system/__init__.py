@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.system.actuator import Actuator, Group
+from martensite.system.actuator import Actuator, Feed, Group
 from martensite.system.base import AbstractSystem, State
 from martensite.system.course import advanced
 from martensite.system.machine import Machine
@@ -15,6 +15,7 @@ __all__ = [
     "PROFILES",
     "AbstractSystem",
     "Actuator",
+    "Feed",
     "Group",
     "Machine",
     "Members",

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from martensite.electrical.base import SOURCES, AbstractSource
 from martensite.elements.base import ELEMENTS, AbstractElement, Heating, Profile
 from martensite.mechanisms.base import Load
 from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.moments import Moments
 from martensite.system.members import Members
 from martensite.system.outputs import Outputs
 from martensite.thermal.base import Environment
+
+
+class Feed(NamedTuple):
+    """What drives an element during a step of a march."""
+
+    moments: Moments
+    """Of its drive signal."""
+    owed: Scalar
+    """Heat that the step before should have brought as well [J]."""
 
 
 class Actuator(Parametrised):
@@ -27,9 +37,11 @@ class Actuator(Parametrised):
         temperature = drive if imposed else self.environment.temperature
         return self.element.init(xp, force, temperature)
 
-    def load(self, state: Any, drive: Scalar) -> Load:
+    def load(self, state: Any, drive: Scalar | Feed) -> Load:
         """The element in a state, under a drive signal, as a mechanism sees it."""
-        return Load(self.element, state, Heating(self.environment, self.source, drive))
+        signal, owed = drive if isinstance(drive, Feed) else (drive, 0.0)
+        heating = Heating(self.environment, self.source, signal, owed)
+        return Load(self.element, state, heating)
 
     def seen(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> Outputs:
         """Everything that can be measured under a force [N] and a drive signal."""

@@ -6,14 +6,19 @@ does so: it knows how its elements depend on each other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from martensite.elements.base import Point
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.system.actuator import Actuator
+from martensite.system.actuator import Actuator, Feed
 from martensite.system.outputs import Outputs
+
+JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
+"""Outputs of an element whose convergence is judged, with the least range that counts."""
 
 
 class State(NamedTuple):
@@ -80,13 +85,27 @@ class AbstractSystem(Parametrised, init=False):
         """The state at rest, at ambient temperature, under the first drive signals."""
         raise NotImplementedError
 
-    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
-        """Advance by `dt` [s] under constant drive signals."""
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Report]:
+        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         raise NotImplementedError
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
         raise NotImplementedError
+
+    def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
+        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        return [None] * len(self.drives())
+
+    def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
+        """Places at which laws without rates act, of every element."""
+        return []
+
+    def rates(self, state: Any) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        return []
 
 
 class AbstractAssembly(AbstractSystem):
@@ -116,8 +135,7 @@ class AbstractAssembly(AbstractSystem):
         """Temperatures, fractions, and what the mechanism names."""
         found: dict[str, float] = {}
         for port in self.actuators():
-            found[self.label(port, "temperature")] = 1.0
-            found[self.label(port, "martensite_fraction")] = 0.01
+            found |= {self.label(port, name): least for name, least in JUDGED.items()}
         return found | self.mechanism.judged()
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
@@ -135,12 +153,28 @@ class AbstractAssembly(AbstractSystem):
         return State(tuple(states), own)
 
     def step(
-        self, xp: Namespace, state: State, *drives: Scalar, dt: Scalar
+        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[State, Report]:
-        """Advance by `dt` [s] under constant drive signals."""
+        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         loads, signals = self._loads(state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
+
+    def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
+        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        own = [one.element.heat_content(xp, element) for one, element in rows]
+        return own + [None] * len(self.mechanism.signals())
+
+    def points(self, xp: Namespace, state: State) -> list[list[Point]]:
+        """Places at which laws without rates act, of every element."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        return [one.element.points(xp, element) for one, element in rows]
+
+    def rates(self, state: State) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        return [rate for one, element in rows for rate in one.element.rates(element)]
 
     def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
@@ -153,10 +187,10 @@ class AbstractAssembly(AbstractSystem):
     def _actuators(self) -> list[Actuator]:
         return list(self.actuators().values())
 
-    def _loads(self, state: State, drives: Column) -> list[Load]:
+    def _loads(self, state: State, drives: Sequence[Scalar | Feed]) -> list[Load]:
         rows = zip(self._actuators(), state.elements, drives, strict=False)
         return [one.load(element, drive) for one, element, drive in rows]
 
-    def _signals(self, drives: Column) -> Column:
-        """The drive signals of the mechanism itself."""
-        return drives[len(self._actuators()) :]
+    def _signals(self, drives: Sequence[Scalar | Feed]) -> Column:
+        """The drive signals of the mechanism itself, which are never fed."""
+        return [one for one in drives[len(self._actuators()) :] if not isinstance(one, Feed)]

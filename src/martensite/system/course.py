@@ -27,6 +27,6 @@ def advanced(
             worst = Report(*map(xp.maximum, worst, found))
         return flatten(now) + flatten(worst)
 
-    begin = [*flatten(state), 0.0, 0.0]
+    begin = [*flatten(state), *(0.0 for _ in Report._fields)]
     after = turn(*begin) if turns == 1 else xp.repeat(turns, turn, *begin)
     return shape.rebuild(after[:size]), Report(*after[size:])

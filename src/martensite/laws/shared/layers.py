@@ -98,6 +98,11 @@ class AbstractLayers(AbstractLaw):
         """Form of the barriers, see `laws.shared.barriers`."""
         return "barrier"
 
+    @property
+    def constant_heat(self) -> bool:
+        """True unless work or free energy adds to it."""
+        return self.heat_model == "constant"
+
     def material(self) -> Material:
         """Constants of the free energy and of the layers."""
         return Material(

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.laws.base import Fractions
+from martensite.laws.base import Doubt, Fractions
 from martensite.laws.shared import history
 from martensite.laws.shared.diagram import AbstractPhaseDiagram
-from martensite.laws.shared.history import Memory, Move, Strip
+from martensite.laws.shared.history import RESUME, Memory, Move, Strip
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -47,17 +47,22 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     # ---------------------------------------------------------------- values
 
     def cautions(self) -> list[str]:
-        """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
+        """Unusual orders of temperatures, the sign of Θ."""
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: the strips overlap at zero stress already.")
-        elif self.C_A > self.C_M:
-            limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
-            found.append(
-                f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop "
-                "work shrinks with temperature; prefer equal slopes there."
-            )
         return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the strips overlap."""
+        if not self.C_A > self.C_M or self.A_s < self.M_s:
+            return None
+        limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
+        return Doubt(
+            limit,
+            f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
+            "shrinks with temperature; prefer equal slopes there.",
+        )
 
     # ---------------------------------------------------------------- kinetics
 
@@ -120,6 +125,25 @@ class AbstractStripLaw(AbstractPhaseDiagram):
             between = history.handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def kinks(self, xp: Namespace, memory: Memory) -> list[Scalar]:
+        """The start and finish lines of both strips, and where an interrupted branch goes on."""
+        forward, reverse = self.strips()
+        at = memory.stress, memory.temperature
+        ahead, back = forward.distance(*at), reverse.distance(*at)
+        ahead = xp.where(memory.fraction < 1.0, ahead, 2.0)
+        back = xp.where(memory.fraction > 0.0, back, 2.0)
+        lines = [ahead - 1.0, back - 1.0]
+        own = xp.where(memory.branch > 0.0, ahead, back)
+        if self.endless:
+            wait = own - memory.scale
+        else:
+            lines += [ahead, back]
+            left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
+            wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
+        if self.history == RESUME:
+            lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
+        return lines
 
     def crossing(
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar

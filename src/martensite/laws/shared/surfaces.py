@@ -38,7 +38,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.errors import ParameterError
-from martensite.laws.base import AbstractLaw
+from martensite.laws.base import AbstractLaw, Doubt
 from martensite.laws.shared.diagram import WIDTHS, require_order
 from martensite.laws.shared.hardening import LEAST_EXPONENT, hardening
 from martensite.laws.shared.waist import MOST, unwaisted, waist_energy, waisted
@@ -174,21 +174,25 @@ class AbstractSurfaceLaw(AbstractLaw):
         return least
 
     def cautions(self) -> list[str]:
-        """Surfaces that meet under stress, a martensite that is stiffer than austenite."""
+        """A martensite that is stiffer than austenite, a waist without effect."""
         found: list[str] = []
-        constants = self.constants(floats)
-        if constants.D < 0.0:
-            limit = constants.rho_Delta_s0 * self.gap() / (2.0 * constants.D * self.H_sat)
-            if limit < 1e9:
-                found.append(
-                    f"C_A > C_M: forward and reverse surface meet above {limit / 1e6:.4g} MPa, "
-                    "where loops lose their width; prefer equal slopes there."
-                )
         if self.E_M > self.E_A:
             found.append("E_M is above E_A: martensite is usually the softer phase.")
         if self.hardening == "smooth" and max(self.waist_f, self.waist_r) > 0.0:
             found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
         return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the surfaces meet under stress."""
+        constants = self.constants(floats)
+        if not constants.D < 0.0:
+            return None
+        limit = constants.rho_Delta_s0 * self.gap() / (2.0 * constants.D * self.H_sat)
+        return Doubt(
+            limit,
+            f"C_A > C_M: forward and reverse surface meet above {limit / 1e6:.4g} MPa, where "
+            "loops lose their width; prefer equal slopes there.",
+        )
 
     def constants(self, xp: Namespace) -> Constants:
         """The seven constants, from temperatures at zero stress and slopes at `sigma_cal`."""

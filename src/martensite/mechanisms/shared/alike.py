@@ -98,7 +98,8 @@ def _parts(load: Load) -> tuple[Parametrised, ...]:
 def _numbers(load: Load) -> list[Scalar]:
     """All that may differ between loads of one structure."""
     values = [leaf.value for part in _parts(load) for leaf in part.leaves()]
-    return [*values, load.heating.drive, *flatten(load.state)]
+    heating = load.heating
+    return [*values, *flatten(heating.drive), heating.owed, *flatten(load.state)]
 
 
 def _load(first: Load, numbers: Sequence[Scalar]) -> Load:
@@ -107,5 +108,6 @@ def _load(first: Load, numbers: Sequence[Scalar]) -> Load:
     element, environment, source = (
         part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()}) for part in _parts(first)
     )
-    heating = Heating(environment, source, next(rest))  # type: ignore[arg-type]
+    drive = Shape(first.heating.drive).rebuild([next(rest) for _ in flatten(first.heating.drive)])
+    heating = Heating(environment, source, drive, next(rest))  # type: ignore[arg-type]
     return Load(element, Shape(first.state).rebuild(list(rest)), heating)  # type: ignore[arg-type]

@@ -117,7 +117,7 @@ class Step:
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
         """Linearise, let every element answer, and correct the position."""
         linear = self._linear(xp, scheme, before.position, before.tangents)
-        found, states, report = self._answers(xp, _lines(linear, before.tangents))
+        found, states, report = self._answers(xp, _lines(linear, before.tangents), before.states)
         tangents = _renewed(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
         change = _correction(xp, linear, tangents)
         position = tuple(q + d for q, d in zip(before.position, change, strict=True))
@@ -164,18 +164,22 @@ class Step:
         return Linear(elongations, lever, shares, matrix, missing, forces)
 
     def _answers(
-        self, xp: Namespace, lines: Sequence[Line]
+        self, xp: Namespace, lines: Sequence[Line], before: Sequence[Any]
     ) -> tuple[list[Tangent], list[Any], Report]:
         """What every element finds on its line: its tangent at frozen fractions, and its state."""
         if not lines:
             return [], [], Report(0.0, 0.0)
         found: list[Tangent] = []
-        answered = answers(xp, self.loads, lines, self.dt)
+        pairs = zip(self.loads, before, strict=True)
+        loads = [
+            load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs
+        ]
+        answered = answers(xp, loads, lines, self.dt)
         for _, force, spring, _ in answered:
             elongation = spring.free + spring.compliance * force
             found.append(Tangent(force, elongation, 1.0 / spring.compliance))
-        residuals, crossings = zip(*(answer.report for answer in answered), strict=True)
-        report = Report(largest(xp, residuals), largest(xp, crossings))
+        columns = zip(*(answer.report for answer in answered), strict=True)
+        report = Report(*(largest(xp, column) for column in columns))
         return found, [answer.state for answer in answered], report
 
 
