@@ -9,13 +9,19 @@ import typer
 
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from martensite.io.scenario import Scenario
     from martensite.parameters import Leaf
+    from martensite.simulate.end_states import EndState
+    from martensite.simulate.result import Result
 
+LEVELS = ("lowest", "highest")
+FEW = 2
+"""Drives that are named one by one."""
 HAIR = 1e-9
 """Part of a step that is rounding."""
 
@@ -24,13 +30,20 @@ HAIR = 1e-9
 def check(
     scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None
 ) -> None:
-    """Build a scenario and report what is doubtful about it."""
+    """Build a scenario, report what is doubtful about it, and where its drives lead if held.
+
+    One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
+    refused.
+    """
     import_modules(modules)
     from martensite.cli import show
     from martensite.io.overrides import read_settings
     from martensite.io.scenario import load
 
-    report = _report(load(scenario, read_settings(settings or [])))
+    loaded = load(scenario, read_settings(settings or []))
+    report = _report(loaded) | _ends(loaded)
+    if report["leaves"]:
+        raise InputError(report["leaves"])
     if json:
         show.as_json(report)
         return
@@ -40,7 +53,62 @@ def check(
     if report["doubtful"]:
         names = ", ".join(report["doubtful"])
         show.text(f"Assumed or recalled numbers of {report['material']}: {names}", "yellow")
+    for end in report["end_states"]:
+        show.text(f"Held at {end['words']}")
+        for warning in end["warnings"]:
+            show.text(f"  {warning}", "yellow")
     show.text(_sound(report))
+
+
+def _ends(scenario: Scenario) -> dict[str, Any]:
+    """Where drives that are held lead, and the sentence of a run that leaves the envelope."""
+    from martensite.simulate.end_states import find_end_states, leaves_envelope
+
+    if scenario.bench is not None:
+        return {"end_states": [], "leaves": ""}
+    case = scenario.system, scenario.waveform, scenario.duration
+    found = find_end_states(*case)
+    leaves = leaves_envelope(*case) if any(end.leaves for end in found) else ""
+    rows = [
+        _row(end, f"all drives at their {which}") for end, which in zip(found, LEVELS, strict=False)
+    ]
+    return {"end_states": rows, "leaves": leaves}
+
+
+def _row(end: EndState, all_drives: str) -> dict[str, Any]:
+    """An end state, ready for JSON; numbers in SI."""
+    from martensite.cli import show
+
+    result = end.result
+    system = result.system
+    units = {drive.name: drive.unit for drive in system.drives()}
+    levels = [f"{name} {show.quantity(v, units[name])}" for name, v in end.levels.items()]
+    held = levels[0].split(" ", 1)[1] if len(levels) == 1 else ", ".join(levels)
+    words = [
+        f"{result.outputs[name].long_name} {show.quantity(result[name][-1], result.unit(name))}"
+        for name in system.judged()
+    ]
+    if len(levels) > FEW:
+        held, words = all_drives, list(_highest(result))
+    return {
+        "levels": end.levels,
+        "leaves": end.leaves,
+        "values": {name: result[name][-1] for name in system.judged()},
+        "warnings": result.warnings,
+        "words": f"{held}: leaves the envelope; the run does not stay there so long"
+        if end.leaves else f"{held}: {', '.join(words)}",
+    }  # fmt: skip
+
+
+def _highest(result: Result) -> Iterator[str]:
+    """The highest temperature and stress of many wires in the end."""
+    from martensite.cli import show
+
+    for name in ("hottest", "stress"):
+        columns = [result.system.label(port, name) for port in result.system.actuators()]
+        most = max(result[column][-1] for column in columns)
+        words = {"hottest": "highest temperature", "stress": "highest stress"}[name]
+        yield f"{words} {show.quantity(most, result.unit(columns[0]))}"
 
 
 def _sound(report: dict[str, Any]) -> str:

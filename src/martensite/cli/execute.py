@@ -41,6 +41,8 @@ class Wanted:
     """Frequency [Hz] of the pulses to be made beside the averaged run."""
     quiet: bool = False
     """Whether no progress is shown, even to a terminal."""
+    budget: float | None = None
+    """CPU time [s] after which the run is given up."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,11 @@ class Executed:
             "steps": result.steps,
             "step": result.step,
             "accuracy": result.accuracy,
+            "runtime": result.runtime or None,
+            "rejected_steps": result.rejected,
+            "ripple": result.ripple,
             "status": result.status.name,
+            "status_time": result.status_time,
             "stroke": result.stroke,
             "columns": {
                 name: {"lowest": min(c), "highest": max(c), "unit": result.unit(name)}
@@ -170,13 +176,14 @@ def execute(scenario: Scenario, wanted: Wanted) -> Executed:
 
 
 def _run(scenario: Scenario, wanted: Wanted) -> Result:
-    """The run; one with a controller outside of the bench takes long and shows how far it is."""
-    label = f"simulating {scenario.title}"
-    if not scenario.outside:
-        with spinner(label):
-            return scenario.run(tolerance=wanted.tolerance, runtime=wanted.runtime)
-    with run_bar(label, wanted.quiet) as watch:
-        return scenario.run(watch=watch)
+    """The run, which shows how far it is."""
+    if scenario.bench is not None and not scenario.outside:
+        with spinner(f"simulating {scenario.title}"):
+            return scenario.run(runtime=wanted.runtime)
+    with run_bar(scenario.title, wanted.quiet) as tell:
+        return scenario.run(
+            tolerance=wanted.tolerance, runtime=wanted.runtime, budget=wanted.budget, tell=tell
+        )
 
 
 def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:

@@ -58,8 +58,13 @@ def run(
     runtime: Annotated[
         str | None,
         typer.Option(
-            help="floats, jax, or c [default: floats; c for a bench, if there is a compiler]."
+            help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if "
+            "there is a compiler]."
         ),
+    ] = None,
+    budget: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".'),
     ] = None,
     profile: Annotated[
         Path | None,
@@ -77,7 +82,11 @@ def run(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Simulate a scenario: a summary, a netCDF file and a figure."""
+    """Simulate a scenario: a summary, a netCDF file and a figure.
+
+    A run that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own)
+    stops there, keeps what was computed until then, and exits with 1.
+    """
     lone = columns is not None and compare is None and log is None
     _refuse_idle("--columns", lone, "there is neither --compare nor --log")
     _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
@@ -100,8 +109,15 @@ def run(
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
     pulses = None if carrier is None else quantity("carrier", carrier, "Hz")
-    wanted = Wanted(outputs, tolerance, runtime, compare, names, no_compare, record, pulses, json)
-    execute(loaded, wanted).show(json)
+    _refuse_idle("--budget", closed and budget is not None, "a bench runs in its periods")
+    most = None if budget is None else quantity("budget", budget, "s")
+    wanted = Wanted(
+        outputs, tolerance, runtime, compare, names, no_compare, record, pulses, json, most
+    )
+    done = execute(loaded, wanted)
+    done.show(json)
+    if done.result.status.failed:
+        raise typer.Exit(1)
 
 
 def _read_log(log: str, columns: list[str] | None) -> Record:

@@ -55,13 +55,13 @@ def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
 
 
 @contextmanager
-def run_bar(label: str, quiet: bool) -> Iterator[Callable[[float], None] | None]:
-    """A bar for a run, moved by calling what it gives with the share that is done."""
+def run_bar(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
+    """A bar for a run, moved by calling what it gives with what is done, and its share."""
     if quiet:
         yield None
         return
-    with share_bar(label) as tell:
-        yield None if tell is None else lambda share: tell(label, share)
+    with share_bar(f"simulating {label}") as tell:
+        yield None if tell is None else lambda doing, share: tell(f"{doing} {label}", share)
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from martensite.runtimes.c99 import Going, scalar_dialect
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.printer import Dialect, Printer
 from martensite.runtimes.program import Function, Program
+from martensite.simulate.march import SOLVED
 
 TINY, HUGE = 1.1754943508222875e-38, 3.4028234663852886e38
 """Least and largest normal float."""
@@ -58,6 +59,8 @@ class Precision:
     """[bytes]"""
     near: float
     """How far a sample time may be off, as a share of it."""
+    solved: float
+    """Mismatch of the coupled step that is none."""
 
     def literal(self, value: float | bool) -> str:
         """A constant."""
@@ -87,8 +90,8 @@ class Precision:
 PRECISIONS = {
     one.name: one
     for one in (
-        Precision("float64", "double", "", "DBL_MAX", 8, 1e-6),
-        Precision("float32", "float", "f", "FLT_MAX", 4, 1e-5),
+        Precision("float64", "double", "", "DBL_MAX", 8, 1e-6, SOLVED),
+        Precision("float32", "float", "f", "FLT_MAX", 4, 1e-5, 1e-5),
     )
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 from typing import Any
 
 from martensite.bench.bench import Bench
@@ -12,6 +13,7 @@ from martensite.bench.run import reference_waveforms
 from martensite.export.c_example import Step
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import Waveforms, by_name, grid_of
 from martensite.simulate.result import Result
 from martensite.system import AbstractSystem
@@ -37,7 +39,9 @@ def played_by_system(
         waveforms = by_name(system, waveform)
     step = system.sample_time() or min(first_step(system, duration, 2), duration / steps)
     grid = grid_of(system, waveforms, min(duration, MOST * steps * step), 2, step)
-    return grid.sampled[0], list(zip(grid.lengths, grid.drives, strict=True))
+    starts = list(accumulate(compile_march(system).widths, initial=0))[:-1]
+    rows = (tuple(row[k] for k in starts) for row in grid.drives)  # the mean comes first
+    return grid.sampled[0], list(zip(grid.lengths, rows, strict=True))
 
 
 def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int) -> Played:

@@ -12,7 +12,7 @@ from string import Template
 from martensite.export.c_kernels import Kernel, kernels_text
 from martensite.export.c_names import Variable
 from martensite.export.c_text import Layout, sized
-from martensite.simulate.march import COARSE, SOLVED
+from martensite.simulate.march import COARSE
 
 
 def source_text(core: Layout) -> str:
@@ -33,7 +33,7 @@ def _filled(core: Layout, text: str) -> str:
         F=precision.suffix,
         LARGEST=precision.largest,
         ZERO=precision.literal(0.0),
-        SOLVED=precision.literal(SOLVED),
+        SOLVED=precision.literal(precision.solved),
         COARSE=precision.literal(COARSE),
         NEAR=precision.literal(precision.near),
         SAMPLE=core.sample or "",

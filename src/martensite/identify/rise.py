@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from martensite.errors import DataError
+from martensite.errors import DataError, SolveError
 from martensite.identify.estimate import Estimate, parameters, propagated
 from martensite.identify.linear import LEVEL
 from martensite.identify.nonlinear import least_squares
@@ -87,7 +87,13 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
         ]
 
     sign = math.copysign(1.0, values[-1] - values[0])
-    solution = least_squares(residuals, (1.0, sign, guess))
+    try:
+        solution = least_squares(residuals, (1.0, sign, guess))
+    except SolveError as error:
+        raise DataError(
+            f"A record of {span:.4g} s holds no time constant: no exponential fits best; record "
+            "until the values settle."
+        ) from error
     final, change, tau = parameters(residuals, solution)
     if not 0.0 < tau.value < span:
         raise DataError(

@@ -12,7 +12,6 @@ is that of UDUNITS. Numbers that are not known (an accuracy that was not estimat
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
@@ -213,26 +212,26 @@ def _array(values: Iterable[float]) -> Any:
 
 
 def _attributes(result: Result) -> dict[str, str | int | float]:
-    return {
+    found: dict[str, str | int | float | None] = {
         "Conventions": CONVENTIONS,
         "title": f"Simulation of {result.system.described()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "status": result.status.name,
         "status_meaning": result.status.sentence,
-        "status_time": _number(result.status_time),
-        "accuracy": _number(result.accuracy),
+        "status_time": result.status_time,
+        "accuracy": result.accuracy,
+        "runtime": result.runtime,
         "steps": int(result.steps),
+        "rejected_steps": int(result.rejected),
         "step": float(result.step),
+        "ripple": float(result.ripple),
         "warnings": "\n".join(result.warnings),
         "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
         "martensite_version": _version("martensite"),
         "numpy_version": np.__version__,
         "h5netcdf_version": _version("h5netcdf"),
     }
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else float(value)
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def _version(package: str) -> str:

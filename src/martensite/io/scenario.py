@@ -128,35 +128,46 @@ class Scenario:
 
     def run(
         self, *, tolerance: float | None = None, runtime: str | None = None,
-        watch: Callable[[float], None] | None = None,
+        budget: float | None = None, tell: Callable[[str, float], None] | None = None,
     ) -> Result:  # fmt: skip
         """Simulate.
 
         Args:
             tolerance: replaces that of the scenario; without a meaning on a bench.
-            runtime: floats, c or jax; by default floats, or on a bench c if there is a compiler.
-            watch: called with the share of the run that is done, if a controller runs outside.
+            runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a
+                compiler.
+            budget: CPU time [s] after which the run is given up; without a meaning on a bench.
+            tell: called now and then with what is done and which share of the run; on a bench
+                only if a controller runs outside.
         """
         if self.bench is not None:
-            return self._run_bench(self.bench, runtime, watch)
+            return self._run_bench(self.bench, runtime, tell)
         from martensite.simulate.api import simulate
 
         return simulate(
             self.system, self.waveform, self.duration,
             tolerance=tolerance or self.tolerance,
             step=None if tolerance else self.step,
-            samples=self.samples, runtime=runtime or "floats",
+            samples=self.samples, runtime=runtime or "auto", budget=budget, tell=tell,
         )  # fmt: skip
 
+    def equal_step(self) -> float:
+        """The longest of equal steps with which a run is within the tolerance [s]."""
+        from martensite.simulate.equal_steps import find_step
+
+        case = self.system, self.waveform, self.duration
+        return find_step(*case, self.tolerance, self.samples).step
+
     def _run_bench(
-        self, bench: Bench, runtime: str | None, watch: Callable[[float], None] | None
+        self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None
     ) -> Result:
         from martensite.bench.run import simulate_bench
         from martensite.simulate.driven import by_name
 
         return simulate_bench(
             bench, self.duration, outside=self.outside or None, seed=self.seed, runtime=runtime,
-            waveforms=by_name(self.system, self.waveform), watch=watch,
+            waveforms=by_name(self.system, self.waveform),
+            watch=None if tell is None else lambda share: tell("simulating", share),
         )  # fmt: skip
 
 

@@ -1,25 +1,25 @@
-"""`simulate`: one run, to a tolerance, with an estimate of what was reached."""
+"""`simulate`: one run, to a tolerance, with a bound on the error that is left."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from martensite.errors import InputError, ParameterError, suggestion
 from martensite.runtimes import floats
-from martensite.simulate.compiled import bind_system, compile_system
+from martensite.simulate.accuracy import bound_error, march_to
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import Waveforms, arranged, grid_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.engines import Engine, Tell
+from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
+from martensite.simulate.grid import Grid, cut_steps, steps_through
 from martensite.simulate.march import Track, march_floats
+from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import AbstractSystem
 
-RUNTIMES = ("floats", "jax", "c")
-HALVINGS = 14
-MOST_REFINED = 4_000_000
-"""Steps beyond which a run is not refined further, but returned with a warning."""
+RUNTIMES = ("auto", "floats", "c", "jax")
 
 
 def simulate(
@@ -30,74 +30,119 @@ def simulate(
     tolerance: float = 1e-4,
     step: float | None = None,
     samples: int = 1001,
-    runtime: str = "floats",
+    runtime: str = "auto",
+    budget: float | None = None,
+    tell: Tell | None = None,
 ) -> Result:
     """Run a system from rest under a waveform for `duration` [s].
 
-    Steps end on the edges of the waveforms and are halved until halving changes temperatures,
-    martensite fractions and coordinates by less than `tolerance` times their range. A system in
-    discrete time has steps of its own: waveforms are read at their starts.
+    Drives are integrated over every step, and an error control makes every step as short as it has
+    to be (`martensite.simulate.adaptive`). The run is made at least twice, to different local
+    tolerances; `Result.accuracy` bounds what is left. A system in discrete time has steps of its
+    own: waveforms are read at their starts.
+
+    A run that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE; the
+    result ends with the last sample before.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
         waveform: drive signal in the unit of the source; for a system with several drives a
             table of them by name.
         duration: length of the run [s].
-        tolerance: accepted change on halving, as a share of range.
-        step: longest step [s]; if given, one run is made with it and nothing is estimated.
+        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
+            as a share of the range of each, or of the least range that counts (1 K, 0.01, 1 MPa,
+            and what the mechanism says).
+        step: longest step [s]; if given, one run is made with equal steps between samples and
+            edges, and nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
-        runtime: floats (default), jax, or c (compiled on the spot); all agree to 1e-12.
+        runtime: `floats`, `c` (compiled on the spot), `jax`, or `auto`: floats for what is over
+            before a compiler would have started, else C, if there is a compiler.
+        budget: CPU time [s] after which the run is given up; none by default.
+        tell: called now and then with what is being done and which share of it.
 
     Raises:
         InputError: an argument is out of range.
-        SolveError: the run failed; the sentence says when and what to try.
+        SolveError: the run failed, or its budget is spent; the sentence says when and what to try.
     """
     _check(duration, tolerance, step, samples, runtime)
-    arranged(system, waveform)
-    run = _Runner(system, waveform, duration, samples, runtime)
-    step = system.sample_time() or step
-    if step is not None:
-        grid, track = run(step)
-        return _result(run, grid, track.require(), None)
-    grid, track, accuracy = _refine(run, first_step(system, duration, samples), tolerance)
-    result = _result(run, grid, track.require(), accuracy)
-    if accuracy > tolerance:
+    waves = arranged(system, waveform)
+    if system.sample_time():
+        return _in_discrete_time(system, waveform, duration, samples, runtime)
+    compiled = compile_march(system)
+    times = [duration * k / (samples - 1) for k in range(samples)]
+    plan = Plan(
+        compiled, waves, times, tolerance, first_step(system, duration, samples),
+        envelope_of(system), step=step, recorded=runtime == "jax" and step is None,
+    )  # fmt: skip
+    chosen = "auto" if runtime == "jax" else runtime
+    engine = Engine(compiled, compiled.values(system), chosen, tell, budget)
+    if step is None:
+        found, accuracy = march_to(engine, plan, tolerance)
+    else:
+        found, accuracy = engine(plan), None
+    if runtime == "jax" and not found.status.failed:
+        found, accuracy = _on_jax(engine, plan, found, accuracy)
+    result = _result(system, waveform, plan, found, accuracy, engine.used)
+    if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
-            f"Warning: the tolerance of {tolerance:.1e} was not reached in {result.steps:,} "
-            f"steps; halving still changes the result by {accuracy:.1e} of its range."
+            f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
+            f"what is judged may be off by {accuracy:.1e} of its range."
         )
     return result
 
 
-@dataclass(frozen=True)
-class _Runner:
-    """Everything about a run but its step."""
+def _on_jax(
+    engine: Engine, plan: Plan, found: Marched, accuracy: float | None
+) -> tuple[Marched, float | None]:
+    """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
+    from martensite.simulate.batch import march_jax
 
-    system: AbstractSystem
-    waveform: Waveforms
-    duration: float
-    samples: int
-    runtime: str
+    at_end = [width == 1 for width in plan.compiled.widths]
+    edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
+    steps = (
+        steps_through([*found.ends, *edges], plan.times) if plan.step is None
+        else cut_steps(set(edges), plan.times, plan.step)
+    )  # fmt: skip
+    track = march_jax(plan.compiled, engine.values, steps.grid(plan.waveforms, at_end)).require()
+    engine.used = "JAX"
+    if accuracy is not None:
+        own = bound_error(plan.compiled, found.rows, track.rows, found)
+        accuracy = accuracy + own
+    found.rows = [tuple(row) for row in track.rows]
+    found.steps, found.longest = len(steps.lengths), max(steps.lengths)
+    return found, accuracy
 
-    def __call__(self, step: float) -> tuple[Grid, Track]:
-        grid = grid_of(self.system, self.waveform, self.duration, self.samples, step)
-        if self.runtime == "floats":
-            return grid, march_floats(*bind_system(self.system), grid)
-        track = self._compiled(grid)
-        if track.status.failed:  # floats record when
-            track = march_floats(*bind_system(self.system), grid)
-        return grid, track
 
-    def _compiled(self, grid: Grid) -> Track:
-        compiled = compile_system(self.system)
-        values = compiled.values(self.system)
-        if self.runtime == "c":
-            from martensite.simulate.native import march_c
+def _in_discrete_time(
+    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, runtime: str
+) -> Result:
+    """A run in the steps of the system."""
+    compiled, interval = compile_march(system), system.sample_time()
+    grid = grid_of(system, waveform, duration, samples, interval)
+    track = _march_grid(system, compiled, grid, runtime).require()
+    found = Marched(
+        [tuple(row) for row in track.rows], (), track.status, track.status_time or 0.0,
+        steps=len(grid.lengths), longest=grid.longest,
+    )  # fmt: skip
+    plan = Plan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
+    used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
+    return _result(system, waveform, plan, found, None, used)
 
-            return march_c(compiled, values, grid)
+
+def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: Grid, runtime: str) -> Track:
+    """A run on given steps; on floats if it fails elsewhere, since these say when."""
+    track: Track | None = None
+    if runtime == "c":
+        from martensite.simulate.native import march_c
+
+        track = march_c(compiled, compiled.values(system), grid)
+    if runtime == "jax":
         from martensite.simulate.batch import march_jax
 
-        return march_jax(compiled, values, grid)
+        track = march_jax(compiled, compiled.values(system), grid)
+    if track is None or track.status.failed:
+        track = march_floats(*bind_march(system), grid)
+    return track
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
@@ -121,43 +166,25 @@ def longest_step(system: AbstractSystem) -> float:
     return min([*constants, system.mechanism.first_step()])
 
 
-def _refine(run: _Runner, step: float, tolerance: float) -> tuple[Grid, Track, float]:
-    """Halve the step until halving changes little; return the finest run."""
-    grid, coarse = run(step)
-    accuracy = math.inf
-    for _ in range(HALVINGS):
-        if 2 * len(grid.lengths) > MOST_REFINED:
-            break
-        step = 0.5 * min(step, grid.longest)
-        grid, fine = run(step)
-        accuracy = _difference(run.system, coarse, fine)
-        if accuracy <= tolerance and not fine.status.failed:
-            return grid, Track(fine.rows, Status.OK, 0.0), accuracy
-        coarse = fine
-    return grid, coarse, accuracy
-
-
-def _difference(system: AbstractSystem, coarse: Track, fine: Track) -> float:
-    """Largest difference of the judged columns as a share of their range."""
-    if len(coarse.rows) != len(fine.rows):
-        return math.inf
-    worst = 0.0
+def _result(
+    system: AbstractSystem, waveform: Waveforms, plan: Plan, found: Marched,
+    accuracy: float | None, runtime: str,
+) -> Result:  # fmt: skip
+    """What is returned, with its warnings."""
+    leaves = found.status is Status.OUT_OF_ENVELOPE
+    when = found.time if found.status is not Status.OK else None
+    if not leaves:
+        Track(found.rows, found.status, when).require()
     names = list(system.outputs())
-    for name, least in system.judged().items():
-        i = names.index(name)
-        a, b = [row[i] for row in coarse.rows], [row[i] for row in fine.rows]
-        apart = max(abs(x - y) for x, y in zip(a, b, strict=True))
-        worst = max(worst, apart / max(max(b) - min(b), least))
-    return worst if math.isfinite(worst) else math.inf
-
-
-def _result(run: _Runner, grid: Grid, track: Track, accuracy: float | None) -> Result:
-    names, rows = list(run.system.outputs()), track.rows
+    rows = list(rows_inside(system, found.rows)) if leaves else found.rows
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
     result = Result(
-        run.system, run.waveform, grid.times, columns, track.status, track.status_time,
-        len(grid.lengths), grid.longest, accuracy, profiles=profiles_of(len(names), rows),
+        system, waveform, list(plan.times[: len(rows)]), columns, found.status, when, found.steps,
+        found.longest, accuracy, profiles=profiles_of(len(names), rows), runtime=runtime,
+        rejected=found.rejected, ripple=found.ripple,
     )  # fmt: skip
+    if leaves:
+        result.warnings.append(describe_exit(system, found))
     return add_warnings(result)
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
-from martensite.simulate.compiled import Compiled
+from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 
 
@@ -55,12 +55,12 @@ class Rows(NamedTuple):
 
     outputs: tuple[Any, ...]
     """One array (samples, batch…) per output asked for."""
-    residual: Any
-    crossing: Any
+    reports: tuple[Any, ...]
+    """The worst of every number that steps report."""
 
 
 def march(
-    compiled: Compiled, outputs: Sequence[int], padded: bool
+    compiled: CompiledMarch, outputs: Sequence[int], padded: bool
 ) -> Callable[[Sequence[Any], Schedule], Rows]:
     """A pure function of (parameter values, schedule) that marches and observes.
 
@@ -79,15 +79,16 @@ def march(
             return tuple(zero + row[i] for i in outputs)
 
         def one(carry: Any, now: Any) -> tuple[Any, None]:
-            state, residual, crossing = carry
+            state, worst = carry
             signals, dt = now
-            *after, r, c = functions["step"](*state, *signals, dt)
-            after = [np_.broadcast_to(a, shape) for a in after]
+            found = functions["step"](*state, *signals, dt)
+            after = [np_.broadcast_to(a, shape) for a in found[: compiled.size]]
+            reports = found[compiled.size :]
             if padded:
                 after = [xp.where(dt > 0.0, a, b) for a, b in zip(after, state, strict=True)]
-                r, c = (xp.where(dt > 0.0, v, 0.0) for v in (r, c))
-            worst = np_.where(residual >= r, residual, r), np_.where(crossing >= c, crossing, c)
-            return (tuple(after), *worst), None
+                reports = [xp.where(dt > 0.0, r, 0.0) for r in reports]
+            pairs = zip(worst, reports, strict=True)
+            return (tuple(after), tuple(np_.where(a >= b, a, b) for a, b in pairs)), None
 
         def interval(carry: Any, now: Any) -> tuple[Any, tuple[Any, ...]]:
             signals, *steps = now
@@ -96,24 +97,25 @@ def march(
 
         state = tuple(zero + v for v in functions["init"](*plan.first))
         start = observe(state, plan.first)
-        (_, residual, crossing), rows = jax.lax.scan(
-            interval, (state, zero, zero), (plan.sampled, plan.drives, plan.lengths)
-        )
+        (_, reports), rows = jax.lax.scan(
+            interval, (state, (zero,) * len(compiled.report)),
+            (plan.sampled, plan.drives, plan.lengths),
+        )  # fmt: skip
         joined = tuple(np_.concatenate([a[None], b]) for a, b in zip(start, rows, strict=True))
-        return Rows(joined, residual, crossing)
+        return Rows(joined, reports)
 
     return run
 
 
 @lru_cache(maxsize=64)
-def jitted_march(compiled: Compiled, outputs: tuple[int, ...], padded: bool) -> Any:
+def jitted_march(compiled: CompiledMarch, outputs: tuple[int, ...], padded: bool) -> Any:
     """The jitted march of a traced system, kept for the next call."""
     return jax_namespace().jax.jit(march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
 
 
 @lru_cache(maxsize=64)
 def jitted_jacobian(
-    compiled: Compiled, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool
+    compiled: CompiledMarch, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool
 ) -> Any:
     """Jitted (values, plan) -> (first output, its Jacobian in the parameters `wrt`, residual)."""
     jax = jax_namespace().jax
@@ -123,7 +125,7 @@ def jitted_jacobian(
         def column(some: Any) -> tuple[Any, Any]:
             everything = values.at[np.asarray(wrt)].set(some)
             rows = run(list(everything), plan)
-            return rows.outputs[0], (rows.outputs[0], rows.residual)
+            return rows.outputs[0], (rows.outputs[0], rows.reports[0])
 
         some = values[np.asarray(wrt)]
         jacobian, (value, residual) = jax.jacfwd(column, has_aux=True)(some)

@@ -10,7 +10,7 @@ import numpy as np
 
 from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, grid_of
 from martensite.simulate.grid import Grid
@@ -82,7 +82,7 @@ def simulate_batch(
     """
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     varied = _varied(system, over)
     count = len(next(iter(varied.values())))
     plan, padded = _plan(system, waveform, duration, samples, step, precision)
@@ -99,10 +99,10 @@ def simulate_batch(
         name: np.concatenate([p.outputs[i].T for p in pieces])[:count]
         for i, name in enumerate(outputs)
     }
-    residual = np.concatenate([p.residual for p in pieces])[:count]
-    crossing = np.concatenate([p.crossing for p in pieces])[:count]
-    reports = zip(residual.tolist(), crossing.tolist(), strict=True)
-    status = [classify(r, c) for r, c in reports]
+    reports = zip(
+        *(np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(2)), strict=True
+    )
+    status = [classify(float(r), float(c)) for r, c in reports]
     return Batch(np.linspace(0.0, duration, samples), columns, _checked(status, columns))
 
 
@@ -124,7 +124,7 @@ def sensitivity(
         InputError: unknown parameter or output.
         SolveError: the run at the nominal parameters failed.
     """
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     paths = tuple(system.resolve(name) for name in wrt)
     plan, padded = _plan(system, waveform, duration, samples, step, "float64")
     run = jitted_jacobian(
@@ -140,12 +140,12 @@ def sensitivity(
     return Sensitivity(np.linspace(0.0, duration, samples), column, named)
 
 
-def march_jax(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
+def march_jax(compiled: CompiledMarch, values: Sequence[float], grid: Grid) -> Track:
     """One run on JAX, with every output."""
     plan, padded = schedule(grid)
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
-    return track_of(table, float(rows.residual), float(rows.crossing))
+    return track_of(table, *map(float, rows.reports))
 
 
 def _plan(
@@ -157,7 +157,7 @@ def _plan(
     return schedule(grid_of(system, waveform, duration, samples, step), precision)
 
 
-def _indices(compiled: Compiled, outputs: Sequence[str]) -> tuple[int, ...]:
+def _indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
     for name in outputs:
         if name not in compiled.outputs:
             raise UnknownNameError("output", name, compiled.outputs)

@@ -6,17 +6,24 @@ mechanism makes a new one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 from martensite.laws.coupling import Report
 from martensite.parameters import Keyed, values_at
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.once import once
 from martensite.runtimes.program import Program
-from martensite.system import PROFILES, AbstractSystem
+from martensite.signals.moments import Moments
+from martensite.system import PROFILES, AbstractSystem, Feed
 
+REPORT = Report._fields[:2]
+"""What a step under constant signals says of itself."""
+ENVELOPE = ("hottest", "stress", "strain")
+"""Outputs of an element that a run must not take beyond what can be."""
+FED = (*Moments._fields, "owed")
+"""What a march says of the drive of an element in a step."""
 Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
@@ -33,7 +40,7 @@ class Compiled:
     """Number of drive signals."""
     outputs: tuple[str, ...]
     """Those of the system, then the profile of its element: `cell_temperature[0]`, …"""
-    report: tuple[str, ...] = Report._fields
+    report: tuple[str, ...] = REPORT
 
     def values(self, system: AbstractSystem) -> list[float]:
         """Parameter values of a system of this structure, in order."""
@@ -45,50 +52,184 @@ def compile_system(system: AbstractSystem) -> Compiled:
     return _compile(Keyed(system))
 
 
+class Place(NamedTuple):
+    """Where a law without rates acts."""
+
+    fraction: int
+    """Which of the judged outputs its martensite fraction is part of."""
+    weight: float
+    """What share of it."""
+    size: int
+    """Of what is known there: temperature, stress, two fractions, then kinks of the law."""
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledMarch(Compiled):
+    """A system traced for a march: `step` takes what the drives bring, `judge` is new.
+
+    `judge` returns the outputs whose convergence is judged, those of the envelope, and the heat
+    that the elements hold; `points` what laws without rates follow, from a state.
+    """
+
+    widths: tuple[int, ...] = ()
+    """How many inputs of `step` each drive has: those of `FED`, or one."""
+    judged: tuple[tuple[str, float], ...] = ()
+    """Outputs that are judged, and the least range that counts."""
+    envelope: tuple[tuple[str, str], ...] = ()
+    """Port and output of what must not leave the envelope."""
+    heated: tuple[int, ...] = ()
+    """The drives whose elements hold a known heat."""
+    points: tuple[Place, ...] = ()
+    """What `points` returns, one after the other."""
+    rates: tuple[int, ...] = ()
+    """Places in the state of numbers that only tell a solve where to look."""
+
+    @property
+    def inputs(self) -> int:
+        """Inputs of `step` that come from the drives."""
+        return sum(self.widths)
+
+    def asks_for_signals(self, name: str, outputs: Sequence[int] | None = None) -> bool:
+        """Whether outputs of a function of state and signals, all if None, depend on signals."""
+        function = self.program.functions[name]
+        places = range(len(function.outputs)) if outputs is None else outputs
+        found = [function.outputs[i] for i in places]
+        return self.program.needs(found, function.inputs[self.size :])
+
+
+def compile_march(system: AbstractSystem) -> CompiledMarch:
+    """Trace a system for marches whose drives are integrated over every step."""
+    return _compile_march(Keyed(system))
+
+
 def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
     """The functions of a system on floats, with its numbers, and how many states it has."""
     compiled = compile_system(system)
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
 
+def bind_march(system: AbstractSystem) -> tuple[Functions, int]:
+    """The same for marches whose drives are integrated."""
+    compiled = compile_march(system)
+    return compiled.program.bind_floats(*compiled.values(system)), compiled.size
+
+
+def fed(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
+    """The inputs of a step from what a drive brings in it."""
+    return (*moments, owed)
+
+
 @once(64)
 def _compile(keyed: Keyed[AbstractSystem]) -> Compiled:
-    program = Program()
-    paths = tuple(leaf.path for leaf in keyed.part.leaves())
-    system = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
-    found: list[Shape] = []
+    trace = _Trace(keyed)
+    trace.add_step([None] * trace.drives, len(REPORT))
+    return Compiled(trace.program, trace.paths, trace.size, trace.drives, trace.outputs)
 
-    def init(xp: Any, *drives: Any) -> list[Any]:
-        state = system.init(xp, *drives)
-        found.append(Shape(state))
+
+@once(64)
+def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
+    trace, system = _Trace(keyed), keyed.part
+    feeds = [not (one.at_end or system.sample_time()) for one in system.drives()]
+    trace.add_step(feeds, len(Report._fields))
+    judged = tuple(system.judged().items())
+    envelope = tuple((port, name) for port in system.actuators() for name in ENVELOPE)
+    wanted = [*(name for name, _ in judged), *(system.label(*pair) for pair in envelope)]
+    return CompiledMarch(
+        trace.program, trace.paths, trace.size, trace.drives, trace.outputs, Report._fields,
+        widths=tuple(len(FED) if feed else 1 for feed in feeds),
+        judged=judged,
+        envelope=envelope,
+        heated=trace.add_judge(wanted, feeds),
+        points=trace.add_points(judged),
+        rates=trace.rates(),
+    )  # fmt: skip
+
+
+class _Trace:
+    """The kernels of a system, traced over flat states."""
+
+    def __init__(self, keyed: Keyed[AbstractSystem]) -> None:
+        self.program = Program()
+        self.paths = tuple(leaf.path for leaf in keyed.part.leaves())
+        numbers = {path: self.program.parameter(path) for path in self.paths}
+        self.system = keyed.part.rebuilt(numbers)
+        self.drives = len(self.system.drives())
+        self.signals = [f"u{i}" for i in range(self.drives)]
+        self.program.add("init", self.signals, self._init)
+        self.size = len(flatten(self.shape.example))
+        self.names = [f"s{i}" for i in range(self.size)]
+        self.program.add("observe", [*self.names, *self.signals], self._observe)
+        profile = self.system.profile(self.shape.example)
+        pairs = zip(PROFILES, profile, strict=False)
+        along = (f"{name}[{i}]" for name, column in pairs for i in range(len(column)))
+        self.outputs = (*keyed.part.outputs(), *along)
+
+    def add_step(self, feeds: Sequence[bool | None], reports: int) -> None:
+        """The step, under signals or what they bring, and the first numbers of its report."""
+        parts = [FED if feed else ("",) for feed in feeds]
+        inputs = [
+            f"{signal}_{name}" if name else signal
+            for signal, names in zip(self.signals, parts, strict=True)
+            for name in names
+        ]
+
+        def step(xp: Any, *arguments: Any) -> list[Any]:
+            *numbers, dt = arguments
+            rest = iter(numbers[self.size :])
+            rows = [[next(rest) for _ in names] for names in parts]
+            drives = [Feed(Moments(*row[:-1]), row[-1]) if row[1:] else row[0] for row in rows]
+            state = self.shape.rebuild(numbers[: self.size])
+            after, report = self.system.step(xp, state, *drives, dt=dt)
+            return flatten(after) + flatten(report)[:reports]
+
+        self.program.add("step", [*self.names, *inputs, "dt"], step)
+        made = self.program.functions["step"]
+        residual = made.outputs[: self.size + 1]
+        self.program.functions["solve"] = replace(made, name="solve", outputs=residual)
+        self.program.functions["ripple"] = replace(made, name="ripple", outputs=made.outputs[-1:])
+
+    def add_judge(self, outputs: Sequence[str], feeds: Sequence[bool]) -> tuple[int, ...]:
+        """Some outputs, and the heat that fed elements hold; the drives of which it is known."""
+        places = [self.outputs.index(name) for name in outputs]
+        known: list[int] = []
+
+        def judge(xp: Any, *arguments: Any) -> list[Any]:
+            state = self.shape.rebuild(arguments[: self.size])
+            seen = self.system.observe(xp, state, *arguments[self.size :])
+            held = enumerate(self.system.heat_contents(xp, state))
+            found = {place: heat for place, heat in held if heat is not None and feeds[place]}
+            known[:] = found
+            return [*(seen[place] for place in places), *found.values()]
+
+        self.program.add("judge", [*self.names, *self.signals], judge)
+        return tuple(known)
+
+    def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[Place, ...]:
+        """Where laws without rates act: temperature, stress and fractions."""
+        names, places = [name for name, _ in judged], list[Place]()
+
+        def points(xp: Any, *state: Any) -> list[Any]:
+            rows = self.system.points(xp, self.shape.rebuild(state))
+            places.clear()
+            for port, row in zip(self.system.actuators(), rows, strict=False):
+                fraction = names.index(self.system.label(port, "martensite_fraction"))
+                places.extend(Place(fraction, 1.0 / len(row), len(flatten(one))) for one in row)
+            return [number for row in rows for point in row for number in flatten(point)]
+
+        self.program.add("points", self.names, points)
+        return tuple(places)
+
+    def rates(self) -> tuple[int, ...]:
+        """Places in the state of numbers that only tell a solve where to look."""
+        places = [float(i) for i in range(self.size)]
+        return tuple(int(i) for i in self.system.rates(self.shape.rebuild(places)))
+
+    def _init(self, xp: Any, *drives: Any) -> list[Any]:
+        state = self.system.init(xp, *drives)
+        self.shape = Shape(state)
         return flatten(state)
 
-    signals = [f"u{i}" for i in range(len(system.drives()))]
-    program.add("init", signals, init)
-    shape, size = found[0], len(flatten(found[0].example))
-    names = [f"s{i}" for i in range(size)]
-    program.add("step", [*names, *signals, "dt"], _step_kernel(system, shape, size))
-    program.add("observe", [*names, *signals], _observe_kernel(system, shape, size))
-    profile = system.profile(shape.example)
-    along = (f"{n}[{i}]" for n, c in zip(PROFILES, profile, strict=False) for i in range(len(c)))
-    outputs = (*keyed.part.outputs(), *along)
-    return Compiled(program, paths, size, len(signals), outputs)
-
-
-def _step_kernel(system: AbstractSystem, shape: Shape, size: int) -> Callable[..., list[Any]]:
-    def step(xp: Any, *arguments: Any) -> list[Any]:
-        *numbers, dt = arguments
-        state, drives = shape.rebuild(numbers[:size]), numbers[size:]
-        after, report = system.step(xp, state, *drives, dt=dt)
-        return flatten(after) + flatten(report)
-
-    return step
-
-
-def _observe_kernel(system: AbstractSystem, shape: Shape, size: int) -> Callable[..., list[Any]]:
-    def observe(xp: Any, *arguments: Any) -> list[Any]:
-        state, drives = shape.rebuild(arguments[:size]), arguments[size:]
-        along = [number for column in system.profile(state) for number in column]
-        return [*system.observe(xp, state, *drives), *along]
-
-    return observe
+    def _observe(self, xp: Any, *arguments: Any) -> list[Any]:
+        state, drives = self.shape.rebuild(arguments[: self.size]), arguments[self.size :]
+        along = [number for column in self.system.profile(state) for number in column]
+        return [*self.system.observe(xp, state, *drives), *along]

@@ -15,10 +15,12 @@ from typing import Any
 from martensite.errors import InputError, ParameterError, SolveError
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
+from martensite.signals.moments import Moments
+from martensite.signals.reader import Reader
 from martensite.simulate.api import first_step
-from martensite.simulate.compiled import bind_system
+from martensite.simulate.compiled import bind_march, compile_march, fed
 from martensite.simulate.driven import arranged
-from martensite.simulate.grid import MOST_STEPS, just_after, share
+from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.result import Result
@@ -97,14 +99,16 @@ class _Walk:
     """One march through all periods."""
 
     def __init__(self, plan: _Plan) -> None:
-        functions, self.size = bind_system(plan.system)
+        functions, self.size = bind_march(plan.system)
+        self.widths = compile_march(plan.system).widths
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
         discrete = plan.system.sample_time() > 0.0
-        self.shares = [
-            just_after(drive.ahead) if discrete else share(drive.at_end)
-            for drive in plan.system.drives()
+        self.shares = [just_after(drive.ahead) for drive in plan.system.drives()]
+        self.readers = [
+            Reader(drive) if isinstance(drive, AbstractWaveform) and not discrete else None
+            for drive in plan.drives
         ]
         self.memories: list[Any] = [drive.init() for drive in plan.drives]
         self.rows: list[tuple[float, ...]] = []
@@ -136,10 +140,13 @@ class _Walk:
             self.rows.append(self.observe(*self.state, *self.now))
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
-            after = self.step(*self.state, *self._played(time + piece * dt, dt), dt)
+            after = self.step(*self.state, *self._brought(time + piece * dt, dt), dt)
             self.state = after[: self.size]
             self.watch.note(after[self.size], after[self.size + 1], k * plan.pieces + piece)
-        self.now = self._played(time + plan.period, 0.0)
+        self.now = tuple(
+            drive.value(time + plan.period) if isinstance(drive, AbstractWaveform) else held
+            for drive, held in zip(plan.drives, self.now, strict=True)
+        )
 
     def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
         """What every drive says at the start of a period; controllers rest before the first."""
@@ -156,12 +163,19 @@ class _Walk:
             found.append(signal)
         return tuple(found)
 
-    def _played(self, time: float, dt: float) -> tuple[float, ...]:
-        """Signals of a step: waveforms go on, controllers hold."""
-        return tuple(
-            drive.value(time + part * dt) if isinstance(drive, AbstractWaveform) else held
-            for drive, held, part in zip(self.plan.drives, self.now, self.shares, strict=True)
-        )
+    def _brought(self, time: float, dt: float) -> tuple[float, ...]:
+        """What the drives bring in a step: waveforms go on, controllers hold."""
+        found: list[float] = []
+        for i, (drive, held) in enumerate(zip(self.plan.drives, self.now, strict=True)):
+            reader, heats = self.readers[i], self.widths[i] > 1
+            if reader is not None:
+                end = time + dt
+                found += fed(reader.moments(time, end)) if heats else (reader.before(end),)
+            elif isinstance(drive, AbstractWaveform):
+                found.append(drive.value(time + self.shares[i] * dt))
+            else:
+                found += fed(Moments.constant(held)) if heats else (held,)
+        return tuple(found)
 
     def result(self, found: Track) -> Result:
         """What was found, with its alarms."""

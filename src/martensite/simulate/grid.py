@@ -1,23 +1,28 @@
-"""The time grid: samples, and between them steps that never straddle an edge of the input."""
+"""The time grid: samples, and between them steps that never straddle an edge of the input.
+
+A drive that heats is integrated over every step: the grid holds its moments. One that prescribes a
+state, such as a temperature, is read at the end of the step.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from typing import Any
+from itertools import chain, pairwise
+from typing import Any, NamedTuple
 
 from martensite.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
+from martensite.signals.reader import Reader
 
 MOST_STEPS = 20_000_000
 JUST_AFTER = 1e-9
 """Where in a sample of a system in discrete time signals are read, as a share of it: after a
 jump at its start, whatever rounding does to times."""
 Signals = tuple[float, ...]
-"""One number per drive of a system."""
+"""One number per drive of a system, or what all of them bring in a step."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +37,7 @@ class Grid:
     lengths: list[float]
     """Length of every step [s]."""
     drives: list[Signals]
-    """Signals of every step."""
+    """What the drives bring in every step: the inputs of `CompiledMarch`."""
 
     @cached_property
     def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
@@ -66,9 +71,41 @@ def just_after(ahead: bool) -> float:
     return JUST_AFTER + (1.0 if ahead else 0.0)
 
 
+BEFORE = 1.0 - 1e-9
+"""Just before the end of a step, as a share of it."""
+
+
 def share(at_end: bool) -> float:
-    """Where in a step its signal is read, as a share of the step: mid-step, or just before end."""
-    return 1.0 - 1e-9 if at_end else 0.5
+    """Where in a step a signal is read that does not change in it, as a share of the step."""
+    return BEFORE if at_end else 0.5
+
+
+class Steps(NamedTuple):
+    """Times, and the steps between them."""
+
+    times: Sequence[float]
+    counts: list[int]
+    begins: list[float]
+    lengths: list[float]
+
+    def ends(self) -> list[float]:
+        """Where they end [s]: where the next one begins, or at the last of the times."""
+        return [*self.begins[1:], self.times[-1]]
+
+    def grid(self, waveforms: Sequence[AbstractWaveform], at_end: Sequence[bool]) -> Grid:
+        """With what waveforms bring; one flag per waveform says whether it prescribes a state."""
+        count, columns = len(self.lengths), list[Sequence[Signals]]()
+        ends = self.ends()
+        for waveform, late in zip(waveforms, at_end, strict=True):
+            if late:
+                reader = Reader(waveform)
+                columns.append([(reader.before(end),) for end in ends])
+            else:
+                shape = waveform.shape(0.0, self.times[-1])
+                columns.append([(*found, 0.0) for found in shape.many(self.begins, ends)])
+        rows = [tuple(chain.from_iterable(row)) for row in zip(*columns, strict=True)]
+        sampled = rows_of(waveforms, [self.times] * len(waveforms), len(self.times))
+        return Grid(list(self.times), sampled, self.counts, self.lengths, rows or [()] * count)
 
 
 def build_grid(
@@ -119,41 +156,65 @@ def grid_at(
 ) -> Grid:  # fmt: skip
     """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
 
-    The pieces are cut into steps of at most `step` [s]. The signal of a step is its value at
-    mid-step (second order), or at its end (from the left) for signals that prescribe a state:
-    one flag per waveform says which.
+    The pieces are cut into steps of at most `step` [s].
+    """
+    edges = {edge for waveform in waveforms for edge in waveform.edges(times[-1])}
+    return cut_steps(edges, times, step).grid(waveforms, at_end)
+
+
+def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> Steps:
+    """Steps of at most `step` [s] between samples and edges.
+
+    Raises:
+        InputError: there are too many.
     """
     duration, samples = times[-1], len(times)
-    found = {edge for waveform in waveforms for edge in waveform.edges(duration)}
-    edges = [*sorted(found), math.inf]
-    if duration / step + len(edges) + samples > MOST_STEPS:
+    ahead = [*sorted(edges), math.inf]
+    if duration / step + len(ahead) + samples > MOST_STEPS:
         raise InputError(
             f"A run of {duration:.6g} s in steps of {step:.3g} s needs more than "
             f"{MOST_STEPS:,} steps; allow a larger tolerance or a shorter duration."
         )
     counts: list[int] = []
+    begins: list[float] = []
     lengths: list[float] = []
-    shares = [share(late) for late in at_end]
-    asked: dict[float, list[float]] = {part: [] for part in shares}
     next_edge, hair = 0, 1e-12 * duration
     for first, last in pairwise(times):
         cuts = [first]
-        while edges[next_edge] < last - hair:
-            if edges[next_edge] > cuts[-1] + hair:
-                cuts.append(edges[next_edge])
+        while ahead[next_edge] < last - hair:
+            if ahead[next_edge] > cuts[-1] + hair:
+                cuts.append(ahead[next_edge])
             next_edge += 1
         before = len(lengths)
         for a, b in pairwise([*cuts, last]):
             pieces = max(1, math.ceil((b - a) / step - 1e-9))
             length = (b - a) / pieces
             lengths += [length] * pieces
-            for part, at in asked.items():
-                at += [a + (k + part) * length for k in range(pieces)]
+            begins += [a + k * length for k in range(pieces)]
         counts.append(len(lengths) - before)
-    drives = rows_of(waveforms, [asked[part] for part in shares], len(lengths))
-    return Grid(
-        times, rows_of(waveforms, [times] * len(waveforms), samples), counts, lengths, drives
-    )
+    return Steps(times, counts, begins, lengths)
+
+
+def steps_through(ends: Iterable[float], times: Sequence[float]) -> Steps:
+    """Steps that end at given times [s], and at the samples."""
+    hair = 1e-12 * times[-1]
+    counts: list[int] = []
+    begins: list[float] = []
+    lengths: list[float] = []
+    cuts = iter([*sorted(ends), math.inf])
+    cut = next(cuts)
+    for first, last in pairwise(times):
+        begin, before = first, len(lengths)
+        while cut < last - hair:
+            if cut > begin + hair:
+                begins.append(begin)
+                lengths.append(cut - begin)
+                begin = cut
+            cut = next(cuts)
+        begins.append(begin)
+        lengths.append(last - begin)
+        counts.append(len(lengths) - before)
+    return Steps(times, counts, begins, lengths)
 
 
 def rows_of(

@@ -27,7 +27,7 @@ class LaneGrid:
     counts: Any
     """Steps in each interval, (intervals,)."""
     drives: Any
-    """Signals of every step, (steps, drives, lanes)."""
+    """What the drives bring in every step, (steps, inputs, lanes)."""
     lengths: Any
     """Length of every step [s], (steps, lanes); 0 where a lane has none."""
 
@@ -58,7 +58,7 @@ def lane_grid(grids: Sequence[Grid]) -> LaneGrid:
     counts = np.array([grid.counts for grid in grids], np.int_)
     most = counts.max(axis=0)
     starts = np.concatenate([[0], np.cumsum(most)[:-1]])
-    drives = np.zeros((int(most.sum()), len(grids[0].sampled[0]), len(grids)))
+    drives = np.zeros((int(most.sum()), len(grids[0].drives[0]), len(grids)))
     lengths = np.zeros((len(drives), len(grids)))
     for lane, grid in enumerate(grids):
         first = np.repeat(starts - np.cumsum(counts[lane]) + counts[lane], counts[lane])

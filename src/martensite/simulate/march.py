@@ -12,7 +12,7 @@ from martensite.simulate.compiled import Functions
 from martensite.simulate.grid import Grid
 from martensite.status import Status
 
-SOLVED = 1e-4
+SOLVED = 1e-8
 COARSE = 0.2
 
 
@@ -87,7 +87,7 @@ def track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None 
     return Track(list(rows), status if finite else Status.NOT_FINITE, time)
 
 
-def track_of(table: Any, residual: float, crossing: float) -> Track:
+def track_of(table: Any, residual: float, crossing: float, ripple: float) -> Track:
     """A track whose rows are an array (samples, outputs), from its worst reports."""
     import numpy as np
 

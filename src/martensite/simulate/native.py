@@ -13,7 +13,7 @@ from martensite.runtimes.c99 import c_source, load_library
 from martensite.runtimes.c99_lanes import BLOCK, lanes_source
 from martensite.runtimes.once import once
 from martensite.runtimes.program import Function
-from martensite.simulate.compiled import Compiled
+from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import Track, track_of
@@ -23,13 +23,12 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
            const double *restrict sampled, const long *restrict counts,
            const double *restrict drives, const double *restrict lengths,
            double *restrict rows, double *restrict worst) {{
-    double c[{constants} * {lanes}], x[{inputs} * {lanes}], y[{results} * {lanes}];
+    double c[{constants} * {lanes}], x[({size} + {inputs} + 1) * {lanes}], y[{results} * {lanes}];
     const long n = {lanes};
     k_prepare(n, p, c);
     for (long l = 0; l < n; l++) {{
         for (long d = 0; d < {drives}; d++) x[d * n + l] = first[{signal}];
-        worst[l] = 0.0;
-        worst[n + l] = 0.0;
+        for (long k = 0; k < {reports}; k++) worst[k * n + l] = 0.0;
     }}
     k_init(n, c, x, y);
     memcpy(x, y, sizeof(double) * {size} * n);
@@ -37,19 +36,16 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
         for (long l = 0; l < n; l++) x[({size} + d) * n + l] = first[{signal}];
     k_observe(n, c, x, rows);
     for (long i = 0; i < intervals; i++) {{
-        for (long k = 0; k < counts[i]; k++, drives += {drives} * {own}, lengths += {own}) {{
+        for (long k = 0; k < counts[i]; k++, drives += {inputs} * {own}, lengths += {own}) {{
             for (long l = 0; l < n; l++) {{
-                for (long d = 0; d < {drives}; d++) x[({size} + d) * n + l] = drives[{signal}];
-                x[({size} + {drives}) * n + l] = lengths[{length}];
+                for (long d = 0; d < {inputs}; d++) x[({size} + d) * n + l] = drives[{signal}];
+                x[({size} + {inputs}) * n + l] = lengths[{length}];
             }}
             k_step(n, c, x, y);
             {keep}
             memcpy(x, y, sizeof(double) * {size} * n);
-            for (long l = 0; l < n; l++) {{
-                const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
-                worst[l] = (worst[l] >= r) ? worst[l] : r;
-                worst[n + l] = (worst[n + l] >= s) ? worst[n + l] : s;
-            }}
+            for (long l = 0; l < {reports} * n; l++)
+                worst[l] = worst[l] >= y[{size} * n + l] ? worst[l] : y[{size} * n + l];
         }}
         for (long d = 0; d < {drives}; d++)
             for (long l = 0; l < n; l++) x[({size} + d) * n + l] = sampled[{signal}];
@@ -62,11 +58,13 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
 
 _KEEP = """for (long l = 0; l < n; l++) if (!(lengths[l] > 0.0)) {{
                 for (long k = 0; k < {size}; k++) y[k * n + l] = x[k * n + l];
-                y[{size} * n + l] = y[({size} + 1) * n + l] = 0.0;
+                for (long k = 0; k < {reports}; k++) y[({size} + k) * n + l] = 0.0;
             }}"""
 
 
-def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bool = False) -> str:
+def march_source(
+    compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False
+) -> str:
     """C source of the kernels and the march for a fixed number of lanes.
 
     With signals and steps of their `own` lanes march through a `LaneGrid`.
@@ -77,50 +75,51 @@ def march_source(compiled: Compiled, lanes: int, outputs: Sequence[int], own: bo
     loop = _MARCH.format(
         lanes=lanes,
         constants=max(1, len(compiled.program.hoisted)),
-        inputs=compiled.size + compiled.drives + 1,
+        inputs=compiled.inputs,
         results=compiled.size + len(compiled.report),
         size=compiled.size,
         drives=compiled.drives,
         outputs=len(outputs),
+        reports=len(compiled.report),
         own=lanes if own else 1,
         signal=f"d * {lanes} + l" if own else "d",
         length="l" if own else "0",
-        keep=_KEEP.format(size=compiled.size) if own else "",
+        keep=_KEEP.format(size=compiled.size, reports=len(compiled.report)) if own else "",
     )
     return _kernels(compiled, [traced["init"], traced["step"], observe], lanes) + loop
 
 
-def _kernels(compiled: Compiled, functions: Sequence[Function], lanes: int) -> str:
+def _kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
     """C of traced functions: over vectors where the lanes fill them."""
     write = c_source if lanes % BLOCK else lanes_source
     return write(compiled.program, functions)
 
 
 @once(64)
-def _library(compiled: Compiled, lanes: int, outputs: tuple[int, ...], own: bool) -> Any:
+def _library(compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool) -> Any:
     return load_library(march_source(compiled, lanes, outputs, own))
 
 
 def march_lanes(
-    compiled: Compiled, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
+    compiled: CompiledMarch, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
     outputs: Sequence[int],
 ) -> tuple[Any, Any]:  # fmt: skip
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
     A `LaneGrid` gives every lane signals and steps of its own.
-    Returns outputs (samples, outputs, lanes) and the worst reports (2, lanes).
+    Returns outputs (samples, outputs, lanes) and the worst reports (3, lanes).
     """
     library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid))
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
-    worst = np.empty((2, lanes))
+    worst = np.empty((len(compiled.report), lanes))
     arrays = (parameters, *grid.arrays, rows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
     return rows, worst
 
 
-def march_c(compiled: Compiled, values: Sequence[float], grid: Grid) -> Track:
+def march_c(compiled: CompiledMarch, values: Sequence[float], grid: Grid) -> Track:
     """One run on the C runtime."""
     rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)))
-    return track_of(rows[:, :, 0], float(worst[0, 0]), float(worst[1, 0]))
+    return track_of(rows[:, :, 0], *worst[:, 0].tolist())

@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from martensite.laws.coupling import Report
 from martensite.runtimes.c99 import load_library
 from martensite.runtimes.c99_slopes import WIDTHS, constants, slopes_source
 from martensite.runtimes.once import once
 from martensite.runtimes.tangent import differentiated
-from martensite.simulate.compiled import Compiled
+from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 
 _MARCH = """
@@ -24,10 +25,10 @@ void march(long intervals, const double *restrict p, const slopes *restrict dp,
            const long *restrict counts, const double *restrict drives,
            const double *restrict lengths, double *restrict rows, slopes *restrict drows,
            double *restrict worst) {{
-    double c[{constants}], x[{inputs}], y[{results}];
+    double c[{constants}], x[{size} + {inputs} + 1], y[{results}];
     slopes dc[{dconstants}], dx[{size}], dy[{results}];
     k_prepare(p, dp, c, dc);
-    worst[0] = worst[1] = 0.0;
+    for (long j = 0; j < {reports}; j++) worst[j] = 0.0;
     memcpy(x, first, sizeof(double) * {drives});
     k_init(c, dc, x, dx, y, dy);
     memcpy(x, y, sizeof(double) * {size});
@@ -35,13 +36,13 @@ void march(long intervals, const double *restrict p, const slopes *restrict dp,
     memcpy(x + {size}, first, sizeof(double) * {drives});
     k_observe(c, dc, x, dx, rows, drows);
     for (long i = 0; i < intervals; i++) {{
-        for (long k = 0; k < counts[i]; k++, drives += {drives}, lengths++) {{
-            memcpy(x + {size}, drives, sizeof(double) * {drives});
-            x[{size} + {drives}] = *lengths;
+        for (long k = 0; k < counts[i]; k++, drives += {inputs}, lengths++) {{
+            memcpy(x + {size}, drives, sizeof(double) * {inputs});
+            x[{size} + {inputs}] = *lengths;
             k_step(c, dc, x, dx, y, dy);
             memcpy(x, y, sizeof(double) * {size});
             memcpy(dx, dy, sizeof(slopes) * {size});
-            for (long j = 0; j < 2; j++)
+            for (long j = 0; j < {reports}; j++)
                 worst[j] = worst[j] >= y[{size} + j] ? worst[j] : y[{size} + j];
         }}
         memcpy(x + {size}, sampled + i * {drives}, sizeof(double) * {drives});
@@ -65,7 +66,7 @@ class Slopes(NamedTuple):
 
 
 def march_slopes(
-    compiled: Compiled, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int]
+    compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int]
 ) -> Slopes:
     """March one run with the derivatives of its outputs.
 
@@ -99,7 +100,11 @@ def _padded(seeds: Any, width: int) -> Any:
 
 def _march(library: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int) -> Slopes:
     shape = len(grid.times), outputs
-    rows, drows, worst = np.empty(shape), np.empty((*shape, seeds.shape[1])), np.empty(2)
+    rows, drows, worst = (
+        np.empty(shape),
+        np.empty((*shape, seeds.shape[1])),
+        np.empty(len(Report._fields)),
+    )
     arrays = (np.array([*values, 0.0]), seeds, *grid.arrays, rows, drows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(len(grid.counts)), *pointers)
@@ -108,7 +113,7 @@ def _march(library: Any, values: Sequence[float], seeds: Any, grid: Grid, output
 
 @once(64)
 def _library(
-    compiled: Compiled, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
+    compiled: CompiledMarch, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
 ) -> Any:
     size = compiled.size
     states = {"init": 0, "step": size, "observe": size}
@@ -116,8 +121,8 @@ def _library(
     count, slopes = constants(program)
     loop = _MARCH.format(
         constants=max(1, count), dconstants=max(1, slopes), size=size,
-        inputs=size + compiled.drives + 1, results=size + len(compiled.report),
-        drives=compiled.drives, outputs=len(outputs),
+        inputs=compiled.inputs, results=size + len(compiled.report),
+        drives=compiled.drives, outputs=len(outputs), reports=len(compiled.report),
     )  # fmt: skip
     functions = list(program.functions.values())
     return load_library(slopes_source(program, functions, moving, width) + loop)

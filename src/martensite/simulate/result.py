@@ -34,8 +34,8 @@ class Result:
     step: float
     """Longest step taken [s]."""
     accuracy: float | None = None
-    """Largest difference to the run with twice the step, as a share of each column's range
-    (temperatures, martensite fractions, coordinates); None if only one run was made."""
+    """How far temperatures, martensite fractions, stresses and coordinates may be off, as a share
+    of the range of each; None if only one run was made."""
     warnings: list[str] = field(default_factory=list[str])
     """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
@@ -46,6 +46,12 @@ class Result:
     for an element that is the same all over."""
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
     """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
+    runtime: str = ""
+    """What it was computed on: floats, C or JAX; empty if that is not said."""
+    rejected: int = 0
+    """Steps that were made again, shorter."""
+    ripple: float = 0.0
+    """Temperature [K] that the mean of a drive over a step leaves out, at most."""
 
     def __getitem__(self, name: str) -> list[float]:
         """A column by name, or the times."""
@@ -77,8 +83,9 @@ class Result:
     def __str__(self) -> str:
         """A summary of a few lines."""
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
+        where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
         lines = [
-            f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s, "
+            f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s{where}, "
             f"accuracy {accuracy}",
             *(line for name in self.system.judged() for line in [self._line(name)]),
         ]

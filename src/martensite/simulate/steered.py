@@ -16,7 +16,7 @@ end.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -27,8 +27,9 @@ from martensite.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractWaveform
+from martensite.signals.moments import Moments, Segment, Tone, added
 from martensite.simulate.driven import Waveforms, arranged
-from martensite.system import AbstractSystem, Actuator
+from martensite.system import AbstractSystem, Actuator, Feed
 from martensite.system.base import Drive
 
 PEAK = "peak"
@@ -76,6 +77,23 @@ class Combined(AbstractWaveform):
     def edges(self, duration: float) -> list[float]:
         """Those of all its terms."""
         return sorted({edge for _, wave in self.terms for edge in wave.edges(duration)})
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """The sums of those of its terms."""
+        return added([(factor, wave.segments(begin)) for factor, wave in self.terms])
+
+    def tones(self) -> tuple[Tone, ...]:
+        """Those of all its terms."""
+        return tuple(
+            tone._replace(amplitude=factor * tone.amplitude)
+            for factor, wave in self.terms
+            for tone in wave.tones()
+        )
+
+
+def pair_name(first: int, second: int) -> str:
+    """Name of the drive that is the sum of two signals."""
+    return f"q{second} with {'the rest' if first < 0 else f'q{first}'}"
 
 
 class Steered(AbstractSystem, init=False):
@@ -128,20 +146,44 @@ class Steered(AbstractSystem, init=False):
         return self.system.profile(state)
 
     def drives(self) -> list[Drive]:
-        """Those of the system, for what does not move, then one for each level."""
+        """Those of the system, for what does not move, one for each level, and one for pairs."""
         own = self.system.drives()
-        names = list(self.levels.declarations)
-        return own + [
-            own[place]._replace(name=name) for name, place in zip(names, self.layout(), strict=True)
+        levels = zip(self.levels.declarations, self.layout(), strict=True)
+        pairs = zip(self.owners_of_pairs(), self.pairs(), strict=True)
+        return [
+            *own,
+            *(own[place]._replace(name=name) for name, place in levels),
+            *(own[place]._replace(name=pair_name(*pair)) for place, pair in pairs),
         ]
+
+    def pairs(self) -> list[tuple[int, int]]:
+        """Pairs of signals of one drive, whose product counts: two levels, or -1 for its rest."""
+        layout = self.layout()
+        own = self.system.drives()
+        found = [(-1, k) for k in range(len(layout))]
+        found += [(j, k) for k in range(len(layout)) for j in range(k) if layout[j] == layout[k]]
+        return [pair for pair in found if not own[layout[pair[1]]].at_end]
+
+    def owners_of_pairs(self) -> list[int]:
+        """The drive of every pair."""
+        return [self.layout()[k] for _, k in self.pairs()]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """The system at rest under the signals put together."""
         return self.system.init(xp, *self._signals(drives))
 
-    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Report]:
         """Advance by `dt` [s]."""
-        return self.system.step(xp, state, *self._signals(drives), dt=dt)
+        count = len(self.system.drives())
+        fed = [self._fed(xp, place, drives) for place in range(count)]
+        return self.system.step(xp, state, *fed, dt=dt)
+
+    def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
+        """As of the system; levels have no heat."""
+        known = self.system.heat_contents(xp, state)
+        return known + [None] * (len(self.drives()) - len(known))
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured."""
@@ -150,11 +192,39 @@ class Steered(AbstractSystem, init=False):
     def _signals(self, drives: Sequence[Scalar]) -> list[Scalar]:
         """u = u_0 + Σ q φ of every drive of the system."""
         places, numbers = self.layout(), list(self.levels.__dict__.values())
-        count = len(drives) - len(places)
+        count = len(self.system.drives())
         found = list(drives[:count])
-        for place, level, shape in zip(places, numbers, drives[count:], strict=True):
+        for place, level, shape in zip(places, numbers, drives[count:], strict=False):
             found[place] = found[place] + level * shape
         return found
+
+    def _fed(self, xp: Namespace, place: int, drives: Sequence[Any]) -> Scalar | Feed:
+        """What a drive of the system brings, put together.
+
+        ⟨u²⟩ = ⟨u_0²⟩ + Σ q_k² ⟨φ_k²⟩ + 2 Σ q_j q_k ⟨φ_j φ_k⟩, where ⟨φ_j φ_k⟩ follows from the
+        mean square of φ_j + φ_k, and φ_0 = u_0 with q_0 = 1.
+        """
+        if not isinstance(drives[place], Feed):
+            return self._signals(drives)[place]
+        count, numbers = len(self.system.drives()), list(self.levels.__dict__.values())
+        own = [k for k, owner in enumerate(self.layout()) if owner == place]
+        parts = {-1: drives[place].moments} | {k: drives[count + k].moments for k in own}
+        factors = {-1: 1.0} | {k: numbers[k] for k in own}
+        mean = square = low = high = lapse = slope = second = 0.0
+        for k, one in parts.items():
+            q = factors[k]
+            mean, square = mean + q * one.mean, square + q * q * one.square
+            slope, second = slope + q * one.slope, second + q * q * one.square_slope
+            ends = q * one.low, q * one.high
+            low, high = low + xp.minimum(*ends), high + xp.maximum(*ends)
+            lapse = xp.maximum(lapse, one.lapse)
+        for (j, k), both in zip(self.pairs(), drives[count + len(numbers) :], strict=True):
+            if k in parts:
+                product = both.moments.square - parts[j].square - parts[k].square
+                square = square + factors[j] * factors[k] * product
+                product = both.moments.square_slope - parts[j].square_slope - parts[k].square_slope
+                second = second + factors[j] * factors[k] * product
+        return Feed(Moments(mean, square, low, high, lapse, slope, second), drives[place].owed)
 
 
 @dataclass(frozen=True)
@@ -233,9 +303,14 @@ class Steering:
         """The waveform of every drive of `whole`."""
         if not self.levels:
             return self.own
-        return {drive: self._rest(drive) for drive in self.own} | {
-            f"q{k}": self._shape(level) for k, level in enumerate(self.levels)
-        }
+        rests = {drive: self._rest(drive) for drive in self.own}
+        shapes = {f"q{k}": self._shape(level) for k, level in enumerate(self.levels)}
+        found: dict[str, AbstractWaveform] = {**rests, **shapes}
+        whole = self.whole
+        for j, k in whole.pairs() if isinstance(whole, Steered) else ():
+            first = rests[self.levels[k].drive] if j < 0 else shapes[f"q{j}"]
+            found[pair_name(j, k)] = Combined(terms=((1.0, first), (1.0, shapes[f"q{k}"])))
+        return found
 
     def at(self, drive: str, values: Mapping[str, float]) -> AbstractWaveform:
         """The waveform of a drive at other levels by name, unchecked."""

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from martensite.errors import ParameterError, suggestion
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.clock import Edges, clocked, edges_of, played
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.clock import Edges, edges_of, played, steps_of
+from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.driven import grid_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import Grid, Steps
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
 from martensite.simulate.march import classify
 from martensite.simulate.refusals import refused
@@ -129,7 +129,7 @@ class Course:
         table = {path: column[marched] for path, column in values.items()}
         grid = self._grid(signals, marched)
         columns, reports = self.engine(table, grid, size)
-        status = np.array([classify(float(r), float(c)) for r, c in reports.T], np.int8)
+        status = np.array([classify(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
         finite = np.logical_and.reduce([np.isfinite(c).all(axis=1) for c in columns])
         status = np.where(finite, status, Status.NOT_FINITE).astype(np.int8)[: len(rows)]
         status[bad] = Status.REFUSED
@@ -146,9 +146,9 @@ class Course:
         return self._common.times
 
     @cached_property
-    def compiled(self) -> Compiled:
+    def compiled(self) -> CompiledMarch:
         """The traced system."""
-        return compile_system(self.system)
+        return compile_march(self.system)
 
     @cached_property
     def places(self) -> tuple[int, ...]:
@@ -206,18 +206,21 @@ class Course:
 
     def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
+        if self.system.sample_time():
+            shape = self.duration, self.samples, self.step
+            return grid_of(self.system, waveforms, *shape)
         edges = edges_of(waveforms, self.duration)
-        clock = self._clocks.get(edges)
-        if clock is None:
+        steps = self._clocks.get(edges)
+        if steps is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
-            shape = self.duration, self.samples, self.step
-            clock = self._clocks[edges] = clocked(self.system, edges, *shape)
+            steps = steps_of(edges, self.duration, self.samples, self.step)
+            self._clocks[edges] = steps
         drives = [waveforms.get(drive.name) for drive in self.system.drives()]
-        return played(clock, drives)
+        return played(self.system, steps, drives)
 
     @cached_property
-    def _clocks(self) -> dict[Edges, Grid]:
+    def _clocks(self) -> dict[Edges, Steps]:
         return {}
 
     def _waveforms(self, signals: Mapping[str, Values], row: int) -> dict[str, AbstractWaveform]:

@@ -27,7 +27,7 @@ class JaxMarch:
     def __call__(
         self, values: Values, grid: Grid | LaneGrid, runs: int
     ) -> tuple[list[Numbers], Numbers]:
-        """Columns (runs, samples) and reports (2, runs).
+        """Columns (runs, samples) and reports (3, runs).
 
         Chunks of a block go over the devices; variants of a waveform stay on the first.
         """
@@ -47,7 +47,7 @@ class JaxMarch:
         ]
         reports = [
             np.concatenate([np.broadcast_to(np.asarray(r), size) for r in each])[:runs]
-            for each in zip(*((p.residual, p.crossing) for p in pieces), strict=True)
+            for each in zip(*(p.reports for p in pieces), strict=True)
         ]
         return columns, np.stack(reports).astype(np.float64)
 

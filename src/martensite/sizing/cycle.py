@@ -15,6 +15,7 @@ from martensite.signals.step import Step
 from martensite.simulate.alarms import excursion
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
+from martensite.status import Status
 from martensite.system import System
 
 RETURNED = 0.02
@@ -57,9 +58,13 @@ class Cycle:
 
 
 def pulsed(system: System, current: float, time: float) -> float:
-    """Position [m] at the end of a pulse of `current` [A] that lasts `time` [s]."""
-    run = simulate(system, Step(high=current), time, step=time / STEPS, samples=2)
-    return run["position"][-1]
+    """Position [m] at the end of a pulse of `current` [A] that lasts `time` [s].
+
+    The farthest one where the wire would melt or tear before.
+    """
+    run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
+    left = run.status is Status.OUT_OF_ENVELOPE
+    return max(run["position"]) if left else run["position"][-1]
 
 
 def current_for(system: System, position: float, time: float, guess: float) -> float | None:

@@ -105,7 +105,7 @@ class Strand:
             length=self.length,
             law=self.law,
             resistance=PerLengthResistance(r_A=per_metre, r_M=per_metre),
-            limits=Limits(**{name: numbers[name] for name in Limits.declarations}),
+            limits=Limits(**{k: v for k, v in numbers.items() if k in Limits.declarations}),
             density=numbers["density"],
             heat_capacity=numbers["heat_capacity"],
             latent_heat=numbers["latent_heat"],

@@ -24,7 +24,7 @@ from martensite.errors import ParameterError, suggestion
 from martensite.observers.base import ESTIMATED
 from martensite.runtimes.c99 import compiler
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.compiled import Compiled, bind_system, compile_system
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import SOLVED, march_floats
 
@@ -69,7 +69,7 @@ class LoopRuns:
         """
         self.bench, self.drive = bench, loop_of(bench, drive)
         self.native = compiler() is not None if native is None else native
-        self.compiled: Compiled = compile_system(bench)
+        self.compiled: CompiledMarch = compile_march(bench)
         self.paths = self.compiled.paths
         self.base = np.array(self.compiled.values(bench))
         played = {**(waveforms or {}), **reference_waveforms(bench)}
@@ -131,7 +131,7 @@ class LoopRuns:
 
     def _floats(self, values: Numbers) -> Numbers:
         bench = self.bench.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
-        track = march_floats(*bind_system(bench), self.grid)
+        track = march_floats(*bind_march(bench), self.grid)
         solved = not track.status.failed and len(track.rows) == len(self.times)
         rows = np.asarray(track.rows)[:, self._places]
         return rows if solved else np.full((len(self.times), len(self._places)), np.nan)

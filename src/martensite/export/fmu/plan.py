@@ -11,7 +11,6 @@ from martensite.bench.run import reference_waveforms
 from martensite.errors import ParameterError
 from martensite.export.c_core import CCore, c_core
 from martensite.parameters import Leaf, structure
-from martensite.runtimes.c99 import compiler
 from martensite.simulate.api import longest_step
 from martensite.system import AbstractSystem
 
@@ -29,6 +28,10 @@ class Scenario(Protocol):
     @property
     def title(self) -> str:
         """What it is called."""
+        ...
+
+    def equal_step(self) -> float:
+        """The longest of equal steps with which a run is within its tolerance [s]."""
         ...
 
     @property
@@ -140,8 +143,7 @@ def _step(system: AbstractSystem, scenario: Scenario | None, step: float | None)
         return longest_step(system)
     if scenario.step is not None:
         return scenario.step
-    found = scenario.run(runtime="c" if compiler() else None).step
-    return float(f"{found:.9g}")  # without the rounding of a sum of steps
+    return float(f"{scenario.equal_step():.9g}")
 
 
 def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from martensite.identify.fitting.experiment import Experiment
 from martensite.runtimes.c99 import compiler
-from martensite.simulate.compiled import Compiled, bind_system, compile_system
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import SOLVED, march_floats
 
@@ -40,7 +40,7 @@ class Runner:
 
     def __init__(self, experiment: Experiment, step: float | None = None) -> None:
         self.experiment = experiment
-        self.compiled: Compiled = compile_system(experiment.system)
+        self.compiled: CompiledMarch = compile_march(experiment.system)
         self.paths = self.compiled.paths
         self.grid: Grid = experiment.grid(step)
         self.first = len(self.grid.times) - len(experiment.times)
@@ -110,7 +110,7 @@ class Runner:
         system = self.experiment.system.rebuilt(
             dict(zip(self.paths, map(float, values), strict=True))
         )
-        track = march_floats(*bind_system(system), self.grid)
+        track = march_floats(*bind_march(system), self.grid)
         rows = np.asarray(track.rows)[self.first :, list(self.places)]
         solved = not track.status.failed and len(track.rows) == len(self.grid.times)
         return Seen(rows, np.zeros((*rows.shape, 0)), solved)

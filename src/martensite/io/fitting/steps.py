@@ -1,8 +1,9 @@
 """Steps of the runs of a fit: short enough at the start, and looked at again at the end.
 
 Where all temperatures are prescribed and nothing depends on rates, the rows of a record are
-steps enough; one run with the halved step shows whether this is so. Elsewhere one simulation
-to the tolerance of the scenario gives the step.
+steps enough; one run with the halved step shows whether this is so. Elsewhere equal steps are
+halved until a run on them agrees with one with error control. A fit then keeps its steps: the cost
+is as smooth in the parameters as the model is.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from typing import Any
 from martensite.identify.fitting.experiment import Experiment
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.runner import Runner
-from martensite.runtimes.c99 import compiler
 
 NOTICEABLE = 0.5
 """Change of a parameter on halving the steps, in standard errors, from which on it is told."""
@@ -44,19 +44,17 @@ def halved(experiment: Experiment) -> Experiment:
 
 
 def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
-    from martensite.simulate.api import simulate
+    from martensite.simulate.equal_steps import find_step
 
-    result = simulate(
-        experiment.system, experiment.waveform, float(experiment.times[-1] + experiment.lead),
-        tolerance=tolerance, runtime="floats" if compiler() is None else "c",
-    )  # fmt: skip
+    duration = float(experiment.times[-1] + experiment.lead)
+    found = find_step(experiment.system, experiment.waveform, duration, tolerance)
     notes: list[str] = []
-    if result.accuracy is not None and result.accuracy > tolerance:
+    if found.apart > tolerance:
         notes.append(
             f"Record `{experiment.name}`: the tolerance of {tolerance:.1e} was not reached at the "
-            f"start; steps of {result.step:.3g} s change the run by {result.accuracy:.1e} of range."
+            f"start; a run in steps of {found.step:.3g} s is off by {found.apart:.1e} of range."
         )
-    return replace(experiment, step=result.step), notes
+    return replace(experiment, step=found.step), notes
 
 
 def _run(experiment: Experiment) -> Any:

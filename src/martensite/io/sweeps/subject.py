@@ -11,8 +11,9 @@ from martensite.io.assemble import waveform_path
 from martensite.io.scales import Scales
 from martensite.runtimes.c99 import compiler
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.api import longest_step, simulate
+from martensite.simulate.api import longest_step
 from martensite.simulate.driven import by_name
+from martensite.simulate.equal_steps import find_step
 from martensite.simulate.variants import Course
 from martensite.sweep.axes import Target
 
@@ -85,9 +86,8 @@ def _step(
     try:
         system = course.system.with_values(values) if values else course.system
         played = {n: w.with_values(signals.get(n, {})) for n, w in course.waveforms.items()}
-        return simulate(
-            system, played, course.duration, tolerance=scenario.tolerance,
-            samples=course.samples, runtime="c" if course.runtime == "c" else "floats",
+        return find_step(
+            system, played, course.duration, scenario.tolerance, course.samples
         ).step  # fmt: skip
     except MartensiteError:
         if not values and not signals:

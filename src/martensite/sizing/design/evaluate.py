@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.runtimes.c99 import compiler
-from martensite.simulate.compiled import Compiled, bind_system, compile_system
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import SOLVED, march_floats
 from martensite.simulate.measures.base import needed
@@ -86,7 +86,7 @@ class Designs:
         self.question, self.step, self.counts = question, step, Counts()
         self.native = compiler() is not None if native is None else native
         self.system = self.steering.whole
-        self.compiled: Compiled = compile_system(self.system)
+        self.compiled: CompiledMarch = compile_march(self.system)
         played = self.steering.played()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
         self.times = np.array(self.grid.times)
@@ -246,7 +246,7 @@ class Designs:
         found = np.full((len(places), len(self.times), len(table)), np.nan)
         for k, row in enumerate(table):
             values = dict(zip(self.compiled.paths, row.tolist(), strict=True))
-            track = march_floats(*bind_system(self.system.rebuilt(values)), self.grid)
+            track = march_floats(*bind_march(self.system.rebuilt(values)), self.grid)
             if not track.status.failed and len(track.rows) == len(self.times):
                 found[:, :, k] = np.asarray(track.rows)[:, places].T
         return found

@@ -1,0 +1,515 @@
+r"""The march with an error control in every step, on plain floats.
+
+Every step is made once whole and once in two halves, with what the drives bring in each. Halves and
+whole differ by 2^p - 1 times the error of the halves (order p), in the outputs that a user reads:
+temperature, fraction, stress, coordinates. A step whose error is above the tolerance is made again,
+shorter. What the difference says about the heat in an element is handed on to the next step as heat
+that is owed, which makes the march third order where it is smooth. The memory of a law is never
+touched: the two halves are legal steps.
+
+A law without rates follows the extremes of temperature and stress, and a step sees its ends only: a
+parabola through both ends and the middle shows a turn between them, and steps end on turns that
+count. They end where a transformation starts or is complete, too, if the difference says that it
+counts; a law says how far that is.
+
+Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the
+state at a sample, if its term of the fourth order is within the tolerance and it overshoots
+nothing; else a step of its own goes to the sample from the last of these points. Steps need not end
+on edges of a drive either, since drives are integrated. What a mean leaves out of a drive that
+jumps or swings within a half step, its ripple, is bounded by the source; where it is above the
+tolerance, steps end on the edges.
+
+`martensite.simulate.marching_native` is the same march in C.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from martensite.signals.moments import Moments
+from martensite.simulate.compiled import Functions, fed
+from martensite.simulate.march import SOLVED
+from martensite.simulate.marching import HAIR, AbstractMarch, Plan, Row
+from martensite.status import Status
+
+SAFETY = 0.9
+LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
+"""Of the length of a step."""
+SHORTEST = 1e-12
+"""Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
+FEW = 3
+"""Edges in a step up to which it ends on the first one, unless it may pass them."""
+SWING = 2.0
+"""Of the fastest tone, in radians: a step of this length resolves it."""
+PRESCRIBED = 0.8
+"""The same for signals that prescribe a state, which are read and not integrated."""
+TURN = 0.1
+"""What a step may miss of a turn, as a share of the tolerance."""
+NEAR = 0.03
+"""Share of a step before its start, or its end, in which a kink that is expected lies on it."""
+SHORT = 0.99
+"""Part of the way to an expected kink that a step goes."""
+BESIDE = 1e-3
+"""Share of a step before its end, or after its start, in which a turn lies on it."""
+PER_STRESS = 1.0 / 7e6
+"""Temperature that drives a transformation like a stress [K/Pa], about: where both turn."""
+LEAST = 1e-9
+"""Distance from a kink that is none."""
+BETWEEN = 1.0
+"""Last term of the interpolation as a share of the tolerance."""
+ROUNDING = 1e-12
+"""Share of a number that is none."""
+CUBIC = 0.385
+"""Largest value of |x (x² - 1)| between -1 and 1."""
+
+
+class Node(NamedTuple):
+    """A point of the march."""
+
+    time: float
+    state: Row
+    seen: Row
+    """What is judged."""
+
+
+class Trial(NamedTuple):
+    """A step made whole and in halves."""
+
+    length: float
+    """[s]"""
+    halves: Sequence[Row]
+    """What the drives bring in each half."""
+    half: Row
+    """State in the middle."""
+    full: Row
+    """State at the end."""
+    seen: Row
+    """What is judged at the end."""
+    points: tuple[Row, Row]
+    """Where laws without rates act, in the middle and at the end."""
+    owed: tuple[float, ...]
+    """Heat [J] that the halves fall short of, by drive."""
+    error: float
+    """Share of the tolerance."""
+    ripple: float
+    residual: float
+    lapse: float
+
+
+class AdaptiveMarch(AbstractMarch):
+    """A run with error control."""
+
+    def __init__(self, plan: Plan, functions: Functions) -> None:
+        super().__init__(plan, functions)
+        self.hair = SHORTEST * self.duration
+        """Time [s] that is none: an edge so near is here."""
+        compiled = plan.compiled
+        self.heating = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w > 1]
+        self.prescribing = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w == 1]
+        self.points = functions["points"](*self.state)
+        self.earlier_points = self.points
+        """Half a step earlier."""
+        self.last_half = plan.first
+        self.rates = [0.0] * len(compiled.rates)
+        """Of the half step before the last."""
+        self.nodes = [Node(0.0, self.state, self.seen)]
+        """Start and middle of the last step, and where it ended: here. Behind a kink of a drive
+        there is but the last."""
+        self.owed = [0.0] * len(compiled.widths)
+        self.length, self.after_edge, self.at_edge = plan.first, plan.first, True
+        self.after_kink, self.at_kink = math.inf, False
+        self.power = 0.0
+        """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
+        self.rough = 0.0
+        """Error of the last step over the power of its length that it grows by; 0 behind a kink."""
+
+    # ---------------------------------------------------------------- one step
+
+    def advance(self) -> None:
+        """Take one step, however often it has to be tried."""
+        allowed = self._allowed(min(self.length, self.duration - self.time))
+        length = self._before_kink(allowed)
+        most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
+        shortest = SHORTEST * self.duration
+        while True:
+            length, halves = self._resolved(length)
+            trial = self._try_step(length, halves)
+            good, solved = trial.error <= 1.0, trial.residual <= SOLVED
+            if length <= shortest and solved:
+                break
+            kink = self._find_kink(trial) if solved else 1.0
+            if good and kink == 1.0:
+                break
+            self.found.rejected += 1
+            if length <= shortest:
+                self.found.status = Status.UNSOLVED
+                return
+            if good:
+                planned = max(planned, length)
+            else:
+                most = 1.0
+            length = max(kink * length if kink < 1.0 else self._shortened(trial), 0.5 * shortest)
+        self._accept(trial, most, planned)
+
+    def _allowed(self, length: float) -> float:
+        """A length that no signal which prescribes a state makes too long."""
+        end = self.duration - self.time
+        for reader in self.prescribing:
+            if reader.fastest > 0.0:
+                length = min(length, PRESCRIBED / reader.fastest)
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
+            end = min(end, edges[0] - self.time) if edges else end
+        return reach(length, end)
+
+    def _before_kink(self, length: float) -> float:
+        """A length to the next kink of a law, if all goes on as in the last half step."""
+        least, at = NEAR * length, 0
+        for _, _, size in self.plan.compiled.points:
+            for k in range(at + 4, at + size):
+                now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
+                if now > LEAST and fallen > 0.0:
+                    there = SHORT * now / fallen * self.last_half
+                    length = there if least < there < length else length
+            at += size
+        return length
+
+    def _resolved(self, length: float) -> tuple[float, list[Row]]:
+        """A length over which the mean of no drive leaves out too much, and what they bring."""
+        for reader in self.heating:
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 - HAIR) * length)
+            if edges and len(edges) <= FEW:
+                length = reach(length, edges[0] - self.time)
+        begin, allowed = self.time, self.plan.tolerance * self._scale(0)
+        while True:
+            middle = begin + 0.5 * length
+            halves = [self._brought(begin, middle), self._brought(middle, begin + length)]
+            lapse = max(map(_lapse, halves))
+            shorter = length if self.power * lapse <= allowed else self._to_edge(length)
+            if not shorter < length:
+                return length, [self._fed(half, k) for k, half in enumerate(halves)]
+            length = shorter
+
+    def _to_edge(self, length: float) -> float:
+        """A shorter length: to the first edge of a drive that heats, or what resolves its tones."""
+        for reader in self.heating:
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 - HAIR) * length)
+            if edges:
+                length = edges[0] - self.time
+            if reader.fastest > 0.0:
+                length = min(length, SWING / reader.fastest)
+        return length
+
+    def _brought(self, begin: float, end: float) -> list[Moments | float]:
+        """What the drives bring in an interval: moments, or the value before its end."""
+        return [
+            reader.moments(begin, end) if width > 1 else reader.before(end)
+            for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
+        ]
+
+    def _fed(self, brought: Sequence[Moments | float], half: int) -> Row:
+        """The inputs of a step; what is owed goes into the first."""
+        found: list[float] = []
+        for one, owed in zip(brought, self.owed, strict=True):
+            found += fed(one, 0.0 if half else owed) if isinstance(one, Moments) else (one,)
+        return tuple(found)
+
+    def _whole(self, halves: Sequence[Row], length: float) -> Row:
+        """The inputs of the whole step from those of its halves."""
+        found: list[float] = []
+        at = 0
+        for width in self.plan.compiled.widths:
+            first, last = (half[at : at + width] for half in halves)
+            at += width
+            if width == 1:
+                found += last
+                continue
+            joined = join_halves(Moments(*first[:-1]), Moments(*last[:-1]), length)
+            found += fed(joined, first[-1])
+        return tuple(found)
+
+    def _try_step(self, length: float, halves: Sequence[Row]) -> Trial:
+        """Make the step whole and in halves, and compare."""
+        step, size, plan = self.functions["solve"], self.size, self.plan
+        one = step(*self._guessed(self.state, self.rates, length), *halves[0], 0.5 * length)
+        guessed = self._guessed(one[:size], [self.state[k] for k in plan.compiled.rates], length)
+        two = step(*guessed, *halves[1], 0.5 * length)
+        mean = [0.5 * (one[k] + two[k]) for k in plan.compiled.rates]
+        whole = step(*self._with_rates(self.state, mean), *self._whole(halves, length), length)
+        signals, judge = self.signals(self.time + length, before=True), self.functions["judge"]
+        coarse, fine = judge(*whole[:size], *signals), judge(*two[:size], *signals)
+        part = 1.0 / (2.0**plan.order - 1.0)
+        error = 0.0
+        for k in range(self.judged):
+            error = max(error, part * abs(fine[k] - coarse[k]) / self._scale(k, fine[k]))
+        residual = max(whole[size], one[size], two[size])
+        lapse, ripple = self._measure(length, halves, one[:size])
+        error = max(error, ripple / self._scale(0, fine[0])) / plan.tolerance
+        if not (residual <= SOLVED and error < math.inf):
+            error, residual = math.inf, max(residual, 2.0 * SOLVED)
+        owed = [0.0] * len(self.owed)
+        heats = len(plan.compiled.heated)
+        if plan.order == 2 and heats:
+            rows = zip(plan.compiled.heated, fine[-heats:], coarse[-heats:], strict=True)
+            for place, a, b in rows:
+                owed[place] = part * (a - b)
+        points = self.functions["points"]
+        return Trial(
+            length, halves, one[:size], two[:size], fine,
+            (points(*one[:size]), points(*two[:size])), tuple(owed), error, ripple, residual, lapse,
+        )  # fmt: skip
+
+    def _guessed(self, state: Row, before: Sequence[float], length: float) -> Row:
+        """A state whose rates go on as they changed over two half steps."""
+        gap = 0.5 * (self.last_half + 0.5 * length)
+        first = state is self.state
+        ratio = gap / self.last_half if first else 0.5 * length / gap
+        rates = [state[k] for k in self.plan.compiled.rates]
+        guess = [r + ratio * (r - r0) for r, r0 in zip(rates, before, strict=True)]
+        return self._with_rates(state, guess)
+
+    def _with_rates(self, state: Row, rates: Sequence[float]) -> Row:
+        found = list(state)
+        for place, rate in zip(self.plan.compiled.rates, rates, strict=True):
+            found[place] = rate
+        return tuple(found)
+
+    def _measure(self, length: float, halves: Sequence[Row], half: Row) -> tuple[float, float]:
+        """The largest lapse of a drive, and what it costs [K]."""
+        at, lapse = 0, 0.0
+        for width in self.plan.compiled.widths:
+            if width > 1:
+                lapse = max(lapse, halves[0][at + 4], halves[1][at + 4])
+            at += width
+        if not lapse > 0.0:
+            return 0.0, 0.0
+        pairs = zip((self.state, half), halves, strict=True)
+        ripples = [self.functions["ripple"](*s, *u, 0.5 * length)[0] for s, u in pairs]
+        self.power = max(ripples) / lapse
+        return lapse, max(ripples)
+
+    def _find_kink(self, trial: Trial) -> float:
+        """Share of a step at which a law without rates turns or bends, if that counts; else 1.
+
+        It misses the height of a turn over the points that it sees, times how its fractions go with
+        what drives them about here. Where it bends counts if the error of the step is not small.
+        """
+        first, at = 1.0, 0
+        for fraction, weight, size in self.plan.compiled.points:
+            rows = [
+                row[at : at + size]
+                for row in (self.earlier_points, self.points, trial.points[0], trial.points[1])
+            ]
+            at += size
+            changed = max(_variation(rows, k) for k in (2, 3))
+            allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
+            if not changed > allowed:
+                continue
+            drives = [(row[0] - row[1] * PER_STRESS,) for row in rows]
+            share, height = find_extreme(*(drive for (drive,) in drives[1:]))
+            moved = _variation(drives, 0)
+            if BESIDE < share < 1.0 - BESIDE and changed * height > allowed * moved:
+                first = min(first, share)
+            if trial.error > 1.0:
+                ratio = 0.5 * trial.length / self.last_half
+                found = (
+                    find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:]))
+                    for k in range(4, size)
+                )
+                first = min([first, *(share for share in found if BESIDE < share < 1.0 - BESIDE)])
+        return first
+
+    def _shortened(self, trial: Trial) -> float:
+        """The next length to try after one that was too long."""
+        if trial.error == math.inf:
+            return 0.25 * trial.length
+        shorter = trial.length * max(LEAST_CHANGE, min(self._change(trial), SAFETY))
+        if trial.ripple > self.plan.tolerance * self._scale(0):
+            shorter = min(shorter, self._to_edge(trial.length))
+        return shorter
+
+    def _change(self, trial: Trial) -> float:
+        """By what the length of a step is to be changed for the tolerance."""
+        return SAFETY * max(trial.error, 1e-9) ** (-1.0 / (self.plan.order + 1.0))
+
+    def _trend(self, trial: Trial) -> float:
+        """By what the next step is to be shorter if errors go on to grow as they just did."""
+        power = self.plan.order + 1.0
+        rough = max(trial.error, 1e-9) / trial.length**power
+        last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
+        return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
+
+    def _accept(self, trial: Trial, most: float, planned: float) -> None:
+        """Go on to the end of a step."""
+        found, length, end = self.found, trial.length, self.time + trial.length
+        if self.duration - end < SHORTEST * self.duration:
+            end = self.duration
+        nodes = [*self.nodes, *self._reached(trial)]
+        self._keep_samples(end, trial, nodes)
+        found.steps += 2
+        found.longest = max(found.longest, 0.5 * length)
+        found.ripple = max(found.ripple, trial.ripple)
+        found.residual = max(found.residual, trial.residual)
+        if self.plan.recorded:
+            found.ends += [self.time + 0.5 * length, end]
+        if self.at_edge:
+            self.after_edge = MOST_CHANGE * length
+        if self.at_kink:
+            self.after_kink = MOST_CHANGE * length
+        self.at_kink = planned > 0.0
+        hair = HAIR * length
+        self.at_edge = any(reader.edges(end - hair, end + hair) for reader in self.readers)
+        self.nodes = nodes[-1:] if self.at_edge or trial.lapse > 0.0 else nodes[-3:]
+        self.rates = [trial.half[k] for k in self.plan.compiled.rates]
+        self.state, self.owed, self.time = trial.full, list(trial.owed), end
+        self.earlier_points, self.points = trial.points
+        self.last_half = 0.5 * length
+        grown = length * min(max(self._change(trial) * self._trend(trial), LEAST_CHANGE), most)
+        self.length = max(grown, planned)
+        if self.at_edge:
+            self.length = min(self.length, self.after_edge)
+        if self.at_kink:
+            self.length = min(self.length, max(self.after_kink, grown))
+        for reader in self.readers:
+            reader.forget(self.time)
+        self.see(trial.seen)
+
+    # ---------------------------------------------------------------- samples
+
+    def _reached(self, trial: Trial) -> list[Node]:
+        """Middle and end of a step."""
+        half, end = self.time + 0.5 * trial.length, self.time + trial.length
+        middle = self.functions["judge"](*trial.half, *self.signals(half))
+        return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
+
+    def _keep_samples(self, end: float, trial: Trial, nodes: Sequence[Node]) -> None:
+        """Outputs at the samples within a step."""
+        observe, times = self.functions["observe"], self.plan.times
+        hair = HAIR * trial.length
+        smooth: bool | None = None
+        while self.sample < len(times) and times[self.sample] <= end + hair:
+            time = times[self.sample]
+            if time >= end - hair:
+                state = trial.full
+            else:
+                smooth = self._is_smooth(trial, nodes) if smooth is None else smooth
+                state = self._between(nodes, time) if smooth else None
+                state = self._step_aside(trial, time) if state is None else state
+            self.found.rows.append(observe(*state, *self.signals(time)))
+            self.sample += 1
+
+    def _is_smooth(self, trial: Trial, nodes: Sequence[Node]) -> bool:
+        """Whether the polynomial through the last five points is good enough in a step."""
+        if len(nodes) < 5 or trial.lapse > 0.0:
+            return False
+        times = [node.time for node in nodes]
+        reached = CUBIC * (0.5 * trial.length) ** 3 * (times[4] - times[1])
+        for k in range(self.judged):
+            fourth = divided_difference(times, [node.seen[k] for node in nodes])
+            if not abs(fourth) * reached <= BETWEEN * self.plan.tolerance * self._scale(k):
+                return False
+        return True
+
+    def _between(self, nodes: Sequence[Node], time: float) -> Row | None:
+        """State on that polynomial; None where it overshoots what it goes through."""
+        found = list(interpolate(nodes, time))
+        for k, column in enumerate(zip(*(node.state for node in nodes), strict=True)):
+            low, high = min(column), max(column)
+            hair = ROUNDING * (abs(low) + abs(high))
+            if k not in self.plan.compiled.rates and not low - hair <= found[k] <= high + hair:
+                return None
+            found[k] = min(max(found[k], low), high)
+        return tuple(found)
+
+    def _step_aside(self, trial: Trial, time: float) -> Row:
+        """State after a step from the last half step."""
+        middle = self.time + 0.5 * trial.length
+        late = time >= middle
+        begin, state = (middle, trial.half) if late else (self.time, self.state)
+        if time - begin > HAIR * trial.length:
+            inputs = self._fed(self._brought(begin, time), int(late))
+            state = self.functions["solve"](*state, *inputs, time - begin)[: self.size]
+        return state
+
+    def _scale(self, k: int, value: float | None = None) -> float:
+        """Range of a judged output, as far as it is known."""
+        if not self.judged:
+            return 1.0
+        low, high = self.low[k], self.high[k]
+        if value is not None:
+            low, high = min(low, value), max(high, value)
+        known = self.plan.ranges[k] if self.plan.ranges else 0.0
+        return max(high - low, known, self.plan.compiled.judged[k][1])
+
+
+def join_halves(first: Moments, last: Moments, length: float) -> Moments:
+    """Moments of an interval [s] from those of its halves; its lapse is not asked for."""
+    slopes = (
+        1.5 * (b - a) / length + 0.125 * (c + d)
+        for a, b, c, d in (
+            (first.mean, last.mean, first.slope, last.slope),
+            (first.square, last.square, first.square_slope, last.square_slope),
+        )
+    )
+    mean, square = 0.5 * (first.mean + last.mean), 0.5 * (first.square + last.square)
+    return Moments(mean, square, min(first.low, last.low), max(first.high, last.high), 0.0, *slopes)
+
+
+def reach(length: float, end: float) -> float:
+    """A length that reaches an end without a short rest before it."""
+    if length >= (1.0 - HAIR) * end:
+        return end
+    return 0.5 * end if length > 0.6 * end else length
+
+
+def find_extreme(first: float, middle: float, last: float) -> tuple[float, float]:
+    """Share of a step at which a parabola turns, and how far beyond all three points; 1 if not."""
+    one, two = middle - first, last - middle
+    bend, rise = two - one, one + two
+    if not abs(rise) < 2.0 * abs(bend):
+        return 1.0, 0.0
+    top = middle - rise * rise / (8.0 * bend)
+    apart = min(abs(top - first), abs(top - middle), abs(top - last))
+    return 0.5 - 0.25 * rise / bend, apart
+
+
+def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
+    """Share of a step at which a number falls to 0; else 1.
+
+    Where it would go on as it did: `ahead` is what it falls by in half a step, before the first of
+    its values, which are half steps apart. On the chord if that is not where it falls.
+    """
+    if not (first > LEAST and min(middle, last) <= 0.0):
+        return 1.0
+    begin, top, bottom = (0.0, first, middle) if middle <= 0.0 else (0.5, middle, last)
+    ahead = ahead if middle <= 0.0 else first - middle
+    return begin + 0.5 * (top / ahead if ahead > top else top / (top - bottom))
+
+
+def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:
+    """Of the highest order."""
+    found = list(values)
+    for order in range(1, len(times)):
+        spans = [last - first for first, last in zip(times, times[order:], strict=False)]
+        found = [(b - a) / span for (a, b), span in zip(pairwise(found), spans, strict=True)]
+    return found[0]
+
+
+def interpolate(nodes: Sequence[Node], time: float) -> Row:
+    """State on the polynomial through some nodes."""
+    weights: list[float] = []
+    for i, node in enumerate(nodes):
+        others = [other.time for j, other in enumerate(nodes) if j != i]
+        weights.append(math.prod((time - t) / (node.time - t) for t in others))
+    columns = zip(*(node.state for node in nodes), strict=True)
+    return tuple(sum(w * x for w, x in zip(weights, column, strict=True)) for column in columns)
+
+
+def _lapse(brought: Sequence[Moments | float]) -> float:
+    return max((one.lapse for one in brought if isinstance(one, Moments)), default=0.0)
+
+
+def _variation(rows: Sequence[Row], k: int) -> float:
+    return sum(abs(b[k] - a[k]) for a, b in pairwise(rows))

@@ -1,0 +1,64 @@
+"""The step of runs that are to have equal ones: fits, sweeps, exported models.
+
+Steps that are given do not change with the parameters, so that what is computed on them is as
+smooth as the model is, and differentiates exactly. They are halved until a run on them agrees with
+one that has an error control.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from martensite.simulate.api import first_step, simulate
+from martensite.simulate.driven import Waveforms
+from martensite.simulate.result import Result
+from martensite.system import AbstractSystem
+
+HALVINGS = 12
+HALVED = 0.5
+
+
+class EqualStep(NamedTuple):
+    """A longest step, and what a run on it is off by."""
+
+    step: float
+    """[s]"""
+    apart: float
+    """Largest difference of what is judged, as a share of its range."""
+
+
+def find_step(
+    system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float,
+    samples: int = 1001,
+) -> EqualStep:  # fmt: skip
+    """The longest step [s] of a row of halved ones with which a run is within a tolerance.
+
+    Args:
+        system: what is run.
+        waveform: its drive, or drives by name.
+        duration: length of the run [s].
+        tolerance: accepted difference, as a share of range.
+        samples: at which runs are compared.
+
+    Raises:
+        SolveError: the run fails.
+    """
+    meant = simulate(system, waveform, duration, tolerance=HALVED * tolerance, samples=samples)
+    step, apart = first_step(system, duration, 2), math.inf
+    for _ in range(HALVINGS):
+        found = simulate(system, waveform, duration, step=step, samples=samples)
+        apart = _apart(system, found, meant)
+        if apart <= tolerance:
+            break
+        step *= HALVED
+    return EqualStep(step, apart)
+
+
+def _apart(system: AbstractSystem, found: Result, meant: Result) -> float:
+    """Largest difference of what is judged, as a share of its range."""
+    shares: list[float] = []
+    for name, least in system.judged().items():
+        pairs = zip(found[name], meant[name], strict=False)
+        shares.append(max(abs(a - b) for a, b in pairs) / max(meant.range(name), least))
+    return max(shares, default=0.0)

@@ -1,0 +1,131 @@
+"""A march of one run on plain floats: what it is given, what it did, and what all marches share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.reader import Reader
+from martensite.simulate.compiled import CompiledMarch, Functions
+from martensite.status import Status
+
+Row = tuple[float, ...]
+HAIR = 1e-9
+"""Share of a step that is none."""
+
+
+class Limits(NamedTuple):
+    """What no run leaves."""
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    """One pair for each of `CompiledMarch.envelope`."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything about an adaptive run but the numbers of the system."""
+
+    compiled: CompiledMarch
+    waveforms: Sequence[AbstractWaveform]
+    times: Sequence[float]
+    """Samples [s], ascending from 0."""
+    tolerance: float
+    """Accepted error of a step, as a share of the range of each judged output."""
+    first: float
+    """Length of the first step [s]."""
+    limits: Limits
+    order: int = 2
+    """Of one step."""
+    ranges: tuple[float, ...] = ()
+    """Ranges of the judged outputs, if they are known."""
+    recorded: bool = False
+    """Whether the steps taken are kept."""
+    step: float | None = None
+    """Longest step [s] of a march on equal steps between samples and edges, without control."""
+
+
+@dataclass
+class Marched:
+    """What an adaptive run did."""
+
+    rows: list[Row]
+    """Outputs at the samples that were reached."""
+    ranges: tuple[float, ...] = ()
+    """Of the judged outputs, over all steps."""
+    status: Status = Status.OK
+    time: float = 0.0
+    """Where it ended [s], or where the step of its status began."""
+    place: int = -1
+    """Which limit of the envelope was passed; -1 if none."""
+    value: float = 0.0
+    """What came there, in SI."""
+    steps: int = 0
+    rejected: int = 0
+    longest: float = 0.0
+    """Longest step taken [s]."""
+    ripple: float = 0.0
+    """Largest temperature [K] that a mean of a drive left out."""
+    residual: float = 0.0
+    ends: list[float] = field(default_factory=list[float])
+    """Ends of the steps [s], if they were to be kept."""
+
+
+class AbstractMarch:
+    """One run under way, on floats."""
+
+    def __init__(self, plan: Plan, functions: Functions) -> None:
+        self.plan, self.functions, self.size = plan, functions, plan.compiled.size
+        self.readers = [Reader(waveform) for waveform in plan.waveforms]
+        self.time, self.duration = 0.0, plan.times[-1]
+        signals = self.signals(0.0)
+        self.state: Row = functions["init"](*signals)[: self.size]
+        self.seen: Row = functions["judge"](*self.state, *signals)
+        self.judged = len(plan.compiled.judged)
+        self.low, self.high = list(self.seen[: self.judged]), list(self.seen[: self.judged])
+        self.sample = 1
+        self.found = Marched([functions["observe"](*self.state, *signals)])
+        self.check_envelope()
+
+    def advance(self) -> None:
+        """Take one step, or some."""
+        raise NotImplementedError
+
+    def run(self, watch: Callable[[float], None] | None = None) -> Marched:
+        """To the end, or to where it cannot go on; `watch` is told the share that is done."""
+        found = self.found
+        try:
+            while self.time < self.duration and not found.status.failed:
+                self.advance()
+                if watch is not None:
+                    watch(self.time / self.duration)
+        except ArithmeticError:  # a division by zero or an overflow
+            found.status = Status.NOT_FINITE
+        if found.status.failed or found.status is Status.OK:
+            found.time = self.time
+        found.ranges = tuple(b - a for a, b in zip(self.low, self.high, strict=True))
+        return found
+
+    def signals(self, time: float, before: bool = False) -> Row:
+        """The drive signals at a time [s], or just before it."""
+        return tuple(r.before(time) if before else r.value(time) for r in self.readers)
+
+    def see(self, seen: Row) -> None:
+        """Note what is judged at the end of a step."""
+        self.seen = seen
+        for k in range(self.judged):
+            self.low[k], self.high[k] = min(self.low[k], seen[k]), max(self.high[k], seen[k])
+        self.check_envelope()
+
+    def check_envelope(self) -> None:
+        """Stop where the envelope is left."""
+        found, limits = self.found, self.plan.limits
+        values = self.seen[self.judged : self.judged + len(limits.low)]
+        rows = zip(limits.low, values, limits.high, strict=True)
+        for place, (low, value, high) in enumerate(rows):
+            if not low <= value <= high and not found.status.failed:
+                found.status = Status.OUT_OF_ENVELOPE if math.isfinite(value) else Status.NOT_FINITE
+                found.place, found.value = place, value

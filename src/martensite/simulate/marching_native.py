@@ -1,0 +1,335 @@
+"""Marches in C: one run, or many, of which some share their steps in the lanes of a block.
+
+The C is `marching.c` with `adaptive.c` or `fixed.c`. Memory holds what is kept, and a window of the
+drives: nothing grows with the steps.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from itertools import accumulate, islice, takewhile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.runtimes.c99 import c_source, is_compiled, load_library
+from martensite.runtimes.c99_lanes import BLOCK, lanes_source
+from martensite.runtimes.once import once
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.moments import Segment
+from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.marching import Marched, Plan
+from martensite.status import Status
+
+Numbers = NDArray[np.float64]
+DONE, PAUSED, SIGNALS, RECORD = range(4)
+ROUNDS = 4096
+"""Rounds of all lanes between two looks from Python."""
+FIRST_WINDOW, WINDOW = 256, 65_536
+"""Segments of a drive that are known at once: at first, and at most."""
+FIRST_RECORD = 4096
+FUSED = ("-ffp-contract=fast",)
+"""Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
+given steps round as they do on floats."""
+
+
+class _Drive(ctypes.Structure):
+    _fields_ = [
+        ("count", ctypes.c_long), ("tones", ctypes.c_long),
+        *((name, ctypes.c_void_p) for name in (
+            "start", "level", "slope", "bend", "amplitude", "rate", "phase",
+        )),
+        ("fastest", ctypes.c_double), ("whole", ctypes.c_long),
+    ]  # fmt: skip
+
+
+class _March(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_long) for name in (
+            "runs", "samples", "rounds", "recording", "recorded", "capacity",
+        )),
+        *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
+        *((name, ctypes.c_void_p) for name in (
+            "p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record",
+        )),
+    ]  # fmt: skip
+
+
+class _Window:
+    """A drive as far as C knows it."""
+
+    def __init__(self, waveform: AbstractWaveform, until: float) -> None:
+        coming = waveform.segments(0.0)
+        self._coming: Iterator[Segment] = takewhile(lambda one: one.start <= until, coming)
+        self._table = np.empty((0, 4))
+        self._ended = False
+        tones = np.array([tuple(tone) for tone in waveform.tones()]).reshape(-1, 3)
+        self._tones = np.ascontiguousarray(tones.T)
+        self.tones = len(tones)
+        self._fastest = float(tones[:, 1].max()) if len(tones) else 0.0
+        self._columns = np.empty((4, 0))
+        self._size = FIRST_WINDOW
+
+    def extend(self, since: float) -> None:
+        """Know more, and forget what lies before `since` [s]."""
+        place = max(0, int(np.searchsorted(self._table[:, 0], since, side="right")) - 2)
+        more = np.array([tuple(segment) for segment in islice(self._coming, self._size)])
+        self._ended = len(more) < self._size
+        self._size = min(4 * self._size, WINDOW)
+        self._table = np.concatenate([self._table[place:], more.reshape(-1, 4)])
+        self._columns = np.ascontiguousarray(self._table.T)
+
+    def known_until(self) -> float:
+        """Time [s] up to which it is known."""
+        return np.inf if self._ended else float(self._table[-1, 0])
+
+    def fill(self, into: _Drive) -> None:
+        """Tell C."""
+        columns = [column.ctypes.data for column in self._columns]
+        tones = [column.ctypes.data for column in self._tones]
+        into.count, into.tones = len(self._table), self.tones
+        into.start, into.level, into.slope, into.bend = columns
+        into.amplitude, into.rate, into.phase = tones
+        into.fastest, into.whole = self._fastest, int(self._ended)
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Runs of one system: what differs between them, and what they have in common."""
+
+    plan: Plan
+    """Waveforms of all runs; `own` ones replace them."""
+    values: Sequence[Any]
+    """Parameters in order, each a number or (runs,)."""
+    count: int
+    outputs: tuple[int, ...]
+    """Places of the outputs that are kept."""
+    lanes: int
+    first: Any = None
+    """First step of every run [s]; that of the plan if None."""
+    own: Sequence[Sequence[AbstractWaveform]] | None = None
+    """Waveforms of every run."""
+    ranges: Any = None
+    """Ranges of the judged outputs, (runs, judged), if they are known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What runs did."""
+
+    outputs: Numbers
+    """(runs, samples, outputs); NaN after the end of a run that stopped."""
+    numbers: Numbers
+    """(runs, 9 + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, and the ranges of what is judged; see `Marched`."""
+    ends: list[float]
+    """Ends of the steps of the first run [s], if they were to be kept."""
+
+    def marched(self, run: int, times: Sequence[float]) -> Marched:
+        """One of them."""
+        numbers = self.numbers[run].tolist()
+        status, end, place, value, steps, rejected, longest, ripple, residual, *ranges = numbers
+        rows = self.outputs[run]
+        found = Status(int(status))
+        stopped = bisect_right(times, end)
+        reached = stopped if found.failed else len(times)
+        if not found.failed and not np.isfinite(rows[:reached]).all():
+            found = Status.NOT_FINITE
+        return Marched(
+            [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
+            value, int(steps), int(rejected), longest, ripple, residual, self.ends,
+        )  # fmt: skip
+
+
+def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Rows:
+    """March runs to their ends; `watch` is told the share that is done, now and then."""
+    return _Marching(runs).go(watch)
+
+
+class _Marching:
+    """A march under way."""
+
+    def __init__(self, runs: Runs) -> None:
+        plan, compiled = runs.plan, runs.plan.compiled
+        self.runs, self.plan = runs, plan
+        self.p = np.empty((len(runs.values), runs.count))
+        for row, value in enumerate(runs.values):
+            self.p[row] = value
+        first = plan.first if runs.first is None else runs.first
+        self.first = np.array(np.broadcast_to(first, runs.count), float)
+        self.times = np.asarray(plan.times, float)
+        ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
+        ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
+        self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
+        self.limits = np.array(plan.limits, float)
+        self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
+        self.numbers = np.zeros((runs.count, 9 + len(compiled.judged)))
+        self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
+        own = [plan.waveforms] if runs.own is None else runs.own
+        self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
+        self.library = _library(kernel_of(plan, runs.outputs, runs.lanes, runs.own))
+        self.block = ctypes.create_string_buffer(self.library.size_of_block())
+        self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
+        for row in self.windows:
+            for window in row:
+                window.extend(0.0)
+        self.march = _March(
+            runs=runs.count, samples=len(self.times), rounds=ROUNDS, recording=plan.recorded,
+            capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
+            step=plan.step or 0.0,
+            p=_at(self.p), first=_at(self.first), times=_at(self.times),
+            drives=ctypes.addressof(self.drives), limits=_at(self.limits),
+            ranges=_at(self.ranges), rows=_at(self.rows), numbers=_at(self.numbers),
+            record=_at(self.record),
+        )  # fmt: skip
+        self._fill()
+
+    def go(self, watch: Callable[[float], None] | None = None) -> Rows:
+        """To the end."""
+        begin = 1
+        march, block = ctypes.byref(self.march), ctypes.byref(self.block)
+        while True:
+            answer = self.library.march_on(march, block, ctypes.c_long(begin))
+            begin = 0
+            if answer == DONE:
+                return Rows(self.rows, self.numbers, self.record[: self.march.recorded].tolist())
+            if answer == SIGNALS:
+                self._extend()
+            if answer == RECORD:
+                self.record = np.concatenate([self.record, np.empty_like(self.record)])
+                self.march.record, self.march.capacity = _at(self.record), len(self.record)
+            if watch is not None:
+                watch(self._done())
+
+    def _extend(self) -> None:
+        """Know more of the drives that the block waits for."""
+        now, first = self._where()
+        rows = self.windows
+        if self.runs.own is not None:
+            rows = rows[first : first + self.runs.lanes]
+        for window in (window for row in rows for window in row):
+            if window.known_until() < self.plan.times[-1]:
+                window.extend(now)
+        self._fill()
+        self.library.forget_cursors(ctypes.byref(self.block))
+
+    def _fill(self) -> None:
+        flat = (window for row in self.windows for window in row)
+        for window, drive in zip(flat, self.drives, strict=False):
+            window.fill(drive)
+
+    def _where(self) -> tuple[float, int]:
+        """Time of the block [s], and its first run."""
+        block = ctypes.byref(self.block)
+        return self.library.time_of(block), self.library.run_of(block)
+
+    def _done(self) -> float:
+        """Share that is done."""
+        now, first = self._where()
+        runs = min(self.runs.lanes, self.runs.count - first)
+        return (first + runs * now / self.plan.times[-1]) / self.runs.count
+
+
+def _at(array: Numbers) -> int:
+    return array.ctypes.data
+
+
+def kernel_of(
+    plan: Plan, outputs: Sequence[int], lanes: int = 1,
+    own: Sequence[Sequence[AbstractWaveform]] | None = None,
+) -> Kernel:  # fmt: skip
+    """What has to be compiled for runs of a plan; every run may have waveforms of its own."""
+    rows = [plan.waveforms] if own is None else own
+    tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
+    fixed = plan.step is not None
+    return Kernel(plan.compiled, tuple(outputs), lanes, tones, plan.order, own is not None, fixed)
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What a library is compiled for."""
+
+    compiled: CompiledMarch
+    outputs: tuple[int, ...]
+    lanes: int
+    tones: int
+    """Most of any drive."""
+    order: int = 2
+    own: bool = False
+    """Whether every run has drives of its own."""
+    fixed: bool = False
+    """Whether steps are given."""
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """Of the compiler, beside the usual ones."""
+        return () if self.fixed else FUSED
+
+    def source(self) -> str:
+        """Its C."""
+        compiled, traced = self.compiled, self.compiled.program.functions
+        places = () if self.fixed else compiled.points
+        rates = () if self.fixed else compiled.rates
+        sizes = [place.size for place in places]
+        constants = {
+            "LANES": self.lanes, "SIZE": compiled.size, "DRIVES": compiled.drives,
+            "INPUTS": compiled.inputs, "OUTPUTS": len(self.outputs),
+            "JUDGED": len(compiled.judged), "ENVELOPE": len(compiled.envelope),
+            "HEATED": len(compiled.heated), "CONSTANTS": max(1, len(compiled.program.hoisted)),
+            "PARAMETERS": len(compiled.paths), "ORDER": self.order, "TONES": self.tones,
+            "OWN": int(self.own), "JUDGE_SIGNALS": int(compiled.asks_for_signals("judge")),
+            "OBSERVE_SIGNALS": int(compiled.asks_for_signals("observe", self.outputs)),
+            "POINTS": len(places), "PARTS": _list([p.fraction for p in places]),
+            "WEIGHTS": _list([p.weight for p in places]), "NUMBERS": sum(sizes),
+            "SIZES": _list(sizes), "START": _list(list(accumulate(sizes, initial=0))[:-1]),
+            "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
+            "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
+            "LEAST": _list([least for _, least in compiled.judged]),
+        }  # fmt: skip
+        names = ("step",) if self.fixed else ("solve", "ripple", "points")
+        functions = [traced[name] for name in ("init", "judge", *names)]
+        observe = traced["observe"]
+        wanted = tuple(observe.outputs[i] for i in self.outputs)
+        functions.append(replace(observe, outputs=wanted))
+        kernels = (
+            c_source(compiled.program, functions, not self.fixed) if self.lanes % BLOCK
+            else lanes_source(compiled.program, functions)
+        )  # fmt: skip
+        texts = (
+            _text("signals", "reader.c"), _text("simulate", "marching.c"),
+            _text("simulate", "fixed.c" if self.fixed else "adaptive.c"),
+        )  # fmt: skip
+        return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
+
+
+_LOADED: set[Kernel] = set()
+
+
+@once(64)
+def _library(kernel: Kernel) -> Any:
+    library = load_library(kernel.source(), kernel.flags)
+    for name in ("march_on", "size_of_block", "run_of"):
+        getattr(library, name).restype = ctypes.c_long
+    library.time_of.restype = ctypes.c_double
+    _LOADED.add(kernel)
+    return library
+
+
+def readiness(kernel: Kernel) -> str:
+    """`loaded`, `compiled` but not loaded in this process yet, or `new`."""
+    if kernel in _LOADED:
+        return "loaded"
+    return "compiled" if is_compiled(kernel.source(), kernel.flags) else "new"
+
+
+def _text(room: str, name: str) -> str:
+    return (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
+
+
+def _list(numbers: Sequence[float]) -> str:
+    return "{" + ", ".join(map(repr, [*numbers, 0])) + "}"
