@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.grid import Grid, build_grid
 from martensite.simulate.march import classify, march_floats
 from martensite.simulate.native import march_lanes
@@ -82,7 +82,7 @@ def judged(march: Callable[[], tuple[Any, Status]]) -> Callable[[], Any]:
 def prepared(problem: Problem, step: float) -> tuple[Any, Grid, list[int]]:
     """The system, its grid, and the places of the columns that are judged."""
     whole = problem.system()
-    outputs = compile_system(whole).outputs
+    outputs = compile_march(whole).outputs
     return whole, grid(step), [outputs.index(name) for name in COLUMNS]
 
 
@@ -91,7 +91,7 @@ def floats(problem: Problem, step: float) -> Callable[[], Any]:
     whole, steps, places = prepared(problem, step)
 
     def march() -> tuple[Any, Status]:
-        compiled = compile_system(whole)
+        compiled = compile_march(whole)
         functions = compiled.program.bind_floats(*compiled.values(whole))
         track = march_floats(functions, compiled.size, steps)
         return [[row[i] for row in track.rows] for i in places], track.status
@@ -104,7 +104,7 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
     whole, steps, places = prepared(problem, step)
 
     def march() -> tuple[Any, Status]:
-        compiled = compile_system(whole)
+        compiled = compile_march(whole)
         rows, worst = march_lanes(compiled, compiled.values(whole), steps, 1, places)
         return rows[:, :, 0].T, classify(*worst[:, 0].tolist())
 
@@ -117,7 +117,7 @@ def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     plan, padded = schedule(steps)
 
     def march() -> tuple[Any, Status]:
-        compiled = compile_system(whole)
+        compiled = compile_march(whole)
         rows = jitted_march(compiled, tuple(places), padded)(compiled.values(whole), plan)
         return rows.outputs, classify(float(rows.residual), float(rows.crossing))
 
@@ -150,7 +150,7 @@ def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], A
 def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
     """x [mm] of all sets in C, `LANES` at a time."""
     whole, steps = problem.system(), grid(step)
-    compiled = compile_system(whole)
+    compiled = compile_march(whole)
     width, place = min(LANES, len(sets)), compiled.outputs.index("position")
     nominal = compiled.values(whole)
     varied = {

@@ -19,7 +19,8 @@ from martensite.electrical.voltage import VoltageSource
 from martensite.elements.wire import Wire as Element
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.signals.moments import Moments
+from martensite.simulate.compiled import CompiledMarch, compile_march, fed
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import march_floats
 from martensite.system import System
@@ -67,18 +68,18 @@ def grid(drive: Drive, longest: float) -> Grid:
         sampled=[(volts[0][0],), *((row[-1],) for row in volts)],
         counts=[len(row) for row in rows],
         lengths=[dt for row in rows for _, dt in row],
-        drives=[(v,) for row in volts for v in row],
+        drives=[fed(Moments.constant(v)) for row in volts for v in row],
     )
 
 
-def traced(p: Wire) -> tuple[Compiled, list[float]]:
+def traced(p: Wire) -> tuple[CompiledMarch, list[float]]:
     """The traced system and its parameter values."""
     whole = system(p)
-    compiled = compile_system(whole)
+    compiled = compile_march(whole)
     return compiled, compiled.values(whole)
 
 
-def position(compiled: Compiled) -> int:
+def position(compiled: CompiledMarch) -> int:
     """Column of the displacement."""
     return compiled.outputs.index("position")
 
@@ -97,12 +98,12 @@ def latency(p: Wire, dt: float) -> tuple[Any, Callable[[Any, float], Any]]:
     step = functions["step"]
 
     def advance(state: Any, U: float) -> Any:
-        return step(*state, math.sqrt(U), dt)[:size]
+        return step(*state, *fed(Moments.constant(math.sqrt(U))), dt)[:size]
 
     return functions["init"](0.0), advance
 
 
-def varied(sets: Wire) -> tuple[Compiled, list[Any]]:
+def varied(sets: Wire) -> tuple[CompiledMarch, list[Any]]:
     """The traced system with arrays where the sets have arrays."""
     first = sets._replace(**{name: float(getattr(sets, name)[0]) for name in THETA})
     compiled, values = traced(first)

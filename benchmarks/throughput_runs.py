@@ -21,7 +21,7 @@ from benchmarks.process import ROOT
 from martensite.io.scenario import load
 from martensite.runtimes.c99_lanes import BLOCK
 from martensite.simulate.arrays import jitted_march, schedule
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import grid_of
 from martensite.simulate.grid import Grid
@@ -41,7 +41,7 @@ class Case(NamedTuple):
     """A system and as many parameter sets as the largest batch has."""
 
     name: str
-    compiled: Compiled
+    compiled: CompiledMarch
     values: Sequence[Any]
     grid: Grid
     output: str
@@ -75,7 +75,7 @@ def finger(law: str, count: int, duration: float | None = None) -> Case:
     """The finger with a law; parameters uniform within their shares of the nominal ones."""
     scenario = load(ROOT / "examples/finger.toml", {"element.law": law})
     system, rng = scenario.system, np.random.default_rng(0)
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     values: list[Any] = list(compiled.values(system))
     for path, share in VARIED.items():
         place = compiled.paths.index(path)
