@@ -78,6 +78,9 @@ class Executed:
             "runtime": result.runtime or None,
             "rejected_steps": result.rejected,
             "ripple": result.ripple,
+            "heat": None
+            if result.heat is None
+            else asdict(result.heat) | {"residual": result.heat.residual},
             "status": result.status.name,
             "status_time": result.status_time,
             "stroke": result.stroke,
@@ -100,6 +103,8 @@ class Executed:
         first, *_ = str(self.result).partition("\n")
         show.text(f"{first}; {_stroke(self.result)}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
+        if self.result.heat is not None:
+            show.text(str(self.result.heat))
         if self.agreements:
             rows = [self._agreement(agreement) for agreement in self.agreements]
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))

@@ -2,7 +2,7 @@
    it. What it does is said in martensite/simulate/adaptive.py, which is the same march on floats.
 
    Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_solve,
-   k_ripple and k_points, and: ORDER; PLACES (the drive of each known heat); of each point its START
+   k_ripple, k_points and k_flows, and: ORDER; PLACES (the drive of each known heat); of each point its START
    among the numbers of all and its SIZES, the fraction that it is part of (PARTS) and WEIGHTS; and
    PLACES_OF_RATES in the state. */
 
@@ -462,8 +462,33 @@ static void keep_samples(march *m, block *b, double end) {
 
 /* ------------------------------------------------------------------ the way through time */
 
+/* a part of what came in and was lost in a step, from what drives bring at a state */
+static void add_flows(block *b, const column *states, const moments (*found)[DRIVES + 1],
+                      double given, double lost) {
+    column flow[2];
+    memcpy(b->x2, states, sizeof(column) * SIZE);
+    feed(found, 0, 0.0, b->x2 + SIZE);
+    k_flows(LANES, *b->c, *b->x2, *flow);
+    EACH(i) {
+        b->put_in[i] += given * flow[0][i];
+        b->lost[i] += lost * flow[1][i];
+    }
+}
+
+/* what came in and was lost: by the mean of both ends of a half, and by Simpson */
+static void keep_ledger(block *b) {
+    const double part = 0.25 * b->length, third = b->length / 6.0;
+    add_flows(b, b->state, b->one, part, third);
+    add_flows(b, b->half, b->one, part, 4.0 * third);
+    add_flows(b, b->half, b->two, part, 0.0);
+    add_flows(b, b->full, b->two, part, third);
+    for (long k = JUDGED + ENVELOPE; k < SEEN; k++)
+        EACH(i) b->stored[i] += b->fine[k][i] - b->seen[k][i];
+}
+
 static void accept_step(march *m, block *b) {
     const double length = b->length;
+    if (HEATED) keep_ledger(b);
     double end = b->time + length;
     if (m->duration - end < SHORTEST * m->duration) end = m->duration;
     LIVE(i) if (b->status[i] != OK) { /* it has no solution here, and ends where it began */

@@ -341,8 +341,24 @@ class AdaptiveMarch(AbstractMarch):
         last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
 
+    def _keep_ledger(self, trial: Trial) -> None:
+        """What came in and was lost in a step: by the mean of both ends of a half, and by Simpson.
+
+        It asks the laws of heating and cooling at the states that were found, and so is no part
+        of the step, which linearises them.
+        """
+        flows, found, (one, two) = self.functions["flows"], self.found, trial.halves
+        first, early = flows(*self.state, *one), flows(*trial.half, *one)
+        late, last = flows(*trial.half, *two), flows(*trial.full, *two)
+        found.put_in += 0.25 * trial.length * (first[0] + early[0] + late[0] + last[0])
+        found.lost += trial.length / 6.0 * (first[1] + 4.0 * early[1] + last[1])
+        heats = len(self.plan.compiled.heated)
+        pairs = zip(trial.seen[self.judged :], self.seen[self.judged :], strict=True)
+        found.stored += sum(b - a for b, a in list(pairs)[-heats:]) if heats else 0.0
+
     def _accept(self, trial: Trial, most: float, planned: float) -> None:
         """Go on to the end of a step."""
+        self._keep_ledger(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration

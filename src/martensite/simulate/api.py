@@ -14,7 +14,7 @@ from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import Grid, cut_steps, steps_through
 from martensite.simulate.march import Track, march_floats
 from martensite.simulate.marching import Marched, Plan
-from martensite.simulate.result import Result, profiles_of
+from martensite.simulate.result import HeatBalance, Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -181,11 +181,24 @@ def _result(
     result = Result(
         system, waveform, list(plan.times[: len(rows)]), columns, found.status, when, found.steps,
         found.longest, accuracy, profiles=profiles_of(len(names), rows), runtime=runtime,
-        rejected=found.rejected, ripple=found.ripple,
+        rejected=found.rejected, ripple=found.ripple, heat=_balance(plan, found),
     )  # fmt: skip
+    if result.heat is not None and result.heat.residual > plan.tolerance:
+        result.warnings.append(
+            f"Warning: {result.heat.residual:.1e} of the heat is not accounted for, more than the "
+            f"tolerance of {plan.tolerance:.1e}."
+        )
     if leaves:
         result.warnings.append(describe_exit(system, found))
     return add_warnings(result)
+
+
+def _balance(plan: Plan, found: Marched) -> HeatBalance | None:
+    """Where the heat went, if that of every drive is known."""
+    fed = sum(width > 1 for width in plan.compiled.widths)
+    if plan.step is not None or not fed or len(plan.compiled.heated) < fed:
+        return None
+    return HeatBalance(found.put_in, found.lost, found.stored)
 
 
 def _check(

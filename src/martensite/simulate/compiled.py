@@ -173,16 +173,26 @@ class _Trace:
             for name in names
         ]
 
-        def step(xp: Any, *arguments: Any) -> list[Any]:
-            *numbers, dt = arguments
+        def brought(numbers: Sequence[Any]) -> tuple[Any, list[Any]]:
+            """The state, and what the drives bring."""
             rest = iter(numbers[self.size :])
             rows = [[next(rest) for _ in names] for names in parts]
             drives = [Feed(Moments(*row[:-1]), row[-1]) if row[1:] else row[0] for row in rows]
-            state = self.shape.rebuild(numbers[: self.size])
+            return self.shape.rebuild(numbers[: self.size]), drives
+
+        def step(xp: Any, *arguments: Any) -> list[Any]:
+            *numbers, dt = arguments
+            state, drives = brought(numbers)
             after, report = self.system.step(xp, state, *drives, dt=dt)
             return flatten(after) + flatten(report)[:reports]
 
+        def flows(xp: Any, *numbers: Any) -> list[Any]:
+            state, drives = brought(numbers)
+            return list(self.system.flows(xp, state, *drives))
+
         self.program.add("step", [*self.names, *inputs, "dt"], step)
+        if reports > len(REPORT):
+            self.program.add("flows", [*self.names, *inputs], flows)
         made = self.program.functions["step"]
         residual = made.outputs[: self.size + 1]
         self.program.functions["solve"] = replace(made, name="solve", outputs=residual)

@@ -32,7 +32,7 @@ typedef struct {
     long begun, first_run, sample, steps, rejected, at_edge, at_kink, known;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
-    column status_time, ripple, residual;
+    column status_time, ripple, residual, put_in, lost, stored;
     column c[CONSTANTS], p[PARAMETERS + 1], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1];
@@ -58,7 +58,7 @@ typedef struct {
     const double *limits; /* low and high, (2, ENVELOPE) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
-    double *numbers;      /* (runs, 9 + JUDGED): what is said of a run */
+    double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
     double *record;       /* ends of steps, of the first runs */
 } march;
 
@@ -150,7 +150,7 @@ static void scale_ranges(const march *m, block *b) {
 }
 
 static void tell(const march *m, const block *b, long i) {
-    double *n = m->numbers + (b->first_run + i) * (9 + JUDGED);
+    double *n = m->numbers + (b->first_run + i) * (12 + JUDGED);
     n[0] = (double)b->status[i];
     n[1] = b->status[i] == LONG_STEP ? b->status_time[i] : b->time;
     n[2] = (double)b->place[i];
@@ -160,7 +160,10 @@ static void tell(const march *m, const block *b, long i) {
     n[6] = b->longest;
     n[7] = b->ripple[i];
     n[8] = b->residual[i];
-    for (long k = 0; k < JUDGED; k++) n[9 + k] = b->high[k][i] - b->low[k][i];
+    n[9] = b->put_in[i];
+    n[10] = b->lost[i];
+    n[11] = b->stored[i];
+    for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
 }
 
 static void check_envelope(const march *m, block *b) {

@@ -70,6 +70,12 @@ class Marched:
     ripple: float = 0.0
     """Largest temperature [K] that a mean of a drive left out."""
     residual: float = 0.0
+    put_in: float = 0.0
+    """Heat [J] that came into elements whose heat is known; without a meaning on given steps."""
+    lost: float = 0.0
+    """Heat [J] that they lost to the surroundings."""
+    stored: float = 0.0
+    """Heat [J] that they hold more than in the beginning, latent heat included."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
 

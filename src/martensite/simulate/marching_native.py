@@ -33,6 +33,8 @@ ROUNDS = 4096
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Segments of a drive that are known at once: at first, and at most."""
 FIRST_RECORD = 4096
+HEATS = 3
+"""Numbers of a run on its heat: put in, lost, stored."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -125,15 +127,16 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 9 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, and the ranges of what is judged; see `Marched`."""
+    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
     def marched(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
         numbers = self.numbers[run].tolist()
-        status, end, place, value, steps, rejected, longest, ripple, residual, *ranges = numbers
+        status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
+        put_in, lost, stored, *ranges = more
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -142,7 +145,8 @@ class Rows:
             found = Status.NOT_FINITE
         return Marched(
             [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
-            value, int(steps), int(rejected), longest, ripple, residual, self.ends,
+            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
+            self.ends,
         )  # fmt: skip
 
 
@@ -168,7 +172,7 @@ class _Marching:
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
         self.limits = np.array(plan.limits, float)
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, 9 + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -291,7 +295,7 @@ class Kernel:
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
         }  # fmt: skip
-        names = ("step",) if self.fixed else ("solve", "ripple", "points")
+        names = ("step",) if self.fixed else ("solve", "ripple", "points", "flows")
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)

@@ -15,6 +15,36 @@ from martensite.system import PROFILES
 
 
 @dataclass(frozen=True)
+class HeatBalance:
+    """Where the heat of a run went; over all elements, in J."""
+
+    put_in: float
+    """By the drives."""
+    lost: float
+    """To the surroundings."""
+    stored: float
+    """More than in the beginning, as sensible and as latent heat."""
+
+    @property
+    def residual(self) -> float:
+        """What is not accounted for, as a share of the largest of the three."""
+        most = max(abs(self.put_in), abs(self.lost), abs(self.stored))
+        missing = abs(self.put_in - self.lost - self.stored)
+        return missing / most if most > LEAST_HEAT else 0.0
+
+    def __str__(self) -> str:
+        """In a line."""
+        return (
+            f"heat: {self.put_in:.4g} J put in, {self.lost:.4g} J to the surroundings, "
+            f"{self.stored:.3g} J stored; {self.residual:.1e} of it not accounted for"
+        )
+
+
+LEAST_HEAT = 1e-9
+"""Heat [J] below which nothing is balanced."""
+
+
+@dataclass(frozen=True)
 class Result:
     """Columns over time, and how far they can be trusted."""
 
@@ -50,6 +80,9 @@ class Result:
     """What it was computed on: floats, C or JAX; empty if that is not said."""
     rejected: int = 0
     """Steps that were made again, shorter."""
+    heat: HeatBalance | None = None
+    """Of a run with an error control; None where a law's heat of transformation is no constant, a
+    temperature is prescribed, or steps are given."""
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
 
@@ -89,7 +122,8 @@ class Result:
             f"accuracy {accuracy}",
             *(line for name in self.system.judged() for line in [self._line(name)]),
         ]
-        return "\n".join([*lines, *self.warnings])
+        balance = [] if self.heat is None else [str(self.heat)]
+        return "\n".join([*lines, *balance, *self.warnings])
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""

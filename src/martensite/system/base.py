@@ -99,6 +99,10 @@ class AbstractSystem(Parametrised, init=False):
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         return [None] * len(self.drives())
 
+    def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
+        """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
+        return 0.0, 0.0
+
     def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
         return []
@@ -165,6 +169,19 @@ class AbstractAssembly(AbstractSystem):
         rows = zip(self._actuators(), state.elements, strict=True)
         own = [one.element.heat_content(xp, element) for one, element in rows]
         return own + [None] * len(self.mechanism.signals())
+
+    def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
+        """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
+        given: Scalar = 0.0
+        lost: Scalar = 0.0
+        for load in self._loads(state, drives):
+            known = load.element.heat_content(xp, load.state) is not None
+            if known and load.heating.temperature is None:
+                force, around = load.element.force(load.state), load.heating.environment
+                seen = load.element.condition(xp, load.state, force, around)
+                given = given + load.heating.heat(xp, seen.resistance).mean
+                lost = lost + seen.heat_loss
+        return given, lost
 
     def points(self, xp: Namespace, state: State) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
