@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
@@ -39,6 +39,7 @@ from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.program import Program
 from martensite.sensors.base import SENSORS
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.signals.moments import Segment, Tone
 from martensite.signals.sine import Sine
 from martensite.system import AbstractSystem, Actuator, Group, Machine, System
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
@@ -86,13 +87,37 @@ class FunctionWaveform(AbstractWaveform):
         return [t for t in self.kinks if 0.0 < t < duration]
 
 
+class Swings(AbstractWaveform):
+    """A level and what swings about it, known to the last digit at all times."""
+
+    level: float = part("mean", default=0.0)
+    swings: tuple[Tone, ...] = part("tones")
+
+    def value(self, time: float) -> float:
+        return self.level + sum(tone.value(time) for tone in self.swings)
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        yield Segment(0.0, self.level)
+
+    def tones(self) -> tuple[Tone, ...]:
+        return self.swings
+
+
+def raised_cosine(high: float, period: float, rest: float = 0.0) -> Swings:
+    """From `rest` up to `high` above it and back: half of one minus a cosine."""
+    return Swings(level=rest + 0.5 * high, swings=(Tone(-0.5 * high, 2.0 * math.pi / period),))
+
+
 def volts_a(t: float) -> float:
     """The two-tone drive of problem A [V]."""
     tau = 2.0 * math.pi * t
     return 2.8 * (0.66 - 0.34 * math.cos(0.1 * tau) - 0.2 * math.cos(0.023 * tau))
 
 
-SINE_A = FunctionWaveform(function=volts_a)
+SINE_A = Swings(
+    level=2.8 * 0.66,
+    swings=(Tone(-2.8 * 0.34, 0.2 * math.pi), Tone(-2.8 * 0.2, 0.046 * math.pi)),
+)
 
 
 def law_a(history: str = "resume", modulus: str = "mixture", **changes: Any) -> LiangRogers:

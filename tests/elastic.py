@@ -35,6 +35,7 @@ class Warm(NamedTuple):
 class Elastic(AbstractElement):
     """A spring whose free length falls with temperature; not registered."""
 
+    straight: ClassVar[bool] = False
     limits: ClassVar[Limits] = Limits()
     compliance: Scalar = param("m/N", "elongation per force", above=0.0, default=1e-4)
     contraction: Scalar = param("m/K", "shortening per temperature", low=0.0, default=1e-3)

@@ -36,6 +36,7 @@ from martensite.runtimes.c99_lanes import lanes_source
 from martensite.runtimes.jax_setup import jax_namespace
 from martensite.runtimes.nested import flatten
 from martensite.runtimes.program import Program
+from martensite.signals.moments import Moments
 from martensite.thermal.base import Cylinder
 
 LANES = 256
@@ -82,6 +83,7 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     drive = law.drive(xp, move, s1, t1, dt)
     put = law.moved(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
+    others += tuple(law.kinks(xp, after))
     return end, law.fractions(after), spring, others, drive, law.fractions(put)
 
 
@@ -130,7 +132,11 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
     heating = Heating(environment, CurrentSource(), amperes)
     after, report = element.advance(xp, state, heating, pull, dt)
     now = element.force(after)
-    seen = element.tangent(xp, after, now), element.condition(xp, after, now, environment)
+    held = element.heat_content(xp, after)
+    seen = (
+        element.tangent(xp, after, now), element.condition(xp, after, now, environment),
+        tuple(element.points(xp, after)), 0.0 if held is None else held,
+    )  # fmt: skip
     there = Fractions(0.5, 0.5), temperature, force
     if not isinstance(element, AbstractLumped):
         with pytest.raises(ParameterError, match="not the same all over"):
@@ -209,6 +215,14 @@ def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
     """The current, and of a switch the share of the time for which it is closed."""
     shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
     return source.current(xp, drive, ohms), *shares
+
+
+def source_heat(source: Any, xp: Any, low: Any, high: Any, share: Any, ohms: Any) -> Any:
+    """The power of a drive that rises from one signal to another, slow at first."""
+    mean, least = low + share * (high - low), xp.minimum(low, high)
+    square = mean * mean + share * (1.0 - share) * (high - low) * (high - low) / 3.0
+    change = Moments(mean, square, least, xp.maximum(low, high), 0.0, high - low, high * high)
+    return source.heat(xp, change, ohms)
 
 
 TRUTHS = {
@@ -329,6 +343,10 @@ KERNELS: dict[str, dict[str, Kernel]] = {
         "current": Kernel(
             {"u": (-10.0, 10.0), "R": (0.5, 50.0)},
             source_current,
+        ),
+        "heat": Kernel(
+            {"low": (-10.0, 10.0), "high": (-10.0, 10.0), "share": (0.1, 0.9), "R": (0.5, 50.0)},
+            source_heat,
         ),
     },
     "sensor": {

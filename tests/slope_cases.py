@@ -20,7 +20,7 @@ from martensite.mechanisms.testing_machine import TensileTestingMachine
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle
-from martensite.simulate.compiled import Compiled, compile_system
+from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.driven import arranged
 from martensite.simulate.grid import Grid, grid_at
 from martensite.simulate.native import march_lanes
@@ -57,8 +57,8 @@ class Case:
     samples: int = 31
 
     @cached_property
-    def compiled(self) -> Compiled:
-        return compile_system(self.system)
+    def compiled(self) -> CompiledMarch:
+        return compile_march(self.system)
 
     @cached_property
     def grid(self) -> Grid:

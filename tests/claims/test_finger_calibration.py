@@ -59,7 +59,7 @@ class TestRecords:
             coarse = bench.at_table(data, PRINTED).fitted[0].model[:, 0]
             fine = bench.clean(data.arm, PRINTED.offsets[0], PRINTED)
             apart = np.degrees(coarse - fine)
-            assert 0.0 < math.sqrt(np.mean(apart**2)) < 0.01
+            assert 0.0 < math.sqrt(np.mean(apart**2)) < 0.02
 
     def test_noise_is_white_and_the_same_again(self):
         rows = bench.noise()

@@ -9,7 +9,7 @@ import pytest
 from builders import SINE_A, problem_a
 
 from martensite.runtimes.c99_lanes import BLOCK, lanes_source
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native import march_lanes
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 def marched(lanes: int, order: np.ndarray) -> np.ndarray:
     """Positions of wires that differ in their heat loss, (samples, lanes)."""
     system = problem_a()
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     values: list[Any] = list(compiled.values(system))
     place = compiled.paths.index("environment.cooling.h0")
     values[place] = values[place] * (1.0 + 0.01 * order)
@@ -46,7 +46,7 @@ def test_a_lane_is_the_same_wherever_it_stands(block: np.ndarray) -> None:
 
 
 def test_divisions_by_one_number_share_its_inverse() -> None:
-    compiled = compile_system(problem_a())
+    compiled = compile_march(problem_a())
     text = lanes_source(compiled.program, [compiled.program.functions["step"]])
     kernel = text[text.index("k_step") :]
     assert kernel.count("over(all(1.0), ") > 8

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import FunctionWaveform, examples, label, problem_a
+from builders import Swings, examples, label, problem_a, raised_cosine
 from elastic import REST, actuator, kelvins, machine
 
 from martensite.errors import InputError, ParameterError
@@ -215,11 +215,9 @@ def test_no_element_pushes(mechanism: AbstractMultibody, kelvin: tuple[float, fl
         assert forces[::2].max() > max(mechanism.start_forces(floats))
 
 
-def wave(high: float, rest: float = REST) -> FunctionWaveform:
+def wave(high: float, rest: float = REST) -> Swings:
     """Smooth at the start: half of one minus a cosine, over 0.1 s."""
-    return FunctionWaveform(
-        function=lambda t: rest + 0.5 * high * (1.0 - math.cos(2.0 * math.pi * t / 0.1))
-    )
+    return raised_cosine(high, 0.1, rest)
 
 
 def smooth(mechanism: AbstractMultibody) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import pytest
 from builders import SINE_A, problem_a
 
 from martensite.simulate.api import simulate
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native import march_lanes
 
@@ -19,7 +19,7 @@ LANES = 5
 def test_optimised_lanes_agree_with_floats(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MARTENSITE_CFLAGS", raising=False)
     system = problem_a()
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     grid = grid_of(system, SINE_A, 20.0, 101, 0.02)
     outputs = range(len(compiled.outputs))
     rows, _ = march_lanes(compiled, compiled.values(system), grid, LANES, outputs)

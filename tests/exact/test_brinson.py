@@ -415,7 +415,9 @@ def test_sign_of_theta(theta):
 
 def test_cautions():
     assert brinson(C_A=8e6).cautions() == []
-    (theta, overlap) = brinson(Theta=0.55e6).cautions()
+    (theta,), doubt = brinson(Theta=0.55e6).cautions(), brinson(Theta=0.55e6).doubt()
+    assert doubt is not None
+    overlap = doubt.sentence
     assert "shrinks on heating" in theta
     assert "above 544.4 MPa" in overlap
     assert "above 97.23 degC" in overlap

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import FunctionWaveform, plain_law
+from builders import FunctionWaveform, plain_law, raised_cosine
 from finger import DURATION, NUMBERS, finger, finger_law, joint, trapezoid
 from scipy.optimize import brentq
 
@@ -437,7 +437,7 @@ def test_work_of_the_wire_is_energy_of_the_spring() -> None:
 
 def test_order_of_the_step() -> None:
     """A raised cosine of power, up and down through most of the transformation."""
-    wave = FunctionWaveform(function=lambda t: 0.9 * (1.0 - math.cos(2.0 * math.pi * t / 12.0)))
+    wave = raised_cosine(1.8, 12.0)
     system = finger(plain_law(A_s=320.0, A_f=360.0, M_s=345.0, M_f=305.0))
 
     def after(step: float) -> np.ndarray:

@@ -70,7 +70,7 @@ def test_printed_gradient_of_the_benchmark_objective():
     target = np.array(simulate(system.with_values(wanted), SINE_A, 60.0, **RUN)["position"])
     found = sensitivity(system, SINE_A, 60.0, paths, **RUN)
     error, span = found.column - target, np.ptp(target)
-    assert np.mean(error**2) / span**2 == pytest.approx(OBJECTIVE_P, rel=1e-5)
+    assert np.mean(error**2) / span**2 == pytest.approx(OBJECTIVE_P, rel=2e-5)
     gradient = [2 * np.mean(error * found.slopes[p]) * (at[p] - zeros[p]) / span**2 for p in paths]
     assert gradient == pytest.approx(GRADIENT_P, abs=1e-6)
 

@@ -145,10 +145,11 @@ def test_exponentials_without_transformation():
     assert rise == pytest.approx(np.where(times < 5.0, heating, cooling), abs=40.0 * 1e-7)
 
 
-def test_every_step_of_a_linear_balance_is_the_trapezoid():
+def test_every_step_of_a_linear_balance_is_a_pade_approximant():
+    """Of the exponential, (1 - z/3)/(1 + 2z/3 + z²/6): third order, and a long rest is over."""
     _, rise, constant = rise_and_fall(0.05)
-    z = 0.5 * 0.05 / constant
-    factor = ((1 - z) / (1 + z)) ** np.arange(301)
+    z = 0.05 / constant
+    factor = ((1 - z / 3) / (1 + 2 * z / 3 + z * z / 6)) ** np.arange(301)
     top = 40.0 * (1 - factor[100])
     expected = np.where(
         np.arange(301) <= 100, 40.0 * (1 - factor), top * factor[np.arange(301) - 100]

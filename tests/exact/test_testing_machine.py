@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import (
-    FunctionWaveform,
+    Swings,
     chamber,
     example,
     examples,
@@ -37,8 +37,9 @@ from martensite.mechanisms.testing_machine import TensileTestingMachine
 from martensite.runtimes import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
+from martensite.signals.moments import Tone
 from martensite.simulate.api import simulate
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import march_floats
 from martensite.simulate.point import Leg, PointResult, material_point
@@ -82,7 +83,7 @@ def marched(
     system: AbstractSystem, waves: Mapping[str, AbstractWaveform], legs: int, steps: int
 ) -> dict[str, np.ndarray]:
     """All outputs after every step of legs of 1 s, each step solved to rounding."""
-    compiled = compile_system(system)
+    compiled = compile_march(system)
     functions = compiled.program.bind_floats(*compiled.values(system))
     grid = grid_of(system, waves, float(legs), legs * steps + 1, 1.0 / steps)
     track = march_floats(functions, compiled.size, grid)
@@ -148,7 +149,7 @@ def test_stress_and_temperature_may_both_change() -> None:
 def test_a_force_is_followed_and_never_pushes() -> None:
     """Elastic: the crosshead travels by compliance · (F - F₀), frame included."""
     control = TensileTestingMachine(control="force", stiffness=5e3)
-    wave = FunctionWaveform(function=lambda t: 3.0 - 5.0 * math.sin(3.0 * t))
+    wave = Swings(level=3.0, swings=(Tone(5.0, 3.0, 0.5 * math.pi),))
     system = machine(control, compliance=1e-4)
     run = simulate(system, {**kelvins(system), "command": wave}, 2.0, step=0.1, samples=21)
     forces = np.maximum([wave.value(t) for t in run.times], 0.0)
@@ -312,37 +313,32 @@ def test_a_penalty_stiffness_would_be_noticed() -> None:
 # ---------------------------------------------------------------- order, runtimes
 
 
-class MidStep(System):
-    """Takes the command in the middle of a step."""
-
-    def drives(self) -> Any:
-        return [drive._replace(at_end=False) for drive in super().drives()]
-
-
-def in_air(cls: type[System]) -> System:
+def in_air() -> System:
     """A hot wire in air that its latent heat warms and cools while it is pulled."""
     one = strained(law_a(), preload=1.0)
     air = Environment(temperature=HOT, cooling=ConstantCooling(h=100.0))
-    return cls(element=one.element, mechanism=one.mechanism, environment=air, source=PowerSource())
+    parts = {"element": one.element, "mechanism": one.mechanism}
+    return System(**parts, environment=air, source=PowerSource())
 
 
-def order(system: System) -> float:
-    """Observed order of the stress along a smooth pull."""
-    wave = FunctionWaveform(function=lambda t: 0.02 * (1.0 - math.cos(t)))
-    runs = [
-        simulate(system, {"command": wave}, 3.0, step=dt, samples=31)["stress"]
-        for dt in (0.02, 0.01, 0.005, 0.0025)
-    ]
+def order(system: System, late: float) -> float:
+    """Observed order of the stress along a smooth pull that comes late by a share of a step."""
+
+    def pulled(dt: float) -> list[float]:
+        wave = Swings(level=0.02, swings=(Tone(-0.02, 1.0, -late * dt),))
+        return simulate(system, {"command": wave}, 3.0, step=dt, samples=31)["stress"]
+
+    runs = [pulled(dt) for dt in (0.02, 0.01, 0.005, 0.0025)]
     first, _, last = (np.abs(np.subtract(a, b)).mean() for a, b in itertools.pairwise(runs))
     return 0.5 * float(np.log2(first / last))
 
 
 def test_halving_the_step_quarters_the_error() -> None:
-    assert order(in_air(System)) == pytest.approx(2.0, abs=0.3)
+    assert order(in_air(), 0.0) == pytest.approx(2.0, abs=0.3)
 
 
 def test_a_command_taken_too_early_is_noticed() -> None:
-    assert order(in_air(MidStep)) == pytest.approx(1.0, abs=0.3)
+    assert order(in_air(), 0.5) == pytest.approx(1.0, abs=0.3)
 
 
 @pytest.mark.parametrize(("control", "runtime"), [

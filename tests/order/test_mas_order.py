@@ -1,9 +1,8 @@
 """Order of the step of the single crystal: second where rates grow, first where they fall.
 
 Coupled with a spring and the heat balance the forms with a saddle are of second order: a plateau
-is held by feedback, at a nearly constant rate. The form `well`, whose prefactor counts at the end
-of a step, and the models of variable heat, which count at its start, leave a small term of first
-order.
+is held by feedback, at a nearly constant rate; so are the models of variable heat. The form `well`,
+whose prefactor counts at the end of a step, leaves a small term of first order.
 """
 
 from functools import cache
@@ -100,8 +99,8 @@ def coupled_order(**options):
         ({"rates": "edge", "wire": "stiff"}, 1.7, 2.4),
         ({"rates": "barrier"}, 1.7, 2.4),
         ({"rates": "well"}, 0.9, 1.3),
-        ({"rates": "edge", "heat_model": "stress"}, 0.9, 1.4),
-        ({"rates": "edge", "heat_model": "free-energy"}, 0.9, 1.4),
+        ({"rates": "edge", "heat_model": "stress"}, 1.9, 2.1),
+        ({"rates": "edge", "heat_model": "free-energy"}, 1.9, 2.1),
     ],
     ids=["edge", "edge-stiff", "barrier", "well", "stress", "free-energy"],
 )

@@ -26,7 +26,7 @@ from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.simulate.compiled import compile_system
+from martensite.simulate.compiled import compile_march, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native_slopes import march_slopes
 from martensite.system import Actuator, Group, Machine
@@ -122,7 +122,7 @@ class TestSameEverywhere:
     def test_derivatives_with_respect_to_gains(self, c_compiler: None) -> None:
         quiet = bench(sensors=Sensors())  # an encoder rounds
         grid = grid_of(quiet, {"reference": REFERENCE}, 2.0, 41, PERIOD)
-        compiled = compile_system(quiet)
+        compiled = compile_march(quiet)
         place = compiled.outputs.index("position")
         which = compiled.paths.index("controllers.drive.Kp")
         seeds = np.zeros((len(compiled.paths), 1))

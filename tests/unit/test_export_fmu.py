@@ -147,7 +147,10 @@ def test_other_parameters_give_other_numbers(made: dict[str, Fmu]) -> None:
 def test_inputs_with_slopes_are_followed_within_a_step(
     made: dict[str, Fmu], scenario: Scenario
 ) -> None:
-    """FMI 2.0: a slope over a step gives what a line between samples gives."""
+    """FMI 2.0: a slope over a step gives what a line between samples gives.
+
+    But for the squares of the line within an inner step, of which the core takes the middle.
+    """
     times = [0.1 * k for k in range(31)]
     levels = [4.0 * math.sin(0.7 * t) for t in times]
     table = Table(times=tuple(times), values=tuple(levels))
@@ -160,7 +163,7 @@ def test_inputs_with_slopes_are_followed_within_a_step(
         assert instance.step(times[k], times[k + 1] - times[k]) == OK
         for name in ("temperature", "position", "current", "drive_echo"):
             expected = wanted[name.removesuffix("_echo")][k + 1]
-            assert instance.get(name)[0] == pytest.approx(expected, rel=1e-9, abs=1e-12)
+            assert instance.get(name)[0] == pytest.approx(expected, rel=1e-5, abs=1e-5)
     instance.close()
 
 
@@ -385,7 +388,10 @@ def test_the_step_is_that_of_a_run(tmp_path: Path) -> None:
     """Where the scenario leaves it to its tolerance; for a system alone a sensible one."""
     free = read(SCENARIO.replace('step = "10 ms"', "tolerance = 1e-2"))
     found = to_fmu(free, tmp_path / "a.fmu", platforms=[]).step
-    assert found == pytest.approx(free.run().step, rel=1e-8)
+    rough = simulate(free.system, free.waveform, free.duration, step=found, samples=free.samples)
+    fine = free.run(tolerance=1e-6)
+    apart = np.abs(np.subtract(rough["temperature"], fine["temperature"])).max()
+    assert apart < 1.1e-2 * fine.range("temperature")
     alone = to_fmu(free.system, tmp_path / "b.fmu", platforms=[])
     assert 0.0 < alone.step < 1.0
     assert "source.series_resistance" in {one.name for one in alone.variables}

@@ -1,0 +1,1 @@
+"""The numerics laboratory: random scenarios against an ODE that shares nothing with the package."""

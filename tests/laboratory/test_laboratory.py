@@ -1,0 +1,268 @@
+"""The accuracy that a run reports bounds its error; what was silently wrong is right or refused.
+
+The truth is that of `laboratory.reference`; the many cases are in the documentation, written by
+`laboratory.table`. Some run here.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from builders import SINE_A, problem_a
+
+from laboratory.scenarios import DRIVES, JUDGED, SAMPLES, Scenario, make_scenario, true_error
+from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case
+from martensite.io.scenario import load
+from martensite.signals.constant import Constant
+from martensite.signals.pwm import PulseWidthModulation
+from martensite.signals.sine import Sine
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+from martensite.status import Status
+
+ROOT = Path(__file__).parents[2]
+needs_c = pytest.mark.usefixtures("c_compiler")
+
+
+def errors(case: Scenario, found: Result) -> float:
+    """True error of a run, as a share of range."""
+    return true_error([found[name] for name in JUDGED], case.equations.run(case.times))
+
+
+# ---------------------------------------------------------------- the bound
+
+
+@needs_c
+@pytest.mark.parametrize("drive", DRIVES)
+def test_the_accuracy_bounds_the_error(drive: str) -> None:
+    for seed in (1, 2):
+        found = try_case(seed, 1e-4, drive)
+        assert found.true <= found.claimed <= 1e-4
+
+
+@pytest.mark.slow
+@needs_c
+@pytest.mark.parametrize("drive", DRIVES)
+def test_the_accuracy_bounds_the_error_of_many(drive: str) -> None:
+    ratios = [try_case(seed, 1e-4, drive).ratio for seed in range(2000, 2040)]
+    assert sorted(ratios)[-2] <= 1.0
+    assert max(ratios) <= 3.0
+
+
+def test_the_page_is_of_its_numbers_and_they_are_good() -> None:
+    rows = [Outcome(**row) for row in json.loads(NUMBERS.read_text(encoding="utf-8"))]
+    assert PAGE.read_text(encoding="utf-8") == page(rows)
+    ratios = [one.ratio for one in rows]
+    assert len(rows) >= 1000
+    assert quantile(ratios, 0.99) <= 1.0
+    assert max(ratios) <= 3.0
+    assert float(np.median(ratios)) >= 0.05
+
+
+@needs_c
+def test_a_bound_that_does_not_hold_is_noticed() -> None:
+    case = make_scenario(1, "step")
+    coarse = simulate(
+        case.system, case.waveform, case.duration, step=case.duration / 50, samples=SAMPLES
+    )
+    assert errors(case, coarse) > 1e-4
+
+
+@pytest.mark.parametrize("drive", ["step", "sine"])
+def test_the_reference_is_that_of_another_method(drive: str) -> None:
+    case = make_scenario(3, drive)
+    other = replace(case.equations, method="Radau", rows=[])
+    meant, found = case.equations.run(case.times), other.run(case.times)
+    assert np.abs(meant - found).max(axis=0) == pytest.approx([0, 0, 0], abs=1e-5 * 1e6)
+    assert np.abs(meant - found)[:, :2].max() < 1e-6
+
+
+# ---------------------------------------------------------------- what was silently wrong
+
+
+def switched(**changes: Any) -> Any:
+    """The example of a wire under PWM, with another drive and duration."""
+    return load(ROOT / "examples/pwm_bias_spring.toml", changes)
+
+
+def test_a_sine_that_divides_the_step_heats() -> None:
+    """0 to 3 V at 50 Hz heat as 1.837 V rms do."""
+    case = switched()
+    sine = Sine(high=3.0, frequency=50.0)
+    steady = Constant(level=1.5 * math.sqrt(1.5))
+    runs = [
+        simulate(case.system, wave, 40.0, samples=501, tolerance=1e-4) for wave in (sine, steady)
+    ]
+    tops = [max(run["temperature"]) - 273.15 for run in runs]
+    assert tops[0] == pytest.approx(97.7, abs=0.2)
+    assert tops[0] == pytest.approx(tops[1], abs=0.1)
+
+
+@needs_c
+def test_sines_of_round_numbers_heat() -> None:
+    """150 of them, beside the steady voltage that heats as much."""
+    case, rng = switched(), np.random.default_rng(7)
+    for _ in range(150):
+        duration = float(rng.choice([5, 8, 10, 20]))
+        samples = int(rng.choice([101, 201, 501, 1001, 2001]))
+        frequency = float(rng.choice([10, 20, 25, 50, 100, 200, 500, 1000]))
+        sine = Sine(low=-2.0, high=2.0, frequency=frequency)
+        found = simulate(case.system, sine, duration, samples=samples, tolerance=1e-3, runtime="c")
+        meant = simulate(
+            case.system, Constant(level=math.sqrt(2.0)), duration, samples=samples,
+            tolerance=1e-3, runtime="c",
+        )  # fmt: skip
+        apart = np.abs(np.subtract(found["temperature"], meant["temperature"])).max()
+        assert apart < 0.5 + 4e-3 * meant.range("temperature"), (duration, samples, frequency)
+
+
+@needs_c
+def test_strong_pulses_are_within_what_is_claimed() -> None:
+    """50 pulses of 1 to 100 ms that transform, beside steps of a 400th of them."""
+    case, rng = switched(), np.random.default_rng(8)
+    for _ in range(50):
+        width = float(10.0 ** rng.uniform(-3.0, -1.0))
+        volts = math.sqrt(rng.uniform(0.5, 1.5) * 30.0 / width)
+        pulse = PulseWidthModulation(high=volts, frequency=1.0 / 5.0, duty=width / 5.0)
+        found = simulate(case.system, pulse, 5.0, samples=31, runtime="c")
+        meant = simulate(case.system, pulse, 5.0, samples=31, step=width / 400, runtime="c")
+        for name, least in case.system.judged().items():
+            if found.accuracy is not None and not found.status.failed:
+                apart = np.abs(np.subtract(found[name], meant[name])).max()
+                assert apart <= 3.0 * found.accuracy * max(meant.range(name), least)
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"drive.waveform": {"kind": "constant", "high": "60 V"}}, "temperature"),
+        ({"mechanism.preload": "400 N"}, "stress"),
+    ],
+)
+def test_what_cannot_be_stops(changes: dict[str, Any], word: str) -> None:
+    if "drive.waveform" in changes:
+        changes = {"drive.waveform": {"kind": "constant", "level": "60 V"}}
+    found = switched(**changes).run()
+    assert found.status is Status.OUT_OF_ENVELOPE
+    assert f"the {word} came to" in found.warnings[0]
+    assert max(found["hottest"]) <= 1583.15
+    assert len(found.times) == len(found["temperature"]) < 1001
+
+
+@pytest.mark.parametrize(
+    ("setting", "command", "code"),
+    [
+        ('drive.waveform={kind="constant",level="60 V"}', "run", 1),
+        ('drive.waveform={kind="constant",level="60 V"}', "check", 2),
+        ("mechanism.preload=400 N", "check", 2),
+        ("run.samples=101", "check", 0),
+    ],
+)
+def test_the_command_line_says_so(setting: str, command: str, code: int, tmp_path: Path) -> None:
+    arguments = [str(ROOT / "examples/pwm_bias_spring.toml"), "--set", setting]
+    more = ["--out", str(tmp_path / "x.nc"), "--no-figure"] if command == "run" else []
+    done = subprocess.run(
+        [sys.executable, "-m", "martensite", command, *arguments, *more],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == code, done.stdout + done.stderr
+    assert ("The run stopped at t = " in done.stdout + done.stderr) == (code > 0)
+
+
+# ---------------------------------------------------------------- cost
+
+
+@needs_c
+def test_a_train_of_pulses_costs_as_many_pulses() -> None:
+    """36 short pulses in 18 minutes take at most 40 times the steps of one."""
+    system = problem_a()
+    one = PulseWidthModulation(high=6.0, frequency=1.0 / 30.0, duty=0.01)
+    steps = [
+        simulate(system, one, 30.0 * count, samples=101, runtime="c").steps for count in (1, 36)
+    ]
+    assert steps[1] <= 40 * steps[0]
+
+
+@needs_c
+def test_memory_grows_with_what_is_kept_alone() -> None:
+    """Ten million steps need no more than ten thousand do."""
+    code = (
+        "import resource, sys; sys.path.insert(0, {tests!r})\n"
+        "from builders import SINE_A, problem_a\n"
+        "from martensite.simulate.api import simulate\n"
+        "run = simulate("
+        "problem_a(), SINE_A, 60.0, step=60.0 / {steps}, samples=1000, runtime='c')\n"
+        "print(run.steps, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+    )
+    found = []
+    for steps in (10_000, 1_000_000):
+        text = code.format(tests=str(ROOT / "tests"), steps=steps)
+        done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        taken, kilobytes = map(int, done.stdout.split())
+        assert taken >= steps
+        found.append(kilobytes)
+    assert max(found) < 200_000
+    assert found[1] < found[0] + 10_000
+
+
+def test_a_budget_is_kept_to() -> None:
+    begin = time.process_time()
+    with pytest.raises(Exception, match=r"budget of 0.2 s of CPU time was spent at"):
+        simulate(
+            problem_a(), Sine(high=3.0, frequency=5.0), 1000.0, tolerance=1e-9, budget=0.2,
+            runtime="floats",
+        )  # fmt: skip
+    assert time.process_time() - begin < 5.0
+
+
+# ---------------------------------------------------------------- heat
+
+
+EXAMPLES = (
+    "antagonistic_wires", "constant_power", "finger", "flexinol_staircase", "hand",
+    "platform_spring", "pwm_bias_spring",
+)  # fmt: skip
+"""Examples that are runs of elements whose heat is known, without a log or a bench."""
+
+
+@needs_c
+def test_the_heat_of_every_example_is_accounted_for() -> None:
+    """Put in, less lost, is stored: by quadratures that share nothing with the step."""
+    worst = 0.0
+    for name in EXAMPLES:
+        case = load(ROOT / f"examples/{name}.toml")
+        found = case.run(runtime="c", tolerance=1e-4)
+        assert found.heat is not None
+        print(f"{name}: {found.heat}")  # noqa: T201
+        assert found.heat.put_in > 1.0
+        assert found.heat.residual <= 1e-4
+        assert not any("not accounted for" in text for text in found.warnings)
+        worst = max(worst, found.heat.residual)
+    assert worst > 0.0
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_heat_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None) -> None:
+    """Of a resistance that the ledger does not see: a wire that gets less power than it is told."""
+
+    class Leaky(type(problem_a())):
+        def flows(self, xp: Any, state: Any, *drives: Any) -> Any:
+            given, lost = super().flows(xp, state, *drives)
+            return given, 1.01 * lost
+
+    honest = problem_a()
+    leaky = Leaky(**{name: getattr(honest, name) for name in honest.declarations})
+    runs = [simulate(one, SINE_A, 20.0, runtime=runtime) for one in (honest, leaky)]
+    assert runs[0].heat is not None and runs[1].heat is not None
+    assert runs[0].heat.residual < 1e-5 < 1e-3 < runs[1].heat.residual
+    assert any("is not accounted for" in text for text in runs[1].warnings)
