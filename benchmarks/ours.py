@@ -8,7 +8,7 @@ the same traced kernels, compiled with all optimisation, for one run or 256 lane
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from benchmarks.engines import Engine
@@ -19,7 +19,9 @@ from martensite.electrical.voltage import VoltageSource
 from martensite.elements.wire import Wire as Element
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.signals.moments import Moments
+from martensite.parameters import part
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.moments import Moments, Segment, Tone
 from martensite.simulate.compiled import CompiledMarch, compile_march, fed
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import march_floats
@@ -208,6 +210,54 @@ def native(lanes: int) -> Callable[..., Callable[[], Any]]:
     return prepare
 
 
+class Volts(AbstractWaveform):
+    """A drive of the problem as a waveform [V]: its tones, or its levels."""
+
+    drive: Drive = part("what is played")
+
+    def segments(self, begin: float) -> Iterator[Segment]:
+        """The mean of the tones, or every level."""
+        if not self.drive.edges:
+            yield Segment(0.0, 2.8 * 0.66)
+            return
+        for edge, level in zip(self.drive.edges, self.drive.levels, strict=True):
+            yield Segment(edge, math.sqrt(level))
+
+    def tones(self) -> tuple[Tone, ...]:
+        """Two, if there are no levels."""
+        tones = (Tone(-2.8 * 0.34, 0.2 * math.pi), Tone(-2.8 * 0.2, 0.046 * math.pi))
+        return () if self.drive.edges else tones
+
+
+def march(lanes: int) -> Callable[..., Callable[[], Any]]:
+    """The march with an error control in C: one run, or all sets, `lanes` on shared steps."""
+
+    def prepare(p: Wire, drive: Drive, tolerance: float) -> Callable[[], Any]:
+        import numpy as np
+
+        from martensite.simulate.envelope import envelope_of
+        from martensite.simulate.marching import Plan
+        from martensite.simulate.marching_native import Runs, march_runs
+
+        size = int(np.size(p.h0))
+        compiled, values = traced(p) if lanes == 1 else varied(p)
+        one = p._replace(**{name: float(np.ravel(getattr(p, name))[0]) for name in THETA})
+        times = [k / 10 for k in range(round(10 * drive.duration) + 1)]
+        plan = Plan(
+            compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one))
+        )
+        runs = Runs(plan, values, size, (position(compiled),), lanes)
+        whole = slice(0, size) if lanes > 1 else 0
+        return lambda: 1e3 * march_runs(runs).outputs[whole, :, 0]
+
+    return prepare
+
+
+SHARED = 16
+"""Lanes of a block whose runs share their steps."""
+TOLERANCES = {
+    f"tol {n}": float(n) for n in ("1e-3", "3e-4", "1e-4", "3e-5", "1e-5", "3e-6", "1e-6")
+}
 STEPS = {f"dt {ms:g} ms": ms * 1e-3 for ms in (50, 20, 10, 5)}
 USUAL = "dt 20 ms"
 
@@ -221,5 +271,6 @@ ENGINES = (
     ),
     Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
     Engine("ours-c", "P", STEPS, USUAL, single=native(1)),
+    Engine("ours-march", "P", TOLERANCES, "tol 0.0001", single=march(1), batch=march(SHARED)),
     Engine("ours-simd", "P", STEPS, USUAL, batch=native(LANES)),
 )  # fmt: skip

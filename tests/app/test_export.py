@@ -18,7 +18,9 @@ from martensite.io.scenario import load
 from martensite.io.tables import read_table
 
 FLOATS = "--runtime", "floats"
-OWN = ("created", "runtime", "accuracy", "step", "ripple")
+OWN = (
+    "created", "runtime", "accuracy", "step", "ripple", "heat_put_in", "heat_lost", "heat_stored",
+)  # fmt: skip
 """What two runtimes do not share to the last digit."""
 
 EXAMPLE = Path(__file__).parents[2] / "examples/constant_power.toml"

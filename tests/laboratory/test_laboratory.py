@@ -19,23 +19,17 @@ import numpy as np
 import pytest
 from builders import SINE_A, problem_a
 
-from laboratory.scenarios import DRIVES, JUDGED, SAMPLES, Scenario, make_scenario, true_error
+from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
 from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case
 from martensite.io.scenario import load
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.simulate.result import Result
 from martensite.status import Status
 
 ROOT = Path(__file__).parents[2]
 needs_c = pytest.mark.usefixtures("c_compiler")
-
-
-def errors(case: Scenario, found: Result) -> float:
-    """True error of a run, as a share of range."""
-    return true_error([found[name] for name in JUDGED], case.equations.run(case.times))
 
 
 # ---------------------------------------------------------------- the bound
@@ -72,9 +66,10 @@ def test_the_page_is_of_its_numbers_and_they_are_good() -> None:
 def test_a_bound_that_does_not_hold_is_noticed() -> None:
     case = make_scenario(1, "step")
     coarse = simulate(
-        case.system, case.waveform, case.duration, step=case.duration / 50, samples=SAMPLES
+        case.system, case.waveform, case.duration, step=case.duration / 12, samples=13
     )
-    assert errors(case, coarse) > 1e-4
+    times = [case.duration * k / 12 for k in range(13)]
+    assert true_error([coarse[name] for name in JUDGED], case.equations.run(times)) > 1e-3
 
 
 @pytest.mark.parametrize("drive", ["step", "sine"])
@@ -193,15 +188,16 @@ def test_a_train_of_pulses_costs_as_many_pulses() -> None:
 
 
 @needs_c
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc on this system")
 def test_memory_grows_with_what_is_kept_alone() -> None:
-    """Ten million steps need no more than ten thousand do."""
+    """A million steps need no more than ten thousand do."""
     code = (
-        "import resource, sys; sys.path.insert(0, {tests!r})\n"
+        "import re, sys; sys.path.insert(0, {tests!r})\n"
         "from builders import SINE_A, problem_a\n"
         "from martensite.simulate.api import simulate\n"
         "run = simulate("
         "problem_a(), SINE_A, 60.0, step=60.0 / {steps}, samples=1000, runtime='c')\n"
-        "print(run.steps, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)\n"
+        "print(run.steps, re.search('VmHWM:.* ([0-9]+) kB', open('/proc/self/status').read())[1])\n"
     )
     found = []
     for steps in (10_000, 1_000_000):

@@ -68,7 +68,6 @@ def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "LOCAL", 100.0)
     monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "MOST", 1)
     result = ms.simulate(problem_a(), LEVELS, 20.0, tolerance=1e-6, samples=101)
-    (warning,) = result.warnings
-    assert "tolerance of 1.0e-06 was not reached" in warning
+    assert any("tolerance of 1.0e-06 was not reached" in text for text in result.warnings)
     assert result.accuracy is not None
     assert 1e-6 < result.accuracy < 1e-3
