@@ -17,15 +17,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import SINE_A, problem_a
+from builders import LAW_A, SINE_A, problem_a, wire_a
 
 from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
 from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case
 from martensite.io.scenario import load
+from martensite.laws.base import AbstractLaw
+from martensite.laws.elahinia import Elahinia
+from martensite.laws.tanaka import Tanaka
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.sine import Sine
+from martensite.simulate.adaptive import find_dip
 from martensite.simulate.api import simulate
+from martensite.simulate.batch import simulate_batch
 from martensite.status import Status
 
 ROOT = Path(__file__).parents[2]
@@ -262,3 +267,42 @@ def test_heat_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None)
     assert runs[0].heat is not None and runs[1].heat is not None
     assert runs[0].heat.residual < 1e-5 < 1e-3 < runs[1].heat.residual
     assert any("is not accounted for" in text for text in runs[1].warnings)
+
+
+# ---------------------------------------------------------------- crests
+
+
+@pytest.mark.parametrize("depth, dips", [(-0.01, True), (0.01, True), (0.05, False), (-0.2, False)])
+def test_a_crest_between_points_is_met(depth: float, dips: bool) -> None:
+    """Where a parabola may pass 0 that is above it at both ends and in the middle."""
+    first, middle, last = (depth + (x - 0.7) ** 2 for x in (0.0, 0.5, 1.0))
+    assert find_dip(first, middle, last) == pytest.approx(0.7 if dips else 1.0)
+    assert find_dip(-first, -middle, -last) == 1.0
+
+
+# ---------------------------------------------------------------- narrow strips
+
+
+@needs_c
+@pytest.mark.parametrize("law", [Tanaka, Elahinia], ids=lambda law: law.__name__)
+def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
+    """Strips of 10 mK to 3 K, jumped by every step that crosses them."""
+    rng = np.random.default_rng(11)
+    for width in 10.0 ** rng.uniform(-2.0, 0.5, 3):
+        narrow = LAW_A | {"A_f": LAW_A["A_s"] + width, "M_f": LAW_A["M_s"] - width}
+        system = problem_a(element=wire_a(law(**narrow)))
+        meant, *others = (
+            simulate(system, SINE_A, 30.0, step=0.02, samples=101, runtime=name)
+            for name in ("floats", "c", "jax")
+        )
+        assert meant.range("martensite_fraction") > 0.9
+        for found in others:
+            for name in system.judged():
+                apart = np.abs(np.subtract(found[name], meant[name])).max()
+                assert apart <= 1e-12 * meant.range(name)
+        single = simulate_batch(
+            system, SINE_A, 30.0, {"heat_capacity": [400.0]}, step=0.02, samples=101,
+            precision="float32",
+        )  # fmt: skip
+        apart = np.abs(single.columns["position"][0] - np.array(meant["position"])).max()
+        assert apart < 1e-2 * meant.range("position")

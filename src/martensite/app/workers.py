@@ -97,12 +97,14 @@ class Worker:
                 os.killpg(process.pid, signal.SIGKILL)
             else:
                 process.kill()
-        with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(process.wait(), POLITE)
-        # asyncio closes it by itself only if nobody else holds the pipes open
-        transport = getattr(process, "_transport", None)
-        if transport is not None:
-            transport.close()
+        try:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(process.wait(), POLITE)
+        finally:  # whoever waits may be given up, which is when the server ends
+            # asyncio closes it by itself only if nobody else holds the pipes open
+            transport = getattr(process, "_transport", None)
+            if transport is not None:
+                transport.close()
 
 
 async def _write(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:

@@ -5,7 +5,8 @@ sides make plain clipping cycle between the ends for ever; so is a step across t
 halves neither it nor the last step. A correction at round-off level is always accepted, since a
 comparison near the root may round differently in its several uses. It ends with the first step
 that is small, or after which the next would be: Newton's method squares the error, so the next is
-the cube of a step over the square of the one before. The slope is exact (dual numbers), so the
+the cube of a step over the square of the one before. Nothing is known after a halving, which is
+remembered as a negative step. The slope is exact (dual numbers), so the
 function needs no derivative of its own.
 """
 
@@ -24,9 +25,9 @@ SMALL = 1e-13
 """A step after which the root is found."""
 SURE = 10.0
 """How many times larger the next step may be than expected."""
-FIRST = 1e300
+FIRST = 1e30
 """The step before the first."""
-NONE = 1e-300
+NONE = 1e-30
 """In place of a step of length 0, which is the last."""
 
 
@@ -57,8 +58,8 @@ def solve_bracketed(
         high, low = xp.where(above, x, high), xp.where(above, low, x)
         newton = x - value / slope
         step = xp.abs(newton - x)
-        known = last < FIRST
-        gains = xp.either(high - low <= 0.5 * width, step <= 0.5 * last)
+        known = xp.both(last > 0.0, last < FIRST)
+        gains = xp.either(high - low <= 0.5 * width, step <= 0.5 * xp.abs(last))
         gains = xp.either(gains, step <= 0.25 * (high - low))
         inside = xp.both(xp.both(low < newton, newton < high), gains)
         accept = xp.either(inside, step <= rounding)
@@ -67,7 +68,7 @@ def solve_bracketed(
         ratio = moved / xp.maximum(xp.where(known, last, 1.0), NONE)
         next_step = xp.where(xp.both(accept, known), SURE * moved * ratio * ratio, moved)
         going = xp.both(moved > last_step, next_step > last_step) if smooth else moved > last_step
-        return xp.where(going, 1.0, 0.0), after, low, high, moved
+        return xp.where(going, 1.0, 0.0), after, low, high, xp.where(accept, moved, -moved)
 
     going = xp.where(wanted, 1.0, 0.0)
     root = xp.iterate(most, turn, going, start, *bracket, FIRST)[1]

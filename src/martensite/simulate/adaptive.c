@@ -253,10 +253,23 @@ static double find_kink(const march *m, const block *b, long place, long i, doub
     return first;
 }
 
+/* share of a step at which a number turns that may pass 0 there and nowhere else; else 1 */
+static double find_dip(double first, double middle, double last) {
+    if (!(first > LEAST_FALL && middle > LEAST_FALL && last > LEAST_FALL)) return 1.0;
+    const double bend = (last - middle) - (middle - first), rise = last - first;
+    if (!(fabs(rise) < 2.0 * bend)) return 1.0;
+    const double low = middle - rise * rise / (8.0 * bend), least = first < last ? first : last;
+    return low + low < (middle < least ? middle : least) ? 0.5 - 0.25 * rise / bend : 1.0;
+}
+
 static double find_kinks(const march *m, const block *b) {
     double first = 1.0;
     for (long place = 0; place < POINTS; place++) {
         const long at = start_of[place];
+        for (long k = at + 4; k < at + size_of_point[place]; k++) LIVE(i) {
+            const double dip = find_dip(b->points[k][i], b->points_half[k][i], b->points_full[k][i]);
+            if (BESIDE < dip && dip < 1.0 - BESIDE && dip < first) first = dip;
+        }
         const double share = TURN * m->tolerance / weights[place];
         column changed, most;
         long any = 0;

@@ -294,7 +294,8 @@ class AdaptiveMarch(AbstractMarch):
         """Share of a step at which a law without rates turns or bends, if that counts; else 1.
 
         It misses the height of a turn over the points that it sees, times how its fractions go with
-        what drives them about here. Where it bends counts if the error of the step is not small.
+        what drives them about here. A turn that may just reach a kink which no point has reached
+        counts, since no error shows it. Where a law bends counts if the error is not small.
         """
         first, at = 1.0, 0
         for fraction, weight, size in self.plan.compiled.points:
@@ -303,6 +304,8 @@ class AdaptiveMarch(AbstractMarch):
                 for row in (self.earlier_points, self.points, trial.points[0], trial.points[1])
             ]
             at += size
+            dips = (find_dip(*(row[k] for row in rows[1:])) for k in range(4, size))
+            first = min([first, *(share for share in dips if BESIDE < share < 1.0 - BESIDE)])
             changed = max(_variation(rows, k) for k in (2, 3))
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
             if not changed > allowed:
@@ -502,6 +505,13 @@ def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
     begin, top, bottom = (0.0, first, middle) if middle <= 0.0 else (0.5, middle, last)
     ahead = ahead if middle <= 0.0 else first - middle
     return begin + 0.5 * (top / ahead if ahead > top else top / (top - bottom))
+
+
+def find_dip(first: float, middle: float, last: float) -> float:
+    """Share of a step at which a number turns that may pass 0 there and nowhere else; else 1."""
+    share, below = find_extreme(first, middle, last)
+    least = min(first, middle, last)
+    return share if middle - first < 0.5 * (last - first) and LEAST < least < 2.0 * below else 1.0
 
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:
