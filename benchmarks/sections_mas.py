@@ -43,15 +43,19 @@ class Effort(NamedTuple):
     kvaerno_batch: Sequence[int] = (4,)
     hybrid: Sequence[float] = (100, 50, 20)
     hybrid_jax: Sequence[float] = (100,)
+    march: Sequence[float] = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
+    march_batch: Sequence[float] = (3e-3, 1e-3, 3e-4, 1e-4)
 
     def steps(self, law: str) -> dict[str, Sequence[float]]:
-        """Of single runs, by engine."""
+        """Of single runs, by engine; tolerances of the march."""
         if law == "mas-hybrid":
-            return {FLOATS: self.hybrid, JAX: self.hybrid_jax, C: self.hybrid}
-        return {FLOATS: self.floats, JAX: self.jax, C: self.c}
+            own = {FLOATS: self.hybrid, JAX: self.hybrid_jax, C: self.hybrid}
+        else:
+            own = {FLOATS: self.floats, JAX: self.jax, C: self.c}
+        return own | {MARCH: self.march}
 
 
-FLOATS, JAX, C = mas_runs.SINGLE
+FLOATS, JAX, C, MARCH = mas_runs.SINGLE
 USUAL = Effort()
 
 
@@ -73,9 +77,9 @@ def peers(p: Wire, form: str, effort: Effort) -> dict[tuple[str, str], Callable[
 def library(problem: Problem, effort: Effort) -> dict[tuple[str, str], Callable[[], Any]]:
     """The same of the library."""
     return {
-        (name, f"dt {ms:g} ms"): make(problem, 1e-3 * ms)
+        (name, setting.label): make(problem, setting.value)
         for name, make in mas_runs.SINGLE.items()
-        for ms in effort.steps(problem.law)[name]
+        for setting in mas_runs.settings_of(name, effort.steps(problem.law)[name])
     }
 
 
@@ -153,8 +157,8 @@ def single_tables(options: Options, label: str, effort: Effort) -> list[Table]:
 def batch_tables(options: Options, label: str, size: int, effort: Effort) -> list[Table]:
     """A batch around one wire: every setting, and cost at equal error."""
     sets = parameter_sets(WIRES[label], size)
-    judge, (jax, simd) = mas_batches.Judge(sets), mas_runs.BATCH
-    settings = {jax: effort.jax_batch, simd: effort.simd_batch}
+    judge, (jax, simd, march) = mas_batches.Judge(sets), mas_runs.BATCH
+    settings = {jax: effort.jax_batch, simd: effort.simd_batch, march: effort.march_batch}
     runs = mas_batches.library(judge, sets, settings) if ours(options) else []
     runs += mas_batches.lsoda(judge, sets, effort.rtols)
     runs += mas_batches.kvaerno(judge, sets, effort.kvaerno_batch)

@@ -12,9 +12,9 @@ Every mechanism is assembled with its elements in their initial state.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from martensite.elements.base import AbstractElement, Heating
+from martensite.elements.base import AbstractElement, Heating, Pull
 from martensite.laws.coupling import Report
 from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
@@ -45,6 +45,9 @@ class Load(NamedTuple):
 
 class AbstractMechanism(Parametrised):
     """Interface of a mechanism."""
+
+    static: ClassVar[bool] = False
+    """True if it takes one element, has no signal, and offers a `load_line`."""
 
     def ports(self) -> tuple[str, ...]:
         """Names of the elements that it takes."""
@@ -89,6 +92,10 @@ class AbstractMechanism(Parametrised):
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        raise NotImplementedError
+
+    def load_line(self, memory: Any) -> Pull:
+        """What the element of a `static` mechanism meets, at any time."""
         raise NotImplementedError
 
     def observe(

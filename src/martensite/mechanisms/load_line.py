@@ -27,6 +27,8 @@ class Assembly(NamedTuple):
 class AbstractLoadLine(AbstractMechanism):
     """Interface of a quasi-static mechanism with one element and one coordinate."""
 
+    static = True
+
     def start_force(self, xp: Namespace) -> Scalar:
         """Force [N] on the element when it is assembled."""
         raise NotImplementedError
@@ -65,7 +67,7 @@ class AbstractLoadLine(AbstractMechanism):
     ) -> tuple[Assembly, list[object], Report]:  # fmt: skip
         """The element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
-        pull = self._pull(memory)
+        pull = self.load_line(memory)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
@@ -78,14 +80,14 @@ class AbstractLoadLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = fitted(xp, tangent, self._pull(memory), element.force(state), element.passes)
+        force = fitted(xp, tangent, self.load_line(memory), element.force(state), element.passes)
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 
-    def _pull(self, assembly: Assembly) -> Pull:
+    def load_line(self, memory: Assembly) -> Pull:
         """The mechanism as the element sees it."""
 
         def pull(xp: Namespace, spring: Spring) -> Scalar:
-            return self.force(xp, assembly, spring)
+            return self.force(xp, memory, spring)
 
         return pull

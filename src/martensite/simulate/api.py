@@ -73,6 +73,7 @@ def simulate(
     plan = Plan(
         compiled, waves, times, tolerance, first_step(system, duration, samples),
         envelope_of(system), step=step, recorded=runtime == "jax" and step is None,
+        halves=runtime == "jax",
     )  # fmt: skip
     chosen = "auto" if runtime == "jax" else runtime
     engine = Engine(compiled, compiled.values(system), chosen, tell, budget)

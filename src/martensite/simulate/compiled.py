@@ -85,6 +85,11 @@ class CompiledMarch(Compiled):
     """Places in the state of numbers that only tell a solve where to look."""
 
     @property
+    def order(self) -> int:
+        """Of a step with error control: 4 where laws give rates, else 2."""
+        return 4 if "rosenbrock" in self.program.functions else 2
+
+    @property
     def inputs(self) -> int:
         """Inputs of `step` that come from the drives."""
         return sum(self.widths)
@@ -190,7 +195,14 @@ class _Trace:
             state, drives = brought(numbers)
             return list(self.system.flows(xp, state, *drives))
 
+        def rosenbrock(xp: Any, *arguments: Any) -> list[Any]:
+            *numbers, dt = arguments
+            state, drives = brought(numbers)
+            return flatten(self.system.step_rosenbrock(xp, state, *drives, dt=dt))
+
         self.program.add("step", [*self.names, *inputs, "dt"], step)
+        if reports > len(REPORT) and self.system.exchanges():
+            self.program.add("rosenbrock", [*self.names, *inputs, "dt"], rosenbrock)
         if reports > len(REPORT):
             self.program.add("flows", [*self.names, *inputs], flows)
         made = self.program.functions["step"]

@@ -42,8 +42,8 @@ typedef struct {
     moments one[SETS][DRIVES + 1], two[SETS][DRIVES + 1];
     tone_angles angles[SETS][DRIVES + 1]; /* at the start of the step */
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
-    column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1];
-    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
+    column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1], ends[ORDER == 4 ? 3 * SIZE : 1];
+    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1], doubted[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];
 } block;

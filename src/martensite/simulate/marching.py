@@ -38,14 +38,19 @@ class Plan:
     first: float
     """Length of the first step [s]."""
     limits: Limits
-    order: int = 2
-    """Of one step."""
     ranges: tuple[float, ...] = ()
     """Ranges of the judged outputs, if they are known."""
     recorded: bool = False
     """Whether the steps taken are kept."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
+    halves: bool = False
+    """Whether all steps are made in halves, for a runtime that knows no others."""
+
+    @property
+    def order(self) -> int:
+        """Of one step with error control."""
+        return 2 if self.halves else self.compiled.order
 
 
 @dataclass

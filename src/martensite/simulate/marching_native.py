@@ -251,7 +251,8 @@ def kernel_of(
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
     fixed = plan.step is not None
-    return Kernel(plan.compiled, tuple(outputs), lanes, tones, plan.order, own is not None, fixed)
+    order = 2 if fixed else plan.order
+    return Kernel(plan.compiled, tuple(outputs), lanes, tones, order, own is not None, fixed)
 
 
 @dataclass(frozen=True)
@@ -295,7 +296,8 @@ class Kernel:
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
         }  # fmt: skip
-        names = ("step",) if self.fixed else ("solve", "ripple", "points", "flows")
+        solve = "rosenbrock" if self.order == 4 else "solve"
+        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows")
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)

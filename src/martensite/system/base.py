@@ -91,6 +91,16 @@ class AbstractSystem(Parametrised, init=False):
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         raise NotImplementedError
 
+    def exchanges(self) -> bool:
+        """Whether it offers `step_rosenbrock`."""
+        return False
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Any, Any]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        raise NotImplementedError
+
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
         raise NotImplementedError
@@ -163,6 +173,22 @@ class AbstractAssembly(AbstractSystem):
         loads, signals = self._loads(state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
+
+    def exchanges(self) -> bool:
+        """Whether it is one element whose law gives rates, on a load line."""
+        return self.mechanism.static and self._actuators()[0].element.exchanges
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[State, State, State]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        ((element, own, heating),) = self._loads(state, drives)
+        pull = self.mechanism.load_line(state.mechanism)
+        after, middle, coarse = (
+            State((one,), state.mechanism)
+            for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
+        )
+        return after, middle, coarse
 
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
