@@ -35,6 +35,8 @@ FIRST_WINDOW, WINDOW = 256, 65_536
 FIRST_RECORD = 4096
 HEATS = 3
 """Numbers of a run on its heat: put in, lost, stored."""
+WORKS = 7
+"""And on its work, see `Marched.work`."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -127,8 +129,8 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
+    """(runs, 19 + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in, lost and stored, work, and ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
@@ -136,7 +138,8 @@ class Rows:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, stored, *ranges = more
+        put_in, lost, stored, *more = more
+        work, ranges = more[:WORKS], more[WORKS:]
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -146,7 +149,7 @@ class Rows:
         return Marched(
             [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
             value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
-            self.ends,
+            tuple(work), self.ends,
         )  # fmt: skip
 
 
@@ -172,7 +175,7 @@ class _Marching:
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
         self.limits = np.array(plan.limits, float)
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, 9 + HEATS + WORKS + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -295,9 +298,13 @@ class Kernel:
             "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
+            "MECHANICS": 0 if self.fixed else len(traced["mechanics"].outputs),
+            "MECHANICS_SIGNALS": int(compiled.asks_for_signals("mechanics")),
+            "FORCES": sum(compiled.workers), "ELEMENTS": compiled.workers[0],
         }  # fmt: skip
         solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows")
+        names = ["step"] if self.fixed else [solve, "ripple", "points", "flows"]
+        names += ["mechanics"] if constants["MECHANICS"] else []
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)
