@@ -200,8 +200,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
         mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
-        own.total_energy(xp, motion) if hasattr(own, "total_energy") else 0.0,
-        mechanism.potential(xp, motion.position) or 0.0, mechanism.kinetic(xp, motion),
+        own.energy(xp, motion) if hasattr(own, "energy") else 0.0,
     )  # fmt: skip
     return tuple(tuple(part) if isinstance(part, list) else part for part in found)
 

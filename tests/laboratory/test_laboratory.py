@@ -239,16 +239,14 @@ EXAMPLES = (
 
 
 @needs_c
-def test_heat_and_work_of_every_example_are_accounted_for() -> None:
+def test_the_heat_of_every_example_is_accounted_for() -> None:
     """Put in, less lost, is stored: by quadratures that share nothing with the step."""
     worst = 0.0
     for name in EXAMPLES:
         case = load(ROOT / f"examples/{name}.toml")
         found = case.run(runtime="c", tolerance=1e-4)
         assert found.heat is not None
-        assert found.work is not None
-        print(f"{name}: {found.heat}; {found.work}")  # noqa: T201
-        assert found.work.residual <= 1e-4
+        print(f"{name}: {found.heat}")  # noqa: T201
         assert found.heat.put_in > 1.0
         assert found.heat.residual <= 1e-4
         assert not any("not accounted for" in text for text in found.warnings)

@@ -35,25 +35,6 @@ class Output(NamedTuple):
     symbol: str
 
 
-class Energy(NamedTuple):
-    """What a mechanism holds [J], but for a constant, and what it gives away."""
-
-    springs: Scalar
-    """Elastic, without the shape-memory elements."""
-    gravity: Scalar
-    kinetic: Scalar
-    """Of motion; of the current in a coil, too."""
-    spent: Scalar
-    """Power [W] that goes into friction and damping, less what motors give."""
-
-
-class Work(NamedTuple):
-    """A force [N] that does work on the outside, and its way [m]."""
-
-    force: Scalar
-    way: Scalar
-
-
 class Load(NamedTuple):
     """An element at a port of a mechanism."""
 
@@ -112,25 +93,6 @@ class AbstractMechanism(Parametrised):
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         raise NotImplementedError
-
-    def energy(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
-    ) -> Energy | None:
-        """What it holds and gives away in a state; None if it does not say."""
-        return None
-
-    def ways(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], forces: Column
-    ) -> list[Scalar]:
-        """How far the end of each element has moved under these forces [N], as it shortens [m]."""
-        rows = zip(loads, forces, strict=True)
-        return [-load.element.elongation(xp, load.state, force) for load, force in rows]
-
-    def outside(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
-    ) -> list[Work]:
-        """The forces with which it does work on something else."""
-        return []
 
     def load_line(self, memory: Any) -> Pull:
         """What the element of a `static` mechanism meets, at any time."""

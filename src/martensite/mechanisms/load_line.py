@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Energy, Load, Output
+from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -83,17 +83,6 @@ class AbstractLoadLine(AbstractMechanism):
         force = fitted(xp, tangent, self.load_line(memory), element.force(state), element.passes)
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
-
-    def energy(
-        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
-    ) -> Energy | None:
-        """What it holds at the force and the position where both fit."""
-        (force,), (position,) = self.observe(xp, memory, loads, signals)
-        return self.energy_at(xp, force, position)
-
-    def energy_at(self, xp: Namespace, force: Scalar, position: Scalar) -> Energy | None:
-        """What it holds under a force [N] at a position [m]; None if it does not say."""
-        return None
 
     def load_line(self, memory: Assembly) -> Pull:
         """The mechanism as the element sees it."""

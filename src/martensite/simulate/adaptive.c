@@ -2,7 +2,7 @@
    it. What it does is said in martensite/simulate/adaptive.py, which is the same march on floats.
 
    Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_solve
-   (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple, k_points, k_flows and k_mechanics, and: PLACES (the drive of each known heat); of each point its START
+   (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple, k_points and k_flows, and: PLACES (the drive of each known heat); of each point its START
    among the numbers of all and its SIZES, the fraction that it is part of (PARTS) and WEIGHTS; and
    PLACES_OF_RATES in the state. */
 
@@ -557,49 +557,9 @@ static void keep_ledger(block *b) {
         EACH(i) b->stored[i] += b->fine[k][i] - b->seen[k][i];
 }
 
-#if MECHANICS
-static void mechanics_at(const march *m, block *b, const column *states, double time, int before,
-                         column *found) {
-    memcpy(b->x2, states, sizeof(column) * SIZE);
-    if (MECHANICS_SIGNALS) put_signals(m, b, time, before, b->x2 + SIZE);
-    k_mechanics(LANES, *b->c, *b->x2, *found);
-}
-
-/* work in a step: of forces along their ways, both through three points, and power by Simpson */
-static void keep_work(const march *m, block *b) {
-    const double third = b->length / 6.0, middle = b->time + 0.5 * b->length;
-    column *first = b->mechanics[0], *half = b->mechanics[1], *last = b->mechanics[2];
-    if (MECHANICS_SIGNALS || !b->known_work) mechanics_at(m, b, b->state, b->time, 0, first);
-    mechanics_at(m, b, b->half, middle, 0, half);
-    mechanics_at(m, b, b->full, b->time + b->length, 1, last);
-    for (long k = 0; k < FORCES; k++) {
-        const long f = 4 + 2 * k, w = f + 1;
-        EACH(i) {
-            const double a = first[w][i], c = half[w][i], e = last[w][i];
-            const double work = first[f][i] * (4.0 * c - 3.0 * a - e) / 6.0 +
-                                half[f][i] * (e - a) * (2.0 / 3.0) +
-                                last[f][i] * (a - 4.0 * c + 3.0 * e) / 6.0;
-            b->work[k < ELEMENTS ? 0 : 1][i] += work;
-            b->work[6][i] += fabs(work);
-        }
-    }
-    EACH(i) {
-        const double spent = third * (first[3][i] + 4.0 * half[3][i] + last[3][i]);
-        b->work[2][i] += spent;
-        b->work[6][i] += fabs(spent);
-    }
-    for (long k = 0; k < 3; k++) EACH(i) b->work[3 + k][i] += last[k][i] - first[k][i];
-    memcpy(first, last, sizeof(column) * MECHANICS);
-    b->known_work = 1;
-}
-#endif
-
 static void accept_step(march *m, block *b) {
     const double length = b->length;
     if (HEATED) keep_ledger(b);
-#if MECHANICS
-    keep_work(m, b);
-#endif
     double end = b->time + length;
     if (m->duration - end < SHORTEST * m->duration) end = m->duration;
     LIVE(i) if (b->status[i] != OK) { /* it has no solution here, and ends where it began */

@@ -398,37 +398,9 @@ class AdaptiveMarch(AbstractMarch):
         pairs = zip(trial.seen[self.judged :], self.seen[self.judged :], strict=True)
         found.stored += sum(b - a for b, a in list(pairs)[-heats:]) if heats else 0.0
 
-    def _keep_work(self, trial: Trial) -> None:
-        """Work in a step: of forces along their ways, both through three points, and powers."""
-        mechanics, times = self.functions["mechanics"], (self.time, self.time + 0.5 * trial.length)
-        last = self.signals(self.time + trial.length, before=True)
-        first, half, last = (
-            mechanics(*state, *signals)
-            for state, signals in zip(
-                (self.state, trial.half, trial.full), (*map(self.signals, times), last), strict=True
-            )
-        )
-        if not first:
-            return
-        by_elements, outside, spent, *held, passed = self.found.work
-        count = self.plan.compiled.workers[0]
-        for k, place in enumerate(range(4, len(first), 2)):
-            forces, ways = (
-                tuple(row[i] for row in (first, half, last)) for i in (place, place + 1)
-            )
-            work = find_work(forces, ways)
-            by_elements, outside = (
-                (by_elements + work, outside) if k < count else (by_elements, outside + work)
-            )
-            passed += abs(work)
-        more = trial.length / 6.0 * (first[3] + 4.0 * half[3] + last[3])
-        held = (x + b - a for x, a, b in zip(held, first[:3], last[:3], strict=True))
-        self.found.work = (by_elements, outside, spent + more, *held, passed + abs(more))
-
     def _accept(self, trial: Trial, most: float, planned: float) -> None:
         """Go on to the end of a step."""
         self._keep_ledger(trial)
-        self._keep_work(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
@@ -581,13 +553,6 @@ def find_dip(first: float, middle: float, last: float) -> float:
     share, below = find_extreme(first, middle, last)
     least = min(first, middle, last)
     return share if middle - first < 0.5 * (last - first) and LEAST < least < 2.0 * below else 1.0
-
-
-def find_work(force: Sequence[float], way: Sequence[float]) -> float:
-    """∫ F dw [J] of parabolas through start, middle and end of a step."""
-    a, b, c = way
-    first, middle, last = 4.0 * b - 3.0 * a - c, 4.0 * (c - a), a - 4.0 * b + 3.0 * c
-    return (force[0] * first + force[1] * middle + force[2] * last) / 6.0
 
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:

@@ -83,9 +83,6 @@ class CompiledMarch(Compiled):
     """What `points` returns, one after the other."""
     rates: tuple[int, ...] = ()
     """Places in the state of numbers that only tell a solve where to look."""
-    workers: tuple[int, int] = (0, 0)
-    """How many forces of elements, and how many of the outside, `mechanics` returns with their
-    ways, after energies and power of the mechanism; none at all if it does not say."""
 
     @property
     def order(self) -> int:
@@ -154,7 +151,6 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         heated=trace.add_judge(wanted, feeds),
         points=trace.add_points(judged),
         rates=trace.rates(),
-        workers=trace.add_mechanics(),
     )  # fmt: skip
 
 
@@ -248,22 +244,6 @@ class _Trace:
 
         self.program.add("points", self.names, points)
         return tuple(places)
-
-    def add_mechanics(self) -> tuple[int, int]:
-        """Energies of the mechanism and what does work on it; the number of these forces."""
-        found = (0, 0)
-
-        def mechanics(xp: Any, *arguments: Any) -> list[Any]:
-            nonlocal found
-            state = self.shape.rebuild(arguments[: self.size])
-            seen = self.system.mechanics(xp, state, *arguments[self.size :])
-            if seen is None:
-                return []
-            found = len(seen.elements), len(seen.outside)
-            return flatten(seen)
-
-        self.program.add("mechanics", [*self.names, *self.signals], mechanics)
-        return found
 
     def rates(self) -> tuple[int, ...]:
         """Places in the state of numbers that only tell a solve where to look."""

@@ -5,8 +5,7 @@
    k_judge over LANES lanes, and: SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED,
    ENVELOPE, HEATED, CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each
    judged output that counts); OWN if every run has drives of its own; whether k_judge and k_observe
-   ask for signals; MECHANICS, numbers of k_mechanics, of which FORCES and ways, first of ELEMENTS;
-   POINTS, all their NUMBERS, and RATES of adaptive.c. */
+   ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c. */
 
 #define HAIR 1e-9
 #define SHORTEST 1e-12
@@ -30,11 +29,10 @@ typedef struct {
     double time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     double begin, stop, pieces, piece; /* of equal steps to a stop, in fixed.c */
     double node_time[2];
-    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, known_work, split;
+    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, split;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
-    column status_time, ripple, residual, put_in, lost, stored, work[7];
-    column mechanics[3][MECHANICS + 1];
+    column status_time, ripple, residual, put_in, lost, stored;
     column c[CONSTANTS], p[PARAMETERS + 1], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], limits[2 * ENVELOPE + 1];
@@ -60,7 +58,7 @@ typedef struct {
     const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
-    double *numbers;      /* (runs, 19 + JUDGED): what is said of a run */
+    double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
     double *record;       /* ends of steps, of the first runs */
 } march;
 
@@ -152,7 +150,7 @@ static void scale_ranges(const march *m, block *b) {
 }
 
 static void tell(const march *m, const block *b, long i) {
-    double *n = m->numbers + (b->first_run + i) * (19 + JUDGED);
+    double *n = m->numbers + (b->first_run + i) * (12 + JUDGED);
     n[0] = (double)b->status[i];
     n[1] = b->status[i] == LONG_STEP ? b->status_time[i] : b->time;
     n[2] = (double)b->place[i];
@@ -165,8 +163,7 @@ static void tell(const march *m, const block *b, long i) {
     n[9] = b->put_in[i];
     n[10] = b->lost[i];
     n[11] = b->stored[i];
-    for (long k = 0; k < 7; k++) n[12 + k] = b->work[k][i];
-    for (long k = 0; k < JUDGED; k++) n[19 + k] = b->high[k][i] - b->low[k][i];
+    for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
 }
 
 static int is_inside(const block *b, const column *seen, long k, long i) {

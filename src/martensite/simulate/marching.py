@@ -84,10 +84,6 @@ class Marched:
     """Heat [J] that they lost to the surroundings."""
     stored: float = 0.0
     """Heat [J] that they hold more than in the beginning, latent heat included."""
-    work: tuple[float, ...] = (0.0,) * 7
-    """Work [J] that elements did on the mechanism and this on the outside; what friction and
-    damping took, less what motors gave; what springs, weights and motion hold more than in the
-    beginning; and all work that passed, without its sign."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
 

@@ -36,9 +36,7 @@ FIRST_WINDOW, WINDOW = 256, 65_536
 FIRST_RECORD = 4096
 HEATS = 3
 """Numbers of a run on its heat: put in, lost, stored."""
-WORKS = 7
-"""And on its work, see `Marched.work`."""
-RANGES = 9 + HEATS + WORKS
+RANGES = 9 + HEATS
 """Where the ranges begin among the numbers of a run, see `Rows`."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
@@ -146,8 +144,8 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 19 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in, lost and stored, work, and ranges of what is judged; see `Marched`."""
+    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
@@ -155,8 +153,7 @@ class Rows:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, stored, *more = more
-        work, ranges = more[:WORKS], more[WORKS:]
+        put_in, lost, stored, *ranges = more
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -166,7 +163,7 @@ class Rows:
         return Marched(
             [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
             value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
-            tuple(work), self.ends,
+            self.ends,
         )  # fmt: skip
 
 
@@ -317,13 +314,9 @@ class Kernel:
             "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
-            "MECHANICS": 0 if self.fixed else len(traced["mechanics"].outputs),
-            "MECHANICS_SIGNALS": int(compiled.asks_for_signals("mechanics")),
-            "FORCES": sum(compiled.workers), "ELEMENTS": compiled.workers[0],
         }  # fmt: skip
         solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ["step"] if self.fixed else [solve, "ripple", "points", "flows"]
-        names += ["mechanics"] if constants["MECHANICS"] else []
+        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows")
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)

@@ -11,15 +11,7 @@ from typing import Any, NamedTuple
 
 from martensite.elements.base import Point
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import (
-    MECHANISMS,
-    AbstractMechanism,
-    Column,
-    Energy,
-    Load,
-    Output,
-    Work,
-)
+from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system.actuator import Actuator, Feed
@@ -34,16 +26,6 @@ class State(NamedTuple):
 
     elements: tuple[Any, ...]
     mechanism: Any
-
-
-class Mechanics(NamedTuple):
-    """What a mechanism holds, and the forces that do work on it."""
-
-    energy: Energy
-    elements: tuple[Work, ...]
-    """Tension of each element, and how much shorter it is."""
-    outside: tuple[Work, ...]
-    """What takes work out of the mechanism."""
 
 
 class Drive(NamedTuple):
@@ -130,10 +112,6 @@ class AbstractSystem(Parametrised, init=False):
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
         """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
         return 0.0, 0.0
-
-    def mechanics(self, xp: Namespace, state: Any, *drives: Scalar) -> Mechanics | None:
-        """Energy of the mechanism, and what does work on it; None if it does not say."""
-        return None
 
     def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
@@ -230,18 +208,6 @@ class AbstractAssembly(AbstractSystem):
                 given = given + load.heating.heat(xp, seen.resistance).mean
                 lost = lost + seen.heat_loss
         return given, lost
-
-    def mechanics(self, xp: Namespace, state: State, *drives: Scalar) -> Mechanics | None:
-        """Energy of the mechanism, and what does work on it; None if it does not say."""
-        loads, signals = self._loads(state, drives), self._signals(drives)
-        energy = self.mechanism.energy(xp, state.mechanism, loads, signals)
-        if energy is None:
-            return None
-        forces, _ = self.mechanism.observe(xp, state.mechanism, loads, signals)
-        ways = self.mechanism.ways(xp, state.mechanism, loads, forces)
-        elements = (Work(*row) for row in zip(forces, ways, strict=True))
-        outside = self.mechanism.outside(xp, state.mechanism, loads, signals)
-        return Mechanics(energy, tuple(elements), tuple(outside))
 
     def points(self, xp: Namespace, state: State) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
