@@ -188,7 +188,7 @@ class AbstractLumped(AbstractElement):
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
         fractions = law.fractions(memory)
-        strain = law.strain(xp, fractions, stress, start)
+        strain = self._strain_under(xp, fractions, start, state.force)
 
         def loss(xp: Namespace, temperature: Scalar) -> Scalar:
             return self.heat_loss(xp, temperature, heating.environment)
@@ -200,8 +200,8 @@ class AbstractLumped(AbstractElement):
         def reached(xp: Namespace, at: Column) -> Column:
             """Strain and stress on the load line."""
             there = Fractions(at[0], at[1])
-            pulled = self.stress(xp, loaded(xp, there, at[2]))
-            return [law.strain(xp, there, pulled, at[2]), pulled]
+            force = loaded(xp, there, at[2])
+            return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
 
         def latent(xp: Namespace, at: Column) -> Column:
             return [self.latent_heat_total(xp, *at)]
@@ -226,6 +226,16 @@ class AbstractLumped(AbstractElement):
             bend_temperature=0.5 * (by_state[0] * by_stress[2] + by_state[1]),
             ripple=heating.ripple(xp, ohms, capacity, dt),
         )
+
+    def _strain_under(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar:
+        """Strain [-] by the elongation, which is that of the law for a straight wire only.
+
+        A curved wire is stressed more than it is strained, and turns that touch are not strained.
+        """
+        spring = self.spring(xp, fractions, temperature, force)
+        return self.strain(xp, spring.free + spring.compliance * force)
 
     def points(self, xp: Namespace, state: Lumped) -> list[Point]:
         """The whole element, unless its law has rates."""
