@@ -106,8 +106,9 @@ class ParallelPlatform(AbstractMultibody):
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Torques [N m] of inertia and damping, less those of the weight."""
         (alpha, beta), rates = motion.position, Rates(*motion.velocity)
-        plate = self.top_plate(xp)
-        moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
+        plate, moving = self.top_plate(xp), (0.0, 0.0)
+        if self.moves:
+            moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
         weight = weight_torques(xp, plate, self.gravity, alpha, beta)
         return [
             inertia + self.damping * rate - pull
