@@ -23,10 +23,12 @@ from typing import Any, NamedTuple
 from martensite.elements.base import (
     AbstractElement,
     Condition,
+    Effort,
     Heating,
     Point,
     Pull,
     Spring,
+    StoredHeat,
     fitted,
     points_of,
 )
@@ -249,6 +251,28 @@ class AbstractLumped(AbstractElement):
         latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
         fraction = self.law.fractions(memory).martensite
         return self.heat_capacity_total() * memory.temperature - latent * fraction
+
+    def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
+        """C T, and λ along the martensite fraction."""
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        sensible = self.heat_capacity_total() * memory.temperature
+        return StoredHeat(sensible, (Effort(-latent, fraction),))
+
+    def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
+        """Energy [J] that unloading at frozen fractions and temperature would give back."""
+        fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
+        return self.elastic_energy_at(xp, fractions, temperature, state.force)
+
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar | None:
+        """The same under a force [N]: ½ compliance · force², if the element is linear in force."""
+        if self.passes > 1:
+            return None
+        spring = self.spring(xp, fractions, temperature, force)
+        return 0.5 * spring.compliance * force * force
 
     def condition(
         self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment

@@ -23,8 +23,10 @@ from martensite.runtimes.once import once
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.ledger import EMPTY, TURNED_OVER
 from martensite.simulate.marching import Marched, Plan
 from martensite.status import Status
+from martensite.system.ledger import ACCOUNTS
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
@@ -33,8 +35,8 @@ ROUNDS = 4096
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Segments of a drive that are known at once: at first, and at most."""
 FIRST_RECORD = 4096
-HEATS = 3
-"""Numbers of a run on its heat: put in, lost, stored."""
+SAID = 11 + len(ACCOUNTS)
+"""Numbers of a run that come before the ranges of what is judged."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -127,8 +129,8 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
+    """(runs, SAID + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
@@ -136,7 +138,8 @@ class Rows:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, stored, *ranges = more
+        put_in, lost, *more = more
+        accounts, ranges = tuple(more[: len(ACCOUNTS)]), tuple(more[len(ACCOUNTS) :])
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -144,8 +147,8 @@ class Rows:
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
         return Marched(
-            [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
-            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
+            [tuple(row) for row in rows[:reached].tolist()], ranges, found, end, int(place),
+            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, accounts,
             self.ends,
         )  # fmt: skip
 
@@ -172,7 +175,7 @@ class _Marching:
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
         self.limits = np.array(plan.limits, float)
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, SAID + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -279,7 +282,7 @@ class Kernel:
         compiled, traced = self.compiled, self.compiled.program.functions
         places = () if self.fixed else compiled.points
         rates = () if self.fixed else compiled.rates
-        sizes = [place.size for place in places]
+        sizes, book = [place.size for place in places], EMPTY if self.fixed else compiled.book
         constants = {
             "LANES": self.lanes, "SIZE": compiled.size, "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs, "OUTPUTS": len(self.outputs),
@@ -294,8 +297,13 @@ class Kernel:
             "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
+            "ENTRIES": book.size, "HELD": len(book.held), "EFFORTS": len(book.efforts),
+            "BALANCED": int(book.heat), "ACCOUNTS": len(ACCOUNTS),
+            "ACCOUNT_OF": _list([*book.held, *book.efforts]),
+            "TURNED_OVER": _list([int(account in TURNED_OVER) for account in book.efforts]),
+            "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
         }  # fmt: skip
-        names = ("step",) if self.fixed else ("solve", "ripple", "points", "flows")
+        names = ("step",) if self.fixed else ("solve", "ripple", "points", "flows", "entries")
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)
@@ -304,11 +312,11 @@ class Kernel:
             c_source(compiled.program, functions, not self.fixed) if self.lanes % BLOCK
             else lanes_source(compiled.program, functions)
         )  # fmt: skip
-        texts = (
-            _text("signals", "reader.c"), _text("simulate", "marching.c"),
-            _text("simulate", "fixed.c" if self.fixed else "adaptive.c"),
-        )  # fmt: skip
-        return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
+        controlled = ("ledger.c", "adaptive.c")
+        texts = ("marching.c", *(("fixed.c",) if self.fixed else controlled))
+        defined = (f"#define {k} {v}" for k, v in constants.items())
+        own = (_text("simulate", name) for name in texts)
+        return "\n".join([kernels, *defined, _text("signals", "reader.c"), *own])
 
 
 _LOADED: set[Kernel] = set()
