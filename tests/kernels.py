@@ -121,6 +121,7 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
         element.strain(xp, e),
         element.ohms(xp, x, 0.02 * x, temperature),
         element.latent_heat_total(xp, force, temperature),
+        element.elastic_energy_at(xp, fractions, temperature, force),
     )
 
 
@@ -150,6 +151,7 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
     seen = (
         element.tangent(xp, after, now), element.condition(xp, after, now, environment),
         tuple(element.points(xp, after)), 0.0 if held is None else held,
+        element.stored_heat(xp, after), element.elastic_energy(xp, after),
     )  # fmt: skip
     there = Fractions(0.5, 0.5), temperature, force
     if not isinstance(element, AbstractLumped):
@@ -200,7 +202,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
         mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
-        own.energy(xp, motion) if hasattr(own, "energy") else 0.0,
+        tuple(own.energy(xp, motion) or ()),
     )  # fmt: skip
     return tuple(tuple(part) if isinstance(part, list) else part for part in found)
 
@@ -225,14 +227,10 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
         crossings.append(report.crossing)
     loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
     tensions, seen = mechanism.observe(xp, memory, loads, signals)
-    ledger = (
-        mechanism.energy(xp, memory, loads, signals) or 0.0,
-        tuple(1.0 + way for way in mechanism.ways(xp, memory, loads, tensions)),  # a difference
-        tuple(mechanism.outside(xp, memory, loads, signals)),
-    )
+    mechanics = mechanism.mechanics(xp, memory, loads, signals)
     if isinstance(mechanism, AbstractMultibody):  # a slope over almost nothing is rough
         memory = memory._replace(stiffness=())
-    return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings), ledger
+    return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings), mechanics
 
 
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:

@@ -149,9 +149,43 @@ def damping_takes_energy(mechanism: AbstractMultibody) -> None:
         assert np.array(rate) @ odd > 0.0
 
 
+def power_is_accounted_for(mechanism: AbstractMultibody) -> None:
+    """What a motion demands changes its energy, is dissipated, or comes from outside."""
+    if not consistent(mechanism):
+        return
+    signals = [3.0 + k for k in range(len(mechanism.signals()))]
+    near_and_far = [*places(mechanism), *places(mechanism, 3.3)]  # beyond end stops as well
+    for place, rate in zip(near_and_far, 2 * rates(mechanism), strict=True):
+        gain = [1.7 * v + 0.3 * c.size for v, c in zip(rate, mechanism.coordinates(), strict=True)]
+        gain = gain if mechanism.moves else [0.0] * len(rate)
+        motion = Motion(place, rate, tuple(gain))
+        taken = np.array(mechanism.dissipative(floats, motion))
+        given = np.array(mechanism.imposed(floats, motion, signals))
+        needs = np.array(mechanism.demand(floats, motion, signals))
+        change = rate_of_energy(mechanism, motion)
+        size = float(np.abs(rate) @ np.abs(needs))
+        assert np.array(rate) @ (needs - taken + given) == pytest.approx(change, abs=1e-9 * size)
+        assert np.array(rate) @ taken >= 0.0
+
+
+def rate_of_energy(mechanism: AbstractMultibody, motion: Motion) -> float:
+    """Change of what it holds [W]; without inertia, kinetic energy does not count."""
+
+    def held(xp: Namespace, time: Column) -> Column:
+        (q, v, a), (t,) = motion, time
+        place = tuple(x + t * (y + 0.5 * t * z) for x, y, z in zip(q, v, a, strict=True))
+        speed = tuple(y + t * z for y, z in zip(v, a, strict=True))
+        energy = mechanism.energy(xp, Motion(place, speed, a))
+        assert energy is not None
+        kinetic = energy.kinetic if mechanism.moves else 0.0
+        return [energy.springs + energy.gravity + energy.magnetic + kinetic]
+
+    return float(jacobian(floats, held, [0.0])[1][0][0])
+
+
 CHECKS: list[Callable[[AbstractMultibody], None]] = [
     starts_in_equilibrium, lever_is_a_slope, rests_on_an_energy, inertia_is_positive,
-    motion_keeps_its_energy, damping_takes_energy,
+    motion_keeps_its_energy, damping_takes_energy, power_is_accounted_for,
 ]  # fmt: skip
 
 
@@ -251,6 +285,20 @@ def test_a_run_to_a_tolerance_says_how_accurate_it_is(mechanism: AbstractMultibo
     assert 0.0 <= result.accuracy <= 1e-2
     assert not result.status.failed
     assert np.abs(np.ptp(seen(result, mechanism), axis=0)).max() > 1e-3
+
+
+@every
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_the_work_of_a_run_is_accounted_for(
+    mechanism: AbstractMultibody, tolerance: float, c_compiler: None
+) -> None:
+    system = machine(mechanism, compliance=COMPLIANCE)
+    result = simulate(system, smooth(mechanism), 0.06, tolerance=tolerance, runtime="c")
+    assert result.work is not None and result.work.residual is not None
+    assert result.work.exchanged > 0.0
+    print(f"{label(mechanism)}: {result.work}")  # noqa: T201
+    if consistent(mechanism):
+        assert result.work.residual <= tolerance
 
 
 # ---------------------------------------------------------------- sentences

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import ZERO
+from builders import ZERO, example, problem_a
 from coil_cases import (
     CLOSED,
     COIL,
@@ -32,6 +32,7 @@ from martensite.electrical.current import CurrentSource
 from martensite.elements.coil_spring import CoilSpring
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
@@ -219,3 +220,16 @@ def test_the_balance_at_home_is_that_of_equal_springs() -> None:
 def test_another_closed_length_is_noticed() -> None:
     contraction, _ = turned(platform_spring(free_length=17e-3))
     assert 1e3 * contraction != pytest.approx(30.38, abs=0.05)
+
+
+# ---------------------------------------------------------------- heat
+
+
+@pytest.mark.parametrize("factor", ["none", "wahl"])
+def test_a_step_heats_by_the_resistance_that_is_seen(factor: str) -> None:
+    """The strain of a resistance is that of the elongation, whatever stress drives the law."""
+    coil = example(CoilSpring, stress_factor=factor, coil_measure="mean")
+    run = simulate(problem_a(element=coil), Constant(level=2.0), 1e-4, step=1e-4, samples=2)
+    warmed = coil.heat_capacity_total() * run.range("temperature")
+    assert warmed > 0.0
+    assert warmed == pytest.approx(0.5e-4 * sum(run["power"]), rel=1e-4)

@@ -228,49 +228,6 @@ def test_a_budget_is_kept_to() -> None:
     assert time.process_time() - begin < 5.0
 
 
-# ---------------------------------------------------------------- heat
-
-
-EXAMPLES = (
-    "antagonistic_wires", "constant_power", "finger", "flexinol_staircase", "hand",
-    "platform_spring", "pwm_bias_spring",
-)  # fmt: skip
-"""Examples that are runs of elements whose heat is known, without a log or a bench."""
-
-
-@needs_c
-def test_the_heat_of_every_example_is_accounted_for() -> None:
-    """Put in, less lost, is stored: by quadratures that share nothing with the step."""
-    worst = 0.0
-    for name in EXAMPLES:
-        case = load(ROOT / f"examples/{name}.toml")
-        found = case.run(runtime="c", tolerance=1e-4)
-        assert found.heat is not None
-        print(f"{name}: {found.heat}")  # noqa: T201
-        assert found.heat.put_in > 1.0
-        assert found.heat.residual <= 1e-4
-        assert not any("not accounted for" in text for text in found.warnings)
-        worst = max(worst, found.heat.residual)
-    assert worst > 0.0
-
-
-@pytest.mark.parametrize("runtime", ["floats", "c"])
-def test_heat_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None) -> None:
-    """Of a resistance that the ledger does not see: a wire that gets less power than it is told."""
-
-    class Leaky(type(problem_a())):
-        def flows(self, xp: Any, state: Any, *drives: Any) -> Any:
-            given, lost = super().flows(xp, state, *drives)
-            return given, 1.01 * lost
-
-    honest = problem_a()
-    leaky = Leaky(**{name: getattr(honest, name) for name in honest.declarations})
-    runs = [simulate(one, SINE_A, 20.0, runtime=runtime) for one in (honest, leaky)]
-    assert runs[0].heat is not None and runs[1].heat is not None
-    assert runs[0].heat.residual < 1e-5 < 1e-3 < runs[1].heat.residual
-    assert any("is not accounted for" in text for text in runs[1].warnings)
-
-
 # ---------------------------------------------------------------- crests
 
 

@@ -32,7 +32,7 @@ def test_every_part_traces_in_a_system(thing):
     system = example_system(thing)
     assert thing in list(system.tree())
     functions = set(compile_march(system).program.functions)
-    usual = ["init", "step", "solve", "ripple", "observe", "judge", "points", "flows", "mechanics"]
+    usual = ["init", "step", "solve", "ripple", "observe", "judge", "points", "flows", "entries"]
     assert functions == {*usual, *(["rosenbrock"] if system.exchanges() else [])}
 
 

@@ -78,9 +78,9 @@ class Executed:
             "runtime": result.runtime or None,
             "rejected_steps": result.rejected,
             "ripple": result.ripple,
-            "heat": None
-            if result.heat is None
-            else asdict(result.heat) | {"residual": result.heat.residual},
+            "heat": None if result.heat is None else result.heat.as_dict(),
+            "work": None if result.work is None else result.work.as_dict(),
+            "unbalanced": list(result.unbalanced),
             "status": result.status.name,
             "status_time": result.status_time,
             "stroke": result.stroke,
@@ -103,8 +103,8 @@ class Executed:
         first, *_ = str(self.result).partition("\n")
         show.text(f"{first}; {_stroke(self.result)}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
-        if self.result.heat is not None:
-            show.text(str(self.result.heat))
+        for line in self.result.balances():
+            show.text(line)
         if self.agreements:
             rows = [self._agreement(agreement) for agreement in self.agreements]
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))

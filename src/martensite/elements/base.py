@@ -38,6 +38,25 @@ class Spring(NamedTuple):
     """Elongation per force [m/N]."""
 
 
+class Effort(NamedTuple):
+    """What works along a way: ∫ force d(way) is an energy [J]."""
+
+    force: Scalar
+    """[N], [N m], [V], or heat [J]."""
+    way: Scalar
+    """[m], [rad], [A s], or a fraction."""
+
+
+class StoredHeat(NamedTuple):
+    """The heat that an element holds."""
+
+    sensible: Scalar
+    """[J], but for a constant."""
+    latent: tuple[Effort, ...]
+    """What a forward transformation takes out of it: heat [J] along the martensite fraction, less
+    than 0, for every part of the element."""
+
+
 Pull = Callable[[Namespace, Spring], Scalar]
 """Force [N] at which a spring and the mechanism fit."""
 
@@ -204,6 +223,17 @@ class AbstractElement(Parametrised):
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
         """Heat [J] that it holds, but for a constant; None if that is no function of its state."""
+        return None
+
+    def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat | None:
+        """The heat that it holds, whatever its latent heat depends on; None if it does not say."""
+        return None
+
+    def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Energy [J] that unloading at frozen fractions and temperature would give back.
+
+        None if the element does not say.
+        """
         return None
 
     def heat_capacity_total(self) -> Scalar:

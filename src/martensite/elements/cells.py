@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from martensite.elements.base import (
     Condition,
+    Effort,
     Heating,
     Point,
     Profile,
     Pull,
     Spring,
+    StoredHeat,
     points_of,
 )
 from martensite.elements.columns import Cells
@@ -119,18 +121,28 @@ class AbstractCells(AbstractCut):
             heat_loss=self.copies() * (total(losses) + total(drained)),
         )
 
-    def heat_content(self, xp: Namespace, state: Cells) -> Scalar | None:
-        """Of all cells [J], if the latent heat is a number."""
-        if not self.law.constant_heat:
-            return None
-        m, _, temperatures = self._columns(state)
+    def stored_heat(self, xp: Namespace, state: Cells) -> StoredHeat:
+        """C T of all cells, and λ along the martensite fraction of each."""
+        fractions, _, temperatures = self._columns(state)
 
-        def one(length: Scalar, m: Scalar, at: Scalar) -> tuple[Scalar, ...]:
+        def one(length: Scalar, at: Scalar, stress: Scalar) -> tuple[Scalar, Scalar]:
             cell = self.cell(length)
-            return (cell.heat_capacity_total() * at - cell.latent_heat_total(xp, 0.0, at) * m,)
+            held = cell.heat_capacity_total() * at
+            return held, -cell.latent_heat_total(xp, stress, at)
 
-        (held,) = xp.each(one, self.lengths(xp), m, temperatures)
-        return self.copies() * total(held)
+        stresses = [memory.stress for memory in state.memories]
+        held, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
+        efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
+        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+            efforts = [Effort(1.0, total([h * x for h, x in efforts]))]
+        return StoredHeat(self.copies() * total(held), tuple(efforts))
+
+    def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
+        """½ compliance · force² of all cells [J]."""
+        free, soft = self.springs(xp, *self._columns(state))
+        carried = self.carried(xp, free, soft, state.force)
+        rows = zip(soft, carried, strict=True)
+        return self.copies() * total([0.5 * c * each * each for c, each in rows])
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""

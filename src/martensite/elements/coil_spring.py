@@ -193,6 +193,25 @@ class CoilSpring(AbstractRoundWire, AbstractLumped):
             xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance)
         )
 
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar:
+        """Elastic energy [J] under a force [N], of the wire and of turns that touch."""
+        strain = self.law.free_strain(xp, fractions, temperature)
+        compliance = self.law.compliance(xp, fractions) / self._stiffening()
+        if self.deflection == "large":
+            rod = self._rod(strain, compliance)
+            coil = _drawn(xp, rod, self.solid_length(), force)
+            drawn = helix.at_force(xp, rod, xp.maximum(force, coil.touch)).length
+            wire = helix.find_elastic_energy(xp, rod, drawn)
+        else:
+            coil = self._flat(strain, compliance)
+            drawing = xp.maximum(force, coil.touch)
+            wire = 0.5 * coil.compliance * drawing * drawing
+        pressed = xp.minimum(force - coil.touch, 0.0)
+        closed = coil.compliance / (1.0 + self.contact)
+        return wire + closed * pressed * (coil.touch + 0.5 * pressed)
+
     def _flat(self, strain: Scalar, compliance: Scalar) -> Coil:
         """Flat turns: linear, at a transformation strain [-] and a compliance [1/Pa]."""
         free, per_force = strain * self.reach(), compliance * self.reach() * self._leverage()

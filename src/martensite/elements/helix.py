@@ -100,6 +100,15 @@ def at_length(xp: Namespace, helix: Helix, length: Scalar) -> Stretch:
     return at_slope(xp, helix, sine / xp.sqrt(1.0 - sine * sine))
 
 
+def find_elastic_energy(xp: Namespace, helix: Helix, length: Scalar) -> Scalar:
+    """U [J] at a length H [m] below that of the wire."""
+    sine = length / helix.length
+    bent = xp.sqrt(1.0 - sine * sine) - helix.cosine(xp)
+    twisted = sine - helix.sine - helix.twist / helix.angle
+    square = bent * bent + twisted * twisted / (1.0 + helix.poisson)
+    return 0.5 * helix.length * helix.scale() * square
+
+
 def at_force(xp: Namespace, helix: Helix, force: Scalar) -> Stretch:
     """The point at a force [N], by Newton's method for the slope."""
     share, steep = helix.slenderness(), helix.cosine(xp)

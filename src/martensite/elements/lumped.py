@@ -26,10 +26,12 @@ from typing import Any, NamedTuple, cast
 from martensite.elements.base import (
     AbstractElement,
     Condition,
+    Effort,
     Heating,
     Point,
     Pull,
     Spring,
+    StoredHeat,
     fitted,
     points_of,
 )
@@ -205,7 +207,8 @@ class AbstractLumped(AbstractElement):
         def power(xp: Namespace, at: Column) -> Column:
             if imposed is not None:
                 return [self.heat_capacity_total() * (imposed - start) / dt, 0.0]
-            strain = law.strain(xp, Fractions(at[0], at[1]), stress(xp, at), at[2])
+            fractions, force = Fractions(at[0], at[1]), loaded(xp, at)
+            strain = self._strain_under(xp, fractions, at[2], force)
             heat = heating.heat(xp, self.ohms(xp, at[0], strain, at[2]))
             return [heat.mean - self.heat_loss(xp, at[2], heating.environment), heat.slope]
 
@@ -236,7 +239,7 @@ class AbstractLumped(AbstractElement):
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
         fractions = law.fractions(memory)
-        strain = law.strain(xp, fractions, stress, start)
+        strain = self._strain_under(xp, fractions, start, state.force)
 
         def loss(xp: Namespace, temperature: Scalar) -> Scalar:
             return self.heat_loss(xp, temperature, heating.environment)
@@ -248,8 +251,8 @@ class AbstractLumped(AbstractElement):
         def reached(xp: Namespace, at: Column) -> Column:
             """Strain and stress on the load line."""
             there = Fractions(at[0], at[1])
-            pulled = self.stress(xp, loaded(xp, there, at[2]))
-            return [law.strain(xp, there, pulled, at[2]), pulled]
+            force = loaded(xp, there, at[2])
+            return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
 
         def latent(xp: Namespace, at: Column) -> Column:
             return [self.latent_heat_total(xp, *at)]
@@ -275,6 +278,16 @@ class AbstractLumped(AbstractElement):
             ripple=heating.ripple(xp, ohms, capacity, dt),
         )
 
+    def _strain_under(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar:
+        """Strain [-] by the elongation, which is that of the law for a straight wire only.
+
+        A curved wire is stressed more than it is strained, and turns that touch are not strained.
+        """
+        spring = self.spring(xp, fractions, temperature, force)
+        return self.strain(xp, spring.free + spring.compliance * force)
+
     def points(self, xp: Namespace, state: Lumped) -> list[Point]:
         """The whole element, unless its law has rates."""
         return points_of(xp, self.law, [state.memory])
@@ -287,6 +300,28 @@ class AbstractLumped(AbstractElement):
         latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
         fraction = self.law.fractions(memory).martensite
         return self.heat_capacity_total() * memory.temperature - latent * fraction
+
+    def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
+        """C T, and λ along the martensite fraction."""
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        sensible = self.heat_capacity_total() * memory.temperature
+        return StoredHeat(sensible, (Effort(-latent, fraction),))
+
+    def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
+        """Energy [J] that unloading at frozen fractions and temperature would give back."""
+        fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
+        return self.elastic_energy_at(xp, fractions, temperature, state.force)
+
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar | None:
+        """The same under a force [N]: ½ compliance · force², if the element is linear in force."""
+        if self.passes > 1:
+            return None
+        spring = self.spring(xp, fractions, temperature, force)
+        return 0.5 * spring.compliance * force * force
 
     def condition(
         self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment

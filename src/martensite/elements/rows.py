@@ -100,6 +100,14 @@ class AbstractRow(AbstractLumped):
         one = self._lumped.spring(xp, fractions, temperature, share)
         return Spring(self.behind() * one.free, one.compliance * (self.behind() / self.beside()))
 
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar | None:
+        """Elastic energy of all [J] under a force [N]."""
+        share = force * (1.0 / self.beside())
+        one = self._lumped.elastic_energy_at(xp, fractions, temperature, share)
+        return None if one is None else self.count * one
+
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
         """Stress [Pa] in each."""
         return self._lumped.stress(xp, force * (1.0 / self.beside()))

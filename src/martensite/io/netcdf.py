@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -225,9 +225,9 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "rejected_steps": int(result.rejected),
         "step": float(result.step),
         "ripple": float(result.ripple),
-        "heat_put_in": None if result.heat is None else result.heat.put_in,
-        "heat_lost": None if result.heat is None else result.heat.lost,
-        "heat_stored": None if result.heat is None else result.heat.stored,
+        **_numbers("heat", {} if result.heat is None else result.heat.as_dict()),
+        **_numbers("work", {} if result.work is None else result.work.as_dict()),
+        "unbalanced": "\n".join(result.unbalanced) or None,
         "warnings": "\n".join(result.warnings),
         "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
         "martensite_version": _version("martensite"),
@@ -235,6 +235,11 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "h5netcdf_version": _version("h5netcdf"),
     }
     return {name: value for name, value in found.items() if value is not None}
+
+
+def _numbers(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:
+    """Those of a balance, called `heat_lost` or `work_springs` [J]; the work itself is `work`."""
+    return {key if key == name else f"{name}_{key}": value for key, value in balance.items()}
 
 
 def _version(package: str) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
-from martensite.elements.base import AbstractElement, Heating, Pull
+from martensite.elements.base import AbstractElement, Effort, Heating, Pull
 from martensite.laws.coupling import Report
 from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
@@ -41,6 +41,26 @@ class Load(NamedTuple):
     element: AbstractElement
     state: Any
     heating: Heating
+
+
+class Energy(NamedTuple):
+    """Mechanical energy that a mechanism holds [J], but for constants."""
+
+    springs: Scalar = 0.0
+    gravity: Scalar = 0.0
+    kinetic: Scalar = 0.0
+    magnetic: Scalar = 0.0
+    """Of the winding of a motor."""
+
+
+class Mechanics(NamedTuple):
+    """What becomes of the work of the elements."""
+
+    energy: Energy
+    dissipated: tuple[Effort, ...] = ()
+    """Friction, damping and losses of a motor, each along its way."""
+    outside: tuple[Effort, ...] = ()
+    """What works against what is outside, such as the drive of a crosshead or a voltage."""
 
 
 class AbstractMechanism(Parametrised):
@@ -103,6 +123,12 @@ class AbstractMechanism(Parametrised):
     ) -> tuple[list[Scalar], Column]:
         """Force [N] in each element, and the `outputs` in order."""
         raise NotImplementedError
+
+    def mechanics(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """What it holds, dissipates and gives to the outside; None if it does not say."""
+        return None
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """What it looks like (`martensite.mechanisms.drawing`); the same shapes at every time.

@@ -33,7 +33,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
+from martensite.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
 from martensite.mechanisms.drawing import Reading, Shape
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.mechanisms.shared.beam_drawing import drawn_beam
@@ -195,15 +195,34 @@ class BeamMotor(AbstractMultibody):
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
         return [*bent, torque, volts - voltage]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Scalar:
-        """Kinetic and elastic energy, and that of the coil [J]; without the element."""
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of the beam that is bent, of all that moves, and of the coil."""
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]
-        rows = zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True)
-        beam = total([m * v * v + k * q * q for (m, _, k), q, v in rows])
-        rotor = self._turning() * speed * speed + self.inductance * current * current
+        rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))
+        bent = total([k * q * q for (_, _, k), q, _ in rows])
+        moved = total([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
         shared = moment * total(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
-        return 0.5 * (beam + rotor) + shared
+        coil = 0.5 * self.inductance * current * current
+        return Energy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
+
+        Where the voltage per speed is above the torque per current, less arrives at the rotor than
+        is taken from the winding, and that is lost; the other way round a motor would make energy.
+        """
+        n = self.count
+        speed, current = motion.velocity[n], motion.velocity[n + 1]
+        rows = zip(self._beam(xp), motion.velocity[:n], strict=True)
+        rubbed = self.dry_friction * xp.tanh(speed * (1.0 / self.friction_rate))
+        lost = xp.maximum(self.back_emf - self.torque_constant, 0.0) * speed
+        bent = [c * v for (_, c, _), v in rows]
+        return [*bent, self.rotor_friction * speed + rubbed, self.resistance * current + lost]
+
+    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """The voltage of the motor [V]."""
+        return [0.0] * (self.count + 1) + [signals[0]]
 
     def _turning(self) -> Scalar:
         """J + m r² [kg m²]."""

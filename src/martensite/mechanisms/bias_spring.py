@@ -8,7 +8,7 @@ with F₀ the preload at assembly and x the position. Neither wire nor spring ca
 from __future__ import annotations
 
 from martensite.elements.base import Spring
-from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.base import MECHANISMS, Energy
 from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
@@ -36,6 +36,11 @@ class BiasSpring(AbstractLoadLine):
     ) -> Scalar:
         """Shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
+
+    def energy(self, xp: Namespace, shortening: Scalar) -> Energy:
+        """½ F²/k [J]."""
+        pull = xp.maximum(self.preload + self.stiffness * shortening, 0.0)
+        return Energy(springs=(0.5 / self.stiffness) * pull * pull)
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """Element and spring in a row between two walls; the spring's own length is not known."""

@@ -35,9 +35,9 @@ completion is a parameter here. Sign convention: θ grows as the wire pulls.
 
 from __future__ import annotations
 
-from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.base import MECHANISMS, Column, Energy
 from martensite.mechanisms.drawing import Reading, Shape
-from martensite.mechanisms.joints import bowstring, bowstring_arm, stop_torque
+from martensite.mechanisms.joints import bowstring, bowstring_arm, find_stop_energy, stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.finger_drawing import drawn_finger
 from martensite.mechanisms.shared.motion import Motion
@@ -95,10 +95,15 @@ class Finger(AbstractMultibody):
         if self.spring == "follower":
             return self.stiffness * self.arm * (self.extension + self.arm * angle)
         c, s = xp.cos(angle), xp.sin(angle)
-        across, along = self.arm * (c - 1.0), self.arm * s + self.height
-        length = xp.sqrt(across * across + along * along)
+        length = self._spring_length(xp, angle)
         lever = self.arm * (self.height * c + self.arm * s) / length
         return self.stiffness * (length - self.height + self.extension) * lever
+
+    def _spring_length(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """l [m] of the spring from a fixed end, at home H."""
+        across = self.arm * (xp.cos(angle) - 1.0)
+        along = self.arm * xp.sin(angle) + self.height
+        return xp.sqrt(across * across + along * along)
 
     def stops(self, xp: Namespace, angle: Scalar) -> Scalar:
         """τ_stop [N m] of the end stops, and of brackets that have met."""
@@ -118,6 +123,33 @@ class Finger(AbstractMultibody):
         (angle,), (rate,), (acceleration,) = motion
         held = self.spring_torque(xp, angle) + self.stops(xp, angle)
         return [held + self.damping * rate + self.inertia * acceleration]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of the return spring, of what stops, and of the phalanx that moves."""
+        (angle,), (rate,), _ = motion
+        by = self.arm * angle
+        if self.spring == "fixed":
+            by = self._spring_length(xp, angle) - self.height
+        drawn = self.extension + by
+        spring = 0.5 * self.stiffness * drawn * drawn
+        stop = self._stop_energy(xp, angle)
+        return Energy(springs=spring + stop, kinetic=0.5 * self.inertia * rate * rate)
+
+    def _stop_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Of end stops and brackets [J]: ∫ 2 tan(θ/2 - φ) dθ = -4 ln cos(θ/2 - φ)."""
+        bent = xp.clip(angle, 0.0, 3.1)
+        c, s = xp.cos(0.5 * bent), xp.sin(0.5 * bent)
+        arm = self.offset * c + self.bracket * s
+        past = (self.offset * s - self.bracket * c) / arm
+        span = xp.sqrt(self.offset * self.offset + self.bracket * self.bracket)
+        met = xp.where(past > 0.0, -4.0 * xp.log(arm / span), 0.0)
+        met = met + 2.0 * xp.maximum(past, 0.0) * (xp.maximum(angle, bent) - bent)
+        stops = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return self.stop * met + stops
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """b θ' [N m]; friction on brackets is that of the `transmission`."""
+        return [self.damping * motion.velocity[0]]
 
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""

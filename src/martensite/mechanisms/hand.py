@@ -33,12 +33,15 @@ import math
 from itertools import product
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.base import MECHANISMS, Column, Energy
 from martensite.mechanisms.drawing import Reading, Shape
 from martensite.mechanisms.joints import (
     Pair,
     Rod,
     bowstring,
+    find_kinetic_energy,
+    find_stop_energy,
+    find_weight_energy,
     hanging_rods,
     stop_torque,
     two_rods,
@@ -49,6 +52,7 @@ from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import option, param
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.nested import total
 
 FINGERS = ("thumb", "index", "middle")
 JOINTS = ("proximal", "distal")
@@ -155,6 +159,20 @@ class Hand(AbstractMultibody):
                 found.append(self._held(xp, angles[k], rates[k]) + hung[k] + moved[k])
         return found
 
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of springs and stops of all joints, weight, and phalanges that move."""
+        springs = total([self._spring_energy(xp, angle) for angle in motion.position])
+        lifted, moved = list[Scalar](), list[Scalar]()
+        for i, size in enumerate(self.sizes()):
+            rods, angles = self._rods(size), _two(motion.position, i)
+            lifted.append(find_weight_energy(xp, *rods, angles, self.gravity))
+            moved.append(find_kinetic_energy(xp, *rods, angles, _two(motion.velocity, i)))
+        return Energy(springs, total(lifted), total(moved))
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of every joint [N m]."""
+        return [self.damping * rate for rate in motion.velocity]
+
     def start_forces(self, xp: Namespace) -> Column:
         """The preload of the flexors, and what balances it [N]."""
         found: list[Scalar] = []
@@ -181,6 +199,11 @@ class Hand(AbstractMultibody):
         """Torque [N m] of spring, stops and damping of a joint."""
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         return self.torque + self.stiffness * angle + stop + self.damping * rate
+
+    def _spring_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Of spring and stops of a joint [J]."""
+        stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return (self.torque + 0.5 * self.stiffness * angle) * angle + stop
 
 
 def _two(numbers: Column, finger: int) -> Pair:

@@ -44,6 +44,14 @@ def stop_torque(
     return stiffness * past
 
 
+def find_stop_energy(
+    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
+) -> Scalar:
+    """Energy [J] that end stops hold."""
+    past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
+    return 0.5 * stiffness * past * past
+
+
 class Rod(NamedTuple):
     """A uniform link."""
 
@@ -71,3 +79,23 @@ def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: 
     far = 0.5 * second.mass * second.length * xp.sin(angles[0] + angles[1])
     near = (0.5 * first.mass + second.mass) * first.length * xp.sin(angles[0])
     return gravity * (near + far), gravity * far
+
+
+def find_kinetic_energy(
+    xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair
+) -> Scalar:
+    """Kinetic energy [J] of two links in a row."""
+    end = second.mass * second.length * second.length * (1.0 / 3.0)
+    across = 0.5 * second.mass * first.length * second.length * xp.cos(angles[1])
+    base = (first.mass * (1.0 / 3.0) + second.mass) * first.length * first.length
+    near, both = rates[0], rates[0] + rates[1]
+    return 0.5 * (base * near * near + end * both * both) + across * near * both
+
+
+def find_weight_energy(
+    xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar
+) -> Scalar:
+    """Energy [J] of two links lifted against their weight; they hang down at angles zero."""
+    far = 0.5 * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
+    near = (0.5 * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
+    return gravity * (near + far)

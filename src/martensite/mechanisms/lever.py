@@ -22,9 +22,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
+from martensite.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
 from martensite.mechanisms.drawing import Reading, Shape, bar, led, pin, weight
-from martensite.mechanisms.joints import stop_torque
+from martensite.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
@@ -111,9 +111,27 @@ class Lever(AbstractMultibody):
         """Torque [N m] of weight, spring, stops, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
-        inertia = self.inertia + self.mass * self.weight_arm * self.weight_arm
-        moved = self.damping * rate + inertia * acceleration
+        moved = self.damping * rate + self._turning() * acceleration
         return [self.held(xp, angle) + stop + moved]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of spring and stops, weight and inertia."""
+        (angle,), (rate,), _ = motion
+        rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
+        stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return Energy(
+            springs=(self.torque + 0.5 * self.stiffness * angle) * angle + stop,
+            gravity=self.mass * self.gravity * self.weight_arm * rise,
+            kinetic=0.5 * self._turning() * rate * rate,
+        )
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """c φ' [N m]."""
+        return [self.damping * motion.velocity[0]]
+
+    def _turning(self) -> Scalar:
+        """J + m b² [kg m²]."""
+        return self.inertia + self.mass * self.weight_arm * self.weight_arm
 
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""

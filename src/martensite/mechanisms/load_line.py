@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import AbstractMechanism, Column, Energy, Load, Mechanics, Output
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -42,6 +42,14 @@ class AbstractLoadLine(AbstractMechanism):
     ) -> Scalar:
         """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
         raise NotImplementedError
+
+    def energy(self, xp: Namespace, shortening: Scalar) -> Energy | None:
+        """What it holds if the element is shorter by so much than at assembly [m].
+
+        Where the element is slack it may be longer or shorter than its path. None, and no
+        balance of the work, if the mechanism does not say.
+        """
+        return None
 
     def outputs(self) -> dict[str, Output]:
         """The position."""
@@ -83,6 +91,15 @@ class AbstractLoadLine(AbstractMechanism):
         force = fitted(xp, tangent, self.load_line(memory), element.force(state), element.passes)
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
+
+    def mechanics(
+        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """Its energy at the end of the last step; it has no friction."""
+        ((element, state, _),) = loads
+        elongation = element.elongation(xp, state, element.force(state))
+        found = self.energy(xp, memory.elongation - elongation)
+        return None if found is None else Mechanics(found)
 
     def load_line(self, memory: Assembly) -> Pull:
         """The mechanism as the element sees it."""

@@ -23,9 +23,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.elements.base import AbstractElement
+from martensite.elements.base import AbstractElement, Effort
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import AbstractMechanism, Column, Energy, Load, Mechanics, Output
 from martensite.mechanisms.drawing import Reading, Shape, hanging
 from martensite.mechanisms.shared import condensed
 from martensite.mechanisms.shared.elimination import inner, solutions
@@ -95,6 +95,22 @@ class AbstractMultibody(AbstractMechanism):
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy | None:
+        """What it holds in a motion; without inertia, its kinetic energy does not count.
+
+        With `dissipative` and `imposed` it must answer for all of `demand`. None, and no balance
+        of the work, if the mechanism does not say.
+        """
+        return None
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Part of `demand` [N] or [N m] that takes energy: damping, friction of joints."""
+        return [0.0] * len(motion.position)
+
+    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Generalised forces [N] or [N m] from outside, which `demand` is less by."""
+        return [0.0] * len(motion.position)
 
     # ---------------------------------------------------------------- what follows
 
@@ -178,6 +194,29 @@ class AbstractMultibody(AbstractMechanism):
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
+
+    def mechanics(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """Its energy, what resists along every coordinate, and what friction takes of tensions."""
+        motion = memory.course.motion()
+        held = self.energy(xp, motion)
+        if held is None:
+            return None
+        held = held if self.moves else held._replace(kinetic=0.0)
+        rows = zip(
+            self.dissipative(xp, motion), self.imposed(xp, motion, signals), motion.position,
+            strict=True,
+        )  # fmt: skip
+        efforts = [(Effort(taken, q), Effort(-given, q)) for taken, given, q in rows]
+        paths, shares = self.contraction(xp, motion.position), self.transmission(xp, motion)
+        forces = (element.force(state) for element, state, _ in loads)
+        rubbed = (
+            Effort((1.0 - share) * force, path)
+            for share, force, path in zip(shares, forces, paths, strict=True)
+        )
+        dissipated, outside = zip(*efforts, strict=True)
+        return Mechanics(held, (*dissipated, *rubbed), outside)
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""

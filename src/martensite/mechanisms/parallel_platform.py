@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 
 from martensite.errors import ParameterError
-from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.base import MECHANISMS, Column, Energy
 from martensite.mechanisms.drawing import Reading, Shape, bar, led
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.motion import Motion
@@ -31,7 +31,9 @@ from martensite.mechanisms.shared.platform_inertia import (
     Rates,
     TopPlate,
     inertia_forces,
+    kinetic_energy,
     thin_plate,
+    weight_energy,
     weight_torques,
 )
 from martensite.mechanisms.shared.platform_kinematics import Plates, corners, lengths, vertices
@@ -106,13 +108,25 @@ class ParallelPlatform(AbstractMultibody):
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Torques [N m] of inertia and damping, less those of the weight."""
         (alpha, beta), rates = motion.position, Rates(*motion.velocity)
-        plate = self.top_plate(xp)
-        moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
+        plate, moving = self.top_plate(xp), (0.0, 0.0)
+        if self.moves:
+            moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
         weight = weight_torques(xp, plate, self.gravity, alpha, beta)
         return [
             inertia + self.damping * rate - pull
             for inertia, rate, pull in zip(moving, rates, weight, strict=True)
         ]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of the weight and of the plate that moves."""
+        (alpha, beta), plate = motion.position, self.top_plate(xp)
+        lifted = weight_energy(xp, plate, self.gravity, alpha, beta)
+        moved = kinetic_energy(xp, plate, alpha, Rates(*motion.velocity))
+        return Energy(gravity=lifted, kinetic=moved)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of both axes [N m]."""
+        return [self.damping * rate for rate in motion.velocity]
 
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, three times [N]."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from martensite.mechanisms.base import MECHANISMS, Column
+from martensite.mechanisms.base import MECHANISMS, Column, Energy
 from martensite.mechanisms.drawing import ARC, Reading, Shape, arc, bar, pin, weight
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.motion import Motion
@@ -53,6 +53,17 @@ class AntagonisticPulley(AbstractMultibody):
         (angle,), (rate,), (acceleration,) = motion
         held = self.stiffness * angle + self.moment * xp.sin(angle)
         return [held + self.damping * rate + self.inertia * acceleration]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of joint, lever and inertia."""
+        (angle,), (rate,), _ = motion
+        lifted = self.moment * (1.0 - xp.cos(angle))
+        moved = 0.5 * self.inertia * rate * rate
+        return Energy(0.5 * self.stiffness * angle * angle, lifted, moved)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """b φ' [N m]."""
+        return [self.damping * motion.velocity[0]]
 
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, twice [N]."""

@@ -27,10 +27,18 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.elements.base import AbstractElement, Effort, Pull, Spring, fitted
 from martensite.errors import ParameterError
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Energy,
+    Load,
+    Mechanics,
+    Output,
+)
 from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -131,11 +139,18 @@ class TensileTestingMachine(AbstractMechanism):
         pull = self._pull(memory, signals)
         force = fitted(xp, tangent, pull, element.force(state), element.passes)
         give = (force - memory.force) * (1.0 / self.stiffness)
-        if self._pulls:
-            travel = element.elongation(xp, state, force) - memory.elongation + give
-        else:
-            travel = self._target(signals)
+        travel = self._travel(xp, memory, element, state, force, signals)
         return [force], [give - travel, travel]
+
+    def mechanics(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> Mechanics:
+        """½ F²/k of frame and grips; the crosshead, as it travels, works against the drive."""
+        ((element, state, _),) = loads
+        force = element.force(state)
+        travel = self._travel(xp, memory, element, state, force, signals)
+        spring = Energy(springs=(0.5 / self.stiffness) * force * force)
+        return Mechanics(spring, outside=(Effort(-force, travel),))
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
@@ -164,6 +179,16 @@ class TensileTestingMachine(AbstractMechanism):
         (command,) = signals
         size = SIZES.get(self.control)
         return command if size is None else command * getattr(self, size)
+
+    def _travel(
+        self, xp: Namespace, memory: Mounted, element: AbstractElement, state: Any,
+        force: Scalar, signals: Column,
+    ) -> Scalar:  # fmt: skip
+        """Travel of the crosshead [m] under a force [N]."""
+        if not self._pulls:
+            return self._target(signals)
+        give = (force - memory.force) * (1.0 / self.stiffness)
+        return element.elongation(xp, state, force) - memory.elongation + give
 
     def _pull(self, memory: Mounted, signals: Column) -> Pull:
         """The machine as the element sees it."""

@@ -1,8 +1,9 @@
 /* The march with an error control in every step: each is as short as the most demanding run needs
    it. What it does is said in martensite/simulate/adaptive.py, which is the same march on floats.
 
-   Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_solve
-   (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple, k_points and k_flows, and: PLACES (the drive of each known heat); of each point its START
+   Before this text stand martensite/simulate/ledger.c with what it asks for, the kernels k_solve
+   (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple and k_points, and: PLACES (the
+   drive of each known heat); of each point its START
    among the numbers of all and its SIZES, the fraction that it is part of (PARTS) and WEIGHTS; and
    PLACES_OF_RATES in the state. */
 
@@ -178,6 +179,7 @@ static void join(const moments *one, const moments *two, double length, moments 
 
 static void begin_runs(march *m, block *b, long run) {
     begin_block(m, b, run);
+    begin_ledger(m, b);
     k_points(LANES, *b->c, *b->state, *b->points);
     memcpy(b->earlier_points, b->points, sizeof(column) * NUMBERS);
 }
@@ -533,33 +535,9 @@ static void keep_samples(march *m, block *b, double end) {
 
 /* ------------------------------------------------------------------ the way through time */
 
-/* a part of what came in and was lost in a step, from what drives bring at a state */
-static void add_flows(block *b, const column *states, const moments (*found)[DRIVES + 1],
-                      double given, double lost) {
-    column flow[2];
-    memcpy(b->x2, states, sizeof(column) * SIZE);
-    feed(found, 0, 0.0, b->x2 + SIZE);
-    k_flows(LANES, *b->c, *b->x2, *flow);
-    EACH(i) {
-        b->put_in[i] += given * flow[0][i];
-        b->lost[i] += lost * flow[1][i];
-    }
-}
-
-/* what came in and was lost: by the mean of both ends of a half, and by Simpson */
-static void keep_ledger(block *b) {
-    const double part = 0.25 * b->length, third = b->length / 6.0;
-    add_flows(b, b->state, b->one, part, third);
-    add_flows(b, b->half, b->one, part, 4.0 * third);
-    add_flows(b, b->half, b->two, part, 0.0);
-    add_flows(b, b->full, b->two, part, third);
-    for (long k = JUDGED + ENVELOPE; k < SEEN; k++)
-        EACH(i) b->stored[i] += b->fine[k][i] - b->seen[k][i];
-}
-
 static void accept_step(march *m, block *b) {
     const double length = b->length;
-    if (HEATED) keep_ledger(b);
+    keep_ledger(m, b);
     double end = b->time + length;
     if (m->duration - end < SHORTEST * m->duration) end = m->duration;
     LIVE(i) if (b->status[i] != OK) { /* it has no solution here, and ends where it began */

@@ -32,6 +32,7 @@ from typing import NamedTuple
 
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, fed
+from martensite.simulate.ledger import Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import HAIR, AbstractMarch, Plan, Row
 from martensite.status import Status
@@ -126,6 +127,7 @@ class AdaptiveMarch(AbstractMarch):
         self.after_kink, self.at_kink = math.inf, False
         self.split = False
         """Whether a step before the next edge was split, in a run in parts."""
+        self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(0.0)))
         self.power = 0.0
         """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
         self.rough = 0.0
@@ -384,19 +386,22 @@ class AdaptiveMarch(AbstractMarch):
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
 
     def _keep_ledger(self, trial: Trial) -> None:
-        """What came in and was lost in a step: by the mean of both ends of a half, and by Simpson.
+        """What a step did to heat and work; what came in by the mean of both ends of a half.
 
         It asks the laws of heating and cooling at the states that were found, and so is no part
         of the step, which linearises them.
         """
-        flows, found, (one, two) = self.functions["flows"], self.found, trial.halves
-        first, early = flows(*self.state, *one), flows(*trial.half, *one)
-        late, last = flows(*trial.half, *two), flows(*trial.full, *two)
-        found.put_in += 0.25 * trial.length * (first[0] + early[0] + late[0] + last[0])
-        found.lost += trial.length / 6.0 * (first[1] + 4.0 * early[1] + last[1])
-        heats = len(self.plan.compiled.heated)
-        pairs = zip(trial.seen[self.judged :], self.seen[self.judged :], strict=True)
-        found.stored += sum(b - a for b, a in list(pairs)[-heats:]) if heats else 0.0
+        flows, entries = self.functions["flows"], self.functions["entries"]
+        one, two = trial.halves
+        ends = (self.state, one), (trial.half, one), (trial.half, two), (trial.full, two)
+        given = sum(flows(*state, *brought)[0] for state, brought in ends)
+        self.found.put_in += 0.25 * trial.length * given
+        half = self.time + 0.5 * trial.length
+        middle = entries(*trial.half, *self.signals(half))
+        end = entries(*trial.full, *self.signals(self.time + trial.length, before=True))
+        self.ledger.enter(middle, end, trial.length)
+        self.found.lost = self.ledger.lost
+        self.found.accounts = tuple(self.ledger.accounts)
 
     def _accept(self, trial: Trial, most: float, planned: float) -> None:
         """Go on to the end of a step."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from martensite.errors import InputError, ParameterError, suggestion
 from martensite.runtimes import floats
 from martensite.simulate.accuracy import bound_error, march_to
+from martensite.simulate.balance import balance_heat, balance_work
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import Waveforms, arranged, grid_of
 from martensite.simulate.engines import Engine, Tell
@@ -14,7 +16,7 @@ from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import Grid, cut_steps, steps_through
 from martensite.simulate.march import Border, Track, march_floats
 from martensite.simulate.marching import Marched, Plan
-from martensite.simulate.result import HeatBalance, Result, profiles_of
+from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -186,24 +188,28 @@ def _result(
     result = Result(
         system, waveform, list(plan.times[: len(rows)]), columns, found.status, when, found.steps,
         found.longest, accuracy, profiles=profiles_of(len(names), rows), runtime=runtime,
-        rejected=found.rejected, ripple=found.ripple, heat=_balance(plan, found),
+        rejected=found.rejected, ripple=found.ripple,
     )  # fmt: skip
-    if result.heat is not None and result.heat.residual > plan.tolerance:
-        result.warnings.append(
-            f"Warning: {result.heat.residual:.1e} of the heat is not accounted for, more than the "
-            f"tolerance of {plan.tolerance:.1e}."
-        )
+    if plan.step is None and not system.sample_time():
+        result = _balanced(result, plan, found)
     if leaves:
         result.warnings.append(describe_exit(system, found.time, found.place, found.value))
     return add_warnings(result)
 
 
-def _balance(plan: Plan, found: Marched) -> HeatBalance | None:
-    """Where the heat went, if that of every drive is known."""
-    fed = sum(width > 1 for width in plan.compiled.widths)
-    if plan.step is not None or not fed or len(plan.compiled.heated) < fed:
-        return None
-    return HeatBalance(found.put_in, found.lost, found.stored)
+def _balanced(result: Result, plan: Plan, found: Marched) -> Result:
+    """A result with what became of heat and work, and a warning where some of it is missing."""
+    book, warnings = plan.compiled.book, result.warnings
+    heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
+    work = balance_work(book, found.accounts) if book.work else None
+    for words, one in (("heat", heat), ("work", work)):
+        residual = None if one is None else one.residual
+        if residual is not None and not residual <= plan.tolerance:
+            warnings.append(
+                f"Warning: {residual:.1e} of the {words} is not accounted for, more than the "
+                f"tolerance of {plan.tolerance:.1e}."
+            )
+    return replace(result, heat=heat, work=work, unbalanced=list(book.unknown))
 
 
 def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:

@@ -12,11 +12,14 @@ from typing import Any, NamedTuple
 
 from martensite.laws.coupling import Report
 from martensite.parameters import Keyed, values_at
+from martensite.runtimes.graph import Expr
 from martensite.runtimes.nested import Shape, flatten
 from martensite.runtimes.once import once
 from martensite.runtimes.program import Program
 from martensite.signals.moments import Moments
+from martensite.simulate.ledger import EMPTY, Book
 from martensite.system import PROFILES, AbstractSystem, Feed
+from martensite.system.ledger import ACCOUNTS
 
 REPORT = Report._fields[:2]
 """What a step under constant signals says of itself."""
@@ -68,7 +71,8 @@ class CompiledMarch(Compiled):
     """A system traced for a march: `step` takes what the drives bring, `judge` is new.
 
     `judge` returns the outputs whose convergence is judged, those of the envelope, and the heat
-    that the elements hold; `points` what laws without rates follow, from a state.
+    that the elements hold; `points` what laws without rates follow, from a state; `entries` what
+    the ledgers keep, and `flows` the power that drives bring.
     """
 
     widths: tuple[int, ...] = ()
@@ -81,6 +85,8 @@ class CompiledMarch(Compiled):
     """The drives whose elements hold a known heat."""
     points: tuple[Place, ...] = ()
     """What `points` returns, one after the other."""
+    book: Book = EMPTY
+    """What `entries` returns."""
     rates: tuple[int, ...] = ()
     """Places in the state of numbers that only tell a solve where to look."""
 
@@ -150,6 +156,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         envelope=envelope,
         heated=trace.add_judge(wanted, feeds),
         points=trace.add_points(judged),
+        book=trace.add_entries(),
         rates=trace.rates(),
     )  # fmt: skip
 
@@ -197,7 +204,7 @@ class _Trace:
 
         def flows(xp: Any, *numbers: Any) -> list[Any]:
             state, drives = brought(numbers)
-            return list(self.system.flows(xp, state, *drives))
+            return [self.system.flows(xp, state, *drives)]
 
         def rosenbrock(xp: Any, *arguments: Any) -> list[Any]:
             *numbers, dt = arguments
@@ -229,6 +236,25 @@ class _Trace:
 
         self.program.add("judge", [*self.names, *self.signals], judge)
         return tuple(known)
+
+    def add_entries(self) -> Book:
+        """What is known of the energy in a state under signals."""
+        books: list[Book] = []
+
+        def entries(xp: Any, *arguments: Any) -> list[Any]:
+            state = self.shape.rebuild(arguments[: self.size])
+            found = self.system.entries(xp, state, *arguments[self.size :])
+            held = {name: one for name, one in found.held.items() if isinstance(one, Expr)}
+            accounts = [ACCOUNTS.index(name) for name, _ in found.efforts]
+            books.append(Book(
+                tuple(map(ACCOUNTS.index, held)), tuple(accounts), found.heat, found.work,
+                found.unknown,
+            ))  # fmt: skip
+            numbers = [*held.values(), *flatten(tuple(effort for _, effort in found.efforts))]
+            return [*numbers, *([found.lost] if found.heat else [])]
+
+        self.program.add("entries", [*self.names, *self.signals], entries)
+        return books[-1]
 
     def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[Place, ...]:
         """Where laws without rates act: temperature, stress and fractions."""

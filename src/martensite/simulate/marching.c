@@ -5,13 +5,15 @@
    k_judge over LANES lanes, and: SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED,
    ENVELOPE, HEATED, CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each
    judged output that counts); OWN if every run has drives of its own; whether k_judge and k_observe
-   ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c. */
+   ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and ACCOUNTS of
+   ledger.c. */
 
 #define HAIR 1e-9
 #define SHORTEST 1e-12
 #define SOLVED 1e-8
 #define SEEN (JUDGED + ENVELOPE + HEATED)
 #define REPORTS 3
+#define SAID (11 + ACCOUNTS)
 #define SETS (OWN ? LANES : 1)
 #define EACH(i) for (long i = 0; i < LANES; i++)
 #define LIVE(i) for (long i = 0; i < LANES; i++) if (b->live[i])
@@ -32,7 +34,7 @@ typedef struct {
     long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, split;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
-    column status_time, ripple, residual, put_in, lost, stored;
+    column status_time, ripple, residual, put_in, lost, accounts[ACCOUNTS];
     column c[CONSTANTS], p[PARAMETERS + 1], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], limits[2 * ENVELOPE + 1];
@@ -44,6 +46,7 @@ typedef struct {
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
     column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1], ends[ORDER == 4 ? 3 * SIZE : 1];
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1], doubted[SEEN + 1];
+    column entries[ENTRIES + 1], middle_entries[ENTRIES + 1], last_entries[ENTRIES + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];
 } block;
@@ -58,7 +61,7 @@ typedef struct {
     const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
-    double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
+    double *numbers;      /* (runs, SAID + JUDGED): what is said of a run */
     double *record;       /* ends of steps, of the first runs */
 } march;
 
@@ -150,7 +153,7 @@ static void scale_ranges(const march *m, block *b) {
 }
 
 static void tell(const march *m, const block *b, long i) {
-    double *n = m->numbers + (b->first_run + i) * (12 + JUDGED);
+    double *n = m->numbers + (b->first_run + i) * (SAID + JUDGED);
     n[0] = (double)b->status[i];
     n[1] = b->status[i] == LONG_STEP ? b->status_time[i] : b->time;
     n[2] = (double)b->place[i];
@@ -162,8 +165,8 @@ static void tell(const march *m, const block *b, long i) {
     n[8] = b->residual[i];
     n[9] = b->put_in[i];
     n[10] = b->lost[i];
-    n[11] = b->stored[i];
-    for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
+    for (long k = 0; k < ACCOUNTS; k++) n[11 + k] = b->accounts[k][i];
+    for (long k = 0; k < JUDGED; k++) n[SAID + k] = b->high[k][i] - b->low[k][i];
 }
 
 static int is_inside(const block *b, const column *seen, long k, long i) {

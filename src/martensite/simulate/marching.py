@@ -11,6 +11,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
 from martensite.simulate.compiled import CompiledMarch, Functions
 from martensite.status import Status
+from martensite.system.ledger import ACCOUNTS
 
 Row = tuple[float, ...]
 HAIR = 1e-9
@@ -82,8 +83,8 @@ class Marched:
     """Heat [J] that came into elements whose heat is known; without a meaning on given steps."""
     lost: float = 0.0
     """Heat [J] that they lost to the surroundings."""
-    stored: float = 0.0
-    """Heat [J] that they hold more than in the beginning, latent heat included."""
+    accounts: tuple[float, ...] = (0.0,) * len(ACCOUNTS)
+    """Energies [J], see `system.ledger.ACCOUNTS`: more held than in the beginning, or work."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
 

@@ -23,9 +23,11 @@ from martensite.runtimes.once import once
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.ledger import EMPTY, TURNED_OVER
 from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.native import spread_limits
 from martensite.status import Status
+from martensite.system.ledger import ACCOUNTS
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
@@ -34,9 +36,7 @@ ROUNDS = 4096
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Segments of a drive that are known at once: at first, and at most."""
 FIRST_RECORD = 4096
-HEATS = 3
-"""Numbers of a run on its heat: put in, lost, stored."""
-RANGES = 9 + HEATS
+RANGES = 11 + len(ACCOUNTS)
 """Where the ranges begin among the numbers of a run, see `Rows`."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
@@ -144,8 +144,8 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
+    """(runs, RANGES + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
@@ -153,7 +153,8 @@ class Rows:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, stored, *ranges = more
+        put_in, lost, *more = more
+        accounts, ranges = tuple(more[: len(ACCOUNTS)]), tuple(more[len(ACCOUNTS) :])
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -161,8 +162,8 @@ class Rows:
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
         return Marched(
-            [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
-            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
+            [tuple(row) for row in rows[:reached].tolist()], ranges, found, end, int(place),
+            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, accounts,
             self.ends,
         )  # fmt: skip
 
@@ -300,6 +301,7 @@ class Kernel:
         places = () if self.fixed else compiled.points
         rates = () if self.fixed else compiled.rates
         sizes = [place.size for place in places]
+        book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches tell no balance
         constants = {
             "LANES": self.lanes, "SIZE": compiled.size, "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs, "OUTPUTS": len(self.outputs),
@@ -314,9 +316,14 @@ class Kernel:
             "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
+            "ENTRIES": book.size, "HELD": len(book.held), "EFFORTS": len(book.efforts),
+            "BALANCED": int(book.heat), "ACCOUNTS": len(ACCOUNTS),
+            "ACCOUNT_OF": _list([*book.held, *book.efforts]),
+            "TURNED_OVER": _list([int(account in TURNED_OVER) for account in book.efforts]),
+            "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
         }  # fmt: skip
         solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows")
+        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows", "entries")
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)
@@ -325,11 +332,11 @@ class Kernel:
             c_source(compiled.program, functions, not self.fixed) if self.lanes % BLOCK
             else lanes_source(compiled.program, functions)
         )  # fmt: skip
-        texts = (
-            _text("signals", "reader.c"), _text("simulate", "marching.c"),
-            _text("simulate", "fixed.c" if self.fixed else "adaptive.c"),
-        )  # fmt: skip
-        return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
+        controlled = ("ledger.c", "adaptive.c")
+        texts = ("marching.c", *(("fixed.c",) if self.fixed else controlled))
+        defined = (f"#define {k} {v}" for k, v in constants.items())
+        own = (_text("simulate", name) for name in texts)
+        return "\n".join([kernels, *defined, _text("signals", "reader.c"), *own])
 
 
 _LOADED: set[Kernel] = set()

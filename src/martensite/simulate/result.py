@@ -11,38 +11,9 @@ from martensite import units
 from martensite.errors import SolveError
 from martensite.mechanisms.base import Output
 from martensite.simulate.alarms import Alarm
+from martensite.simulate.balance import HeatBalance, WorkBalance
 from martensite.status import Status
 from martensite.system import PROFILES
-
-
-@dataclass(frozen=True)
-class HeatBalance:
-    """Where the heat of a run went; over all elements, in J."""
-
-    put_in: float
-    """By the drives."""
-    lost: float
-    """To the surroundings."""
-    stored: float
-    """More than in the beginning, as sensible and as latent heat."""
-
-    @property
-    def residual(self) -> float:
-        """What is not accounted for, as a share of the largest of the three."""
-        most = max(abs(self.put_in), abs(self.lost), abs(self.stored))
-        missing = abs(self.put_in - self.lost - self.stored)
-        return missing / most if most > LEAST_HEAT else 0.0
-
-    def __str__(self) -> str:
-        """In a line."""
-        return (
-            f"heat: {self.put_in:.4g} J put in, {self.lost:.4g} J to the surroundings, "
-            f"{self.stored:.3g} J stored; {self.residual:.1e} of it not accounted for"
-        )
-
-
-LEAST_HEAT = 1e-9
-"""Heat [J] below which nothing is balanced."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +53,12 @@ class Result:
     rejected: int = 0
     """Steps that were made again, shorter."""
     heat: HeatBalance | None = None
-    """Of a run with an error control; None where a law's heat of transformation is no constant, a
-    temperature is prescribed, or steps are given."""
+    """Of a run with an error control; None where a temperature is prescribed or an element does not
+    say what it holds (`unbalanced` tells), or steps are given."""
+    work: WorkBalance | None = None
+    """Likewise; None where a mechanism does not say what it holds, or steps are given."""
+    unbalanced: list[str] = field(default_factory=list[str])
+    """Why there is no balance of heat or work in a run with an error control, in sentences."""
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
 
@@ -130,8 +105,12 @@ class Result:
             f"accuracy {accuracy}",
             *(line for name in self.system.judged() for line in [self._line(name)]),
         ]
-        balance = [] if self.heat is None else [str(self.heat)]
-        return "\n".join([*lines, *balance, *self.warnings])
+        return "\n".join([*lines, *self.balances(), *self.warnings])
+
+    def balances(self) -> list[str]:
+        """Those of heat and work, in a line each, and why one is missing."""
+        known = [str(one) for one in (self.heat, self.work) if one is not None]
+        return known + self.unbalanced
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.elements.base import Point
+from martensite.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.nested import total
 from martensite.system.actuator import Actuator, Feed
+from martensite.system.ledger import Entries
 from martensite.system.outputs import Outputs
 
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
@@ -109,9 +111,13 @@ class AbstractSystem(Parametrised, init=False):
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         return [None] * len(self.drives())
 
-    def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
-        """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
-        return 0.0, 0.0
+    def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
+        """Power [W] into the elements whose heat is known, in the mean."""
+        return 0.0
+
+    def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
+        """What is known of its energy in a state under drive signals; by default nothing."""
+        return Entries()
 
     def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
@@ -196,18 +202,58 @@ class AbstractAssembly(AbstractSystem):
         own = [one.element.heat_content(xp, element) for one, element in rows]
         return own + [None] * len(self.mechanism.signals())
 
-    def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
-        """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
+    def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar:
+        """Power [W] into the elements whose heat is known, in the mean."""
         given: Scalar = 0.0
-        lost: Scalar = 0.0
-        for load in self._loads(state, drives):
-            known = load.element.heat_content(xp, load.state) is not None
-            if known and load.heating.temperature is None:
-                force, around = load.element.force(load.state), load.heating.environment
-                seen = load.element.condition(xp, load.state, force, around)
-                given = given + load.heating.heat(xp, seen.resistance).mean
-                lost = lost + seen.heat_loss
-        return given, lost
+        for element, own, heating in self._loads(state, drives):
+            if _is_balanced(xp, element, own, heating):
+                seen = element.condition(xp, own, element.force(own), heating.environment)
+                given = given + heating.heat(xp, seen.resistance).mean
+        return given
+
+    def entries(self, xp: Namespace, state: State, *drives: Scalar) -> Entries:
+        """What is known of its energy in a state under drive signals."""
+        found, loads = Entries(), self._loads(state, drives)
+        self._enter_heat(xp, found, loads)
+        signals = self._signals(drives)
+        mechanics = self.mechanism.mechanics(xp, state.mechanism, loads, signals)
+        if mechanics is None:
+            name = self.mechanism.registered_name
+            found.unknown += (f"work: not balanced, since `{name}` does not say what it holds",)
+            return found
+        found.work = True
+        energy = mechanics.energy
+        found.held.update(zip(energy._fields, energy, strict=True))
+        self._enter_work(xp, found, loads)
+        found.efforts += [("dissipated", one) for one in mechanics.dissipated]
+        found.efforts += [("outside", one) for one in mechanics.outside]
+        return found
+
+    def _enter_heat(self, xp: Namespace, found: Entries, loads: Sequence[Load]) -> None:
+        """Heat that elements hold and lose, if all that are heated say it."""
+        fed = [load for load in loads if load.heating.temperature is None]
+        rows = [(load, load.element.stored_heat(xp, load.state)) for load in fed]
+        known = [(load, stored) for load, stored in rows if stored is not None]
+        found.heat = bool(fed) and len(known) == len(fed)
+        found.unknown += _say_unknown(rows) if loads else ()
+        if not found.heat:
+            return
+        found.held["sensible"] = total([stored.sensible for _, stored in known])
+        for (element, state, heating), stored in known:
+            found.efforts += [("latent", effort) for effort in stored.latent]
+            force, around = element.force(state), heating.environment
+            found.lost = found.lost + element.condition(xp, state, force, around).heat_loss
+
+    def _enter_work(self, xp: Namespace, found: Entries, loads: Sequence[Load]) -> None:
+        """Work of elements, and the elastic energy in them if all say it."""
+        elastic = [element.elastic_energy(xp, state) for element, state, _ in loads]
+        known = [one for one in elastic if one is not None]
+        if known and len(known) == len(loads):
+            found.held["elastic"] = total(known)
+        for element, state, _ in loads:
+            force = element.force(state)
+            shortening = -element.elongation(xp, state, force)
+            found.efforts.append(("work", Effort(force, shortening)))
 
     def points(self, xp: Namespace, state: State) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
@@ -237,3 +283,18 @@ class AbstractAssembly(AbstractSystem):
     def _signals(self, drives: Sequence[Scalar | Feed]) -> Column:
         """The drive signals of the mechanism itself, which are never fed."""
         return [one for one in drives[len(self._actuators()) :] if not isinstance(one, Feed)]
+
+
+def _is_balanced(xp: Namespace, element: AbstractElement, state: Any, heating: Heating) -> bool:
+    """Whether the heat of an element is known, and not prescribed with its temperature."""
+    return heating.temperature is None and element.stored_heat(xp, state) is not None
+
+
+def _say_unknown(rows: Sequence[tuple[Load, StoredHeat | None]]) -> tuple[str, ...]:
+    """Why there is no ledger of the heat, if there is none."""
+    if not rows:
+        return ("heat: not balanced, since the temperature is prescribed",)
+    names = {load.element.registered_name for load, stored in rows if stored is None}
+    return tuple(
+        f"heat: not balanced, since `{name}` does not say what it holds" for name in sorted(names)
+    )

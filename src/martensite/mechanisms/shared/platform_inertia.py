@@ -104,6 +104,14 @@ def weight_torques(
     return Torques(moment * xp.sin(alpha) * xp.cos(beta), moment * xp.cos(alpha) * xp.sin(beta))
 
 
+def weight_energy(
+    xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar
+) -> Scalar:
+    """Energy of the plate's weight [J], 0 at home: what its torques are less the slopes of."""
+    moment = plate.mass * gravity * plate.above
+    return moment * (xp.cos(alpha) * xp.cos(beta) - 1.0)
+
+
 def _moments(plate: TopPlate) -> tuple[Scalar, Scalar]:
     """A and D [kg m²]."""
     shifted = plate.mass * plate.above * plate.above

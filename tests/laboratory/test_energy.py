@@ -1,0 +1,159 @@
+"""The energy of runs is accounted for, and a leak is noticed.
+
+What is entered comes from quadratures that share nothing with the step, so a residual measures the
+step; the residuals of all examples and elements are printed (`pytest -s`).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builders import SINE_A, examples, label, problem_a, wire_a
+
+from martensite.io.scenario import load
+from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+
+ROOT = Path(__file__).parents[2]
+needs_c = pytest.mark.usefixtures("c_compiler")
+
+HEATED = (
+    "antagonistic_wires", "clamped_wire", "constant_power", "finger", "finger_design",
+    "flexinol_staircase", "hand", "platform_spring", "pwm_bias_spring",
+)  # fmt: skip
+"""Examples that are runs, without a log or a bench."""
+PRESCRIBED = ("isobaric", "tensile-test")
+"""Likewise, of wires whose temperature is prescribed."""
+
+
+def run_example(name: str) -> Result:
+    found = load(ROOT / f"examples/{name}.toml").run(runtime="c", tolerance=1e-4)
+    for line in found.balances():
+        print(f"{name}: {line}")  # noqa: T201
+    return found
+
+
+@needs_c
+def test_the_energy_of_every_example_is_accounted_for() -> None:
+    """By quadratures that share nothing with the step."""
+    worst = 0.0
+    for name in (*HEATED, *PRESCRIBED):
+        found = run_example(name)
+        kept = (found.heat, found.work) if name in HEATED else (found.work,)
+        for balance in kept:
+            assert balance is not None
+            if balance.residual is None:  # a wire that pulls nothing
+                assert name == "flexinol_staircase" and balance is found.work
+                continue
+            assert balance.residual <= 1e-4
+            worst = max(worst, balance.residual)
+        assert not any("not accounted for" in text for text in found.warnings)
+        assert len(found.unbalanced) == (name in PRESCRIBED)
+    assert worst > 0.0
+
+
+ELEMENTS = {label(one): one for one in examples("element")}
+
+
+@needs_c
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_the_energy_of_every_element_is_accounted_for(name: str) -> None:
+    """Coils with all corrections, bundles, chains, ribbons, wires that clamps cool."""
+    found = simulate(problem_a(element=ELEMENTS[name]), SINE_A, 20.0, tolerance=1e-4, runtime="c")
+    for balance in (found.heat, found.work):
+        print(f"{name}: {balance}")  # noqa: T201
+        assert balance is not None and balance.residual is not None
+        assert balance.residual <= 1e-4
+    assert found.work is not None and found.work.elastic is not None
+
+
+VARIABLE = {
+    label(law): law for law in examples("law") if not law.constant_heat
+}  # fmt: skip
+
+
+@needs_c
+@pytest.mark.parametrize("name", VARIABLE)
+def test_heat_that_depends_on_stress_or_temperature_is_accounted_for(name: str) -> None:
+    law = VARIABLE[name]
+    found = simulate(problem_a(element=wire_a(law)), SINE_A, 20.0, tolerance=1e-4, runtime="c")
+    assert found.heat is not None and found.heat.residual is not None
+    print(f"{name}: {found.heat}")  # noqa: T201
+    assert min(found["martensite_fraction"]) < 0.5
+    assert found.heat.residual <= 1e-4
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_heat_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None) -> None:
+    """Of a wire that loses more than it is told to."""
+
+    class Leaky(type(problem_a())):
+        def entries(self, xp: Any, state: Any, *drives: Any) -> Any:
+            found = super().entries(xp, state, *drives)
+            found.lost = 1.01 * found.lost
+            return found
+
+    runs = [simulate(one, SINE_A, 20.0, runtime=runtime) for one in both_of(problem_a(), Leaky)]
+    honest, leaks = (one.heat for one in runs)
+    assert honest is not None and leaks is not None
+    assert (honest.residual or 0.0) < 1e-5 < 1e-3 < (leaks.residual or 0.0)
+    assert any("of the heat is not accounted for" in text for text in runs[1].warnings)
+    assert not any("of the heat is not accounted for" in text for text in runs[0].warnings)
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_work_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None) -> None:
+    """Of a spring that is softer than it says."""
+
+    class Leaky(BiasSpring):
+        def force(self, xp: Any, assembly: Any, spring: Any) -> Any:
+            return 0.99 * super().force(xp, assembly, spring)
+
+    spring = problem_a().mechanism
+    soft = both_of(spring, Leaky)[1]
+    runs = [
+        simulate(problem_a(mechanism=one), SINE_A, 20.0, runtime=runtime) for one in (spring, soft)
+    ]
+    honest, leaks = (one.work for one in runs)
+    assert honest is not None and leaks is not None
+    assert (honest.residual or 0.0) < 1e-12 < 1e-3 < (leaks.residual or 0.0)
+    assert any("of the work is not accounted for" in text for text in runs[1].warnings)
+
+
+def both_of(honest: Any, kind: type[Any]) -> tuple[Any, Any]:
+    """A part, and one of another class with the same numbers."""
+    return honest, kind(**{name: getattr(honest, name) for name in honest.declarations})
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_a_mechanism_that_does_not_say_what_it_holds_has_no_balance(
+    runtime: str, c_compiler: None
+) -> None:
+    class Silent(BiasSpring):
+        def energy(self, xp: Any, shortening: Any) -> Any:
+            return None
+
+    silent = both_of(problem_a().mechanism, Silent)[1]
+    found = simulate(problem_a(mechanism=silent), SINE_A, 5.0, runtime=runtime)
+    assert found.work is None and found.heat is not None
+    (words,) = found.unbalanced
+    assert words == "work: not balanced, since `bias-spring` does not say what it holds"
+    assert words in str(found)
+
+
+def test_both_runtimes_keep_the_same_ledger(c_compiler: None) -> None:
+    floats, c = (
+        simulate(problem_a(), SINE_A, 20.0, runtime=runtime) for runtime in ("floats", "c")
+    )
+    for name in ("heat", "work"):
+        one, other = (getattr(run, name).as_dict() for run in (floats, c))
+        del one["residual"], other["residual"]
+        assert one == pytest.approx(other, rel=1e-4, abs=1e-9)
+
+
+def test_runs_on_given_steps_have_no_balance() -> None:
+    found = simulate(problem_a(), SINE_A, 1.0, step=0.01, runtime="floats")
+    assert found.heat is None and found.work is None and found.unbalanced == []
