@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from importlib import import_module
+from typing import Any
 
+import numpy as np
 import pytest
 from builders import problem_a
 
@@ -25,6 +27,73 @@ def test_variants_equal_single_runs(system: ms.System) -> None:
         single = ms.simulate(system.with_values({"h0": h0}), LEVELS, 20.0, step=0.02, samples=101)
         assert row.tolist() == pytest.approx(single["position"], abs=1e-12)
     assert batch.status == [Status.OK] * 3
+
+
+H0 = [60.0, 100.0, 140.0]
+JUDGED = ("temperature", "martensite_fraction", "stress", "position")
+
+
+@pytest.mark.parametrize("runtime", ["c", "floats"])
+@pytest.mark.parametrize("wave", [LEVELS, PULSE], ids=["triangle", "pulse"])
+def test_rows_are_as_accurate_as_they_say(wave: Any, runtime: str, c_compiler: str) -> None:
+    batch = ms.simulate_batch(
+        problem_a(), wave, 20.0, {"h0": H0}, samples=101, outputs=JUDGED, runtime=runtime
+    )
+    assert batch.status == [Status.OK] * 3
+    assert batch.ended.tolist() == [20.0] * 3
+    for run, h0 in enumerate(H0):
+        exact = ms.simulate(
+            problem_a().with_values({"h0": h0}), wave, 20.0, tolerance=2e-7, samples=101
+        )
+        assert 0.0 < batch.accuracy[run] <= 1e-4
+        for name in JUDGED:
+            off = np.abs(batch.columns[name][run] - exact[name]).max()
+            assert off <= (batch.accuracy[run] + 2e-7) * exact.range(name)
+
+
+@pytest.mark.parametrize("more", [{}, {"step": 0.02}, {"step": 0.02, "runtime": "c"}])
+def test_a_run_that_leaves_the_envelope_changes_no_other(more: Any, c_compiler: str) -> None:
+    """The second has hardly a surface to lose its heat by, and melts."""
+    wave, wanted = ms.Step(high=30.0, at=1.0, until=8.0), {"samples": 101, "outputs": JUDGED}
+    mixed = ms.simulate_batch(problem_a(), wave, 12.0, {"h0": [6e4, 100.0, 8e4]}, **wanted, **more)
+    calm = ms.simulate_batch(problem_a(), wave, 12.0, {"h0": [6e4, 8e4]}, **wanted, **more)
+    assert mixed.status[1] is Status.OUT_OF_ENVELOPE
+    assert [mixed.status[k] for k in (0, 2)] == calm.status
+    assert not any(status.failed for status in calm.status)
+    for name in JUDGED:
+        assert np.array_equal(mixed.columns[name][[0, 2]], calm.columns[name])
+        kept = np.isfinite(mixed.columns[name][1])
+        assert kept.tolist() == [time < mixed.ended[1] for time in mixed.times]
+    assert 1.2 < mixed.ended[1] < 8.0
+    assert np.nanmax(mixed.columns["temperature"][1]) < 1583.15
+    if not more:
+        assert mixed.accuracy[[0, 2]].tolist() == calm.accuracy.tolist()
+        alone = ms.simulate(problem_a().with_values({"h0": 100.0}), wave, 12.0, samples=101)
+        assert alone.status is Status.OUT_OF_ENVELOPE
+        assert alone.status_time == pytest.approx(mixed.ended[1], rel=0.1)
+
+
+def test_tighter_bounds_may_vary(c_compiler: str) -> None:
+    stops = [320.0, 335.0, 1500.0]
+    over = {"temperature_stop": stops}
+    for more in ({}, {"runtime": "floats"}, {"step": 0.02, "runtime": "c"}):
+        batch = ms.simulate_batch(
+            problem_a(), LEVELS, 20.0, over, samples=101, outputs=("temperature",), **more
+        )
+        assert [status.failed for status in batch.status] == [True, True, False]
+        highest = np.nanmax(batch.columns["temperature"], axis=1)
+        assert (highest < stops).all()
+        assert highest[0] < highest[1] < highest[2]
+    with pytest.raises(InputError, match="cannot be varied on JAX"):
+        ms.simulate_batch(problem_a(), LEVELS, 20.0, over, step=0.02)
+
+
+def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the first two runs differ too much, a third one follows, for those alone."""
+    monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", 30.0)
+    batch = ms.simulate_batch(problem_a(), LEVELS, 20.0, {"h0": H0}, tolerance=1e-5, samples=101)
+    assert batch.status == [Status.OK] * 3
+    assert (batch.accuracy <= 1e-5).all()
 
 
 def test_chunks_do_not_change_variants() -> None:
@@ -53,6 +122,16 @@ def test_bad_arguments_are_refused() -> None:
         run(step=0.0)
     with pytest.raises(InputError, match="float64 or float32"):
         run(precision="float16")
+    with pytest.raises(InputError, match="float32 on JAX only"):
+        run(precision="float32", step=None)
+    with pytest.raises(InputError, match="give the longest one as `step`"):
+        run(runtime="jax", step=None)
+    with pytest.raises(InputError, match="Did you mean `floats`"):
+        run(runtime="floats2")
+    with pytest.raises(ParameterError, match="`devices` must be at least 1"):
+        run(devices=0)
+    with pytest.raises(ParameterError, match="`tolerance` must be above 0"):
+        run(tolerance=0.0, step=None)
 
 
 def test_a_stiff_spring_costs_no_million_steps() -> None:

@@ -20,6 +20,7 @@ from martensite.errors import DataError, InputError
 from martensite.io.sweeps import store as stores
 from martensite.io.sweeps import summary
 from martensite.io.sweeps.api import How, begin, sweep
+from martensite.io.sweeps.dataset import open_sweep
 from martensite.io.sweeps.job import MEASURES, SweepJob, Wanted, prepared, spec_of
 from martensite.io.sweeps.store import Store, create
 from martensite.simulate.variants import Ran
@@ -73,7 +74,7 @@ def test_a_store_holds_all_that_is_needed(whole: Path) -> None:
     assert "refused" in store.group["status"].attrs["flag_meanings"]
     assert set(store.group.array_keys()) == {
         "element.diameter", "drive.waveform.high", *MEASURES, "position", "temperature",
-        "time of position", "time of temperature", "status", "made",
+        "time of position", "time of temperature", "status", "ended", "accuracy", "made",
     }  # fmt: skip
 
 
@@ -108,7 +109,8 @@ def test_failed_runs_keep_their_status_and_no_numbers() -> None:
     known = plan(traces=TRACES)
     good = known.compute(range(3))
     columns = {n: np.ones((3, 11)) for n in known.outputs}
-    kept = known._kept(good.values, Ran(columns, np.array([0, Status.UNSOLVED, 1], np.int8)))
+    status = np.array([0, Status.UNSOLVED, 1], np.int8)
+    kept = known._kept(good.values, Ran(columns, status, np.zeros(3), np.zeros(3)))
     for words in MEASURES:
         assert np.isfinite(kept.scalars[words]).tolist() == [True, False, True]
     lost = known.lost(range(5, 7))
@@ -280,13 +282,40 @@ def test_energy_of_pulses_is_cautioned() -> None:
     assert plan(text=many, measures=("energy",)).cautions() == []
 
 
-def test_a_step_is_chosen_by_the_tolerance_once(tmp_path: Path) -> None:
-    free = WIRE.replace('step = "0.1 s"', "tolerance = 0.01")
+FREE = WIRE.replace('step = "0.1 s"', "tolerance = 1e-3")
+
+
+def test_runs_to_a_tolerance_say_how_accurate_they_are(tmp_path: Path, c_compiler: str) -> None:
+    begin(wire(FREE), wanted(runtime="c", traces=TRACES), tmp_path / "s.zarr", SERIAL).run()
+    group = Store(tmp_path / "s.zarr").group
+    assert group["status"][:].tolist() == [0] * 12
+    assert group["ended"][:].tolist() == [2.0] * 12
+    for row in (0, 5, 11):
+        diameter = float(group["element.diameter"][row])
+        high = float(group["drive.waveform.high"][row])
+        changed = {"element__diameter": f"{diameter!r} m", "drive__waveform__high": f"{high!r} V"}
+        alone = wire(FREE, run__tolerance=1e-6, **changed).run()
+        for name, every in (("position", 2), ("temperature", 5)):
+            off = np.abs(group[name][row] - alone[name][::every]).max()
+            assert off <= (group["accuracy"][row] + 1e-6) * alone.range(name)
+    assert (np.asarray(group["accuracy"][:]) <= 1e-3).all()
+
+
+def test_runs_that_leave_the_envelope_are_rows(tmp_path: Path, c_compiler: str) -> None:
     path = tmp_path / "s.zarr"
-    first = begin(wire(free), wanted(), path, replace(SERIAL, part="1/4"))
-    assert 0.0 < first.plan.course.step < 0.5
-    again = begin(wire(free), wanted(), path, SERIAL)
-    assert again.plan.course.step == first.plan.course.step == Store(path).spec["step"]
+    asked = wanted("high=2, 300 V", runtime="c", traces=TRACES, measures=("stroke",))
+    begin(wire(FREE), asked, path, SERIAL).run()
+    found = open_sweep(path).load()
+    assert found["status"].values.tolist() == [Status.OK, Status.OUT_OF_ENVELOPE]
+    assert np.isfinite(found["stroke"].values).tolist() == [True, False]
+    assert 0.1 < found["ended"].values[1] < 0.2
+    assert np.isfinite(found["position"].values[1]).tolist() == [True] + [False] * 5
+    assert np.isfinite(found["position"].values[0]).all()
+
+
+def test_sweeps_on_jax_need_a_step() -> None:
+    with pytest.raises(InputError, match="`--step`"):
+        plan(text=FREE, runtime="jax")
 
 
 # ---------------------------------------------------------------- jobs in other processes

@@ -93,7 +93,8 @@ def test_a_run_does_not_depend_on_those_beside_it(
         part = {path: column[first:stop] for path, column in values.items()}
         own = {"drive": {p: v[first:stop] for p, v in SIGNALS["drive"].items()}}
         expected = {name: c[first:stop] for name, c in together.columns.items()}
-        same(course.run(part, own), Ran(expected, together.status[first:stop]))
+        ended, accuracy = together.ended[first:stop], together.accuracy[first:stop]
+        same(course.run(part, own), Ran(expected, together.status[first:stop], ended, accuracy))
 
 
 def test_a_run_does_not_depend_on_how_many_march_together(c_compiler: str) -> None:
@@ -119,7 +120,8 @@ def test_a_run_that_stays_unsolved_is_a_status() -> None:
 
     def engine(values: Any, grid: Any, runs: int) -> Any:
         found = [np.zeros((runs, course.samples)) for _ in course.outputs]
-        return found, np.array([[0.0, 1.0, np.nan, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0]])
+        reports = np.array([[0.0, 1.0, np.nan, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, 0.0]])
+        return found, reports, np.full(runs, np.inf)
 
     course.__dict__.update(engine=engine, lanes=RUNS)
     expected = Status.OK, Status.UNSOLVED, Status.NOT_FINITE, Status.LONG_STEP, Status.OK

@@ -43,7 +43,7 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
     step: Annotated[
-        str | None, typer.Option(help="Longest step [default: what the tolerance asks for].")
+        str | None, typer.Option(help="Longest of equal steps [default: an error control].")
     ] = None,
     runtime: Annotated[
         str | None, typer.Option(help="c, jax or floats [default: c, if there is a compiler].")

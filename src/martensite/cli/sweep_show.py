@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.status import Status
+from martensite.sweep.plan import ACCURACY
 
 if TYPE_CHECKING:
     from martensite.io.sweeps.store import Store
@@ -46,17 +47,32 @@ class Swept:
 
     def _lines(self) -> Iterator[str]:
         done = self.progress
-        yield (
-            f"{done.done:,} of {self.plan.size:,} runs, {done.made:,} of them now, in steps of at "
-            f"most {self.plan.course.step:.3g} s on `{self.plan.course.runtime}`"
-        )
+        yield f"{done.done:,} of {self.plan.size:,} runs, {done.made:,} of them now, {self._how()}"
         if done.made and done.seconds:
             yield f"{1e3 * done.seconds / done.made:.3g} ms of processor time per run"
 
+    def _how(self) -> str:
+        """On what steps, or how accurate."""
+        course = self.plan.course
+        if course.step is not None:
+            return f"in steps of at most {course.step:.3g} s on `{course.runtime}`"
+        worst = self._spread(ACCURACY)[2]
+        return (
+            f"to a tolerance of {course.tolerance:.1e} on `{course.runtime}`; accuracy {worst:.1e} "
+            "of range, or better"
+        )
+
     def _failures(self) -> Iterator[str]:
         """Sentences on runs that failed, or are coarse."""
-        from martensite.io.sweeps.summary import statuses
+        from martensite.io.sweeps.summary import count_above, statuses
 
+        tolerance = self.plan.course.tolerance
+        rough = count_above(self.store, ACCURACY, tolerance)
+        if rough:
+            yield (
+                f"{rough:,} runs: the tolerance of {tolerance:.1e} was not reached; `accuracy` "
+                "says how far each may be off."
+            )
         counts, rows = statuses(self.store, NAMED)
         for status, first in sorted(rows.items()):
             named = ", ".join(map(str, first)) + (" …" if counts[status] > len(first) else "")
@@ -88,6 +104,8 @@ class Swept:
             "made": self.progress.made,
             "chunks": [len(self.store.made()), self.plan.chunks],
             "step": self.plan.course.step,
+            "tolerance": None if self.plan.course.step else self.plan.course.tolerance,
+            "accuracy": None if self.plan.course.step else self._spread(ACCURACY)[2],
             "runtime": self.plan.course.runtime,
             "status": {s.name.lower(): counts[s] for s in Status},
             "measures": {

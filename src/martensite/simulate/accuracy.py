@@ -43,8 +43,7 @@ def march_to(march: March, plan: Plan, tolerance: float) -> tuple[Marched, float
         plan: its `tolerance` does not count.
         tolerance: what accuracy is wanted.
     """
-    every = max(1, math.ceil((len(plan.times) - 1) / (FEW - 1)))
-    compared = sorted({*range(0, len(plan.times), every), len(plan.times) - 1})
+    compared = choose_samples(len(plan.times))
     local = LOCAL * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
     found = march(replace(some, tolerance=local))
@@ -57,6 +56,12 @@ def march_to(march: March, plan: Plan, tolerance: float) -> tuple[Marched, float
         if accuracy <= tolerance:
             break
     return found, accuracy
+
+
+def choose_samples(count: int) -> list[int]:
+    """Which of so many samples are compared: not many more than `FEW`, both ends among them."""
+    every = max(1, math.ceil((count - 1) / (FEW - 1)))
+    return sorted({*range(0, count, every), count - 1})
 
 
 def bound_error(compiled: CompiledMarch, before: Rows, after: Rows, found: Marched) -> float:

@@ -12,7 +12,7 @@ from martensite.simulate.driven import Waveforms, arranged, grid_of
 from martensite.simulate.engines import Engine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import Grid, cut_steps, steps_through
-from martensite.simulate.march import Track, march_floats
+from martensite.simulate.march import Border, Track, march_floats
 from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.result import HeatBalance, Result, profiles_of
 from martensite.simulate.warnings import add_warnings
@@ -64,7 +64,9 @@ def simulate(
         InputError: an argument is out of range.
         SolveError: the run failed, or its budget is spent; the sentence says when and what to try.
     """
-    _check(duration, tolerance, step, samples, runtime)
+    check_run(duration, tolerance, step, samples)
+    if runtime not in RUNTIMES:
+        raise InputError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
     waves = arranged(system, waveform)
     if system.sample_time():
         return _in_discrete_time(system, waveform, duration, samples, runtime)
@@ -122,7 +124,7 @@ def _in_discrete_time(
     track = _march_grid(system, compiled, grid, runtime).require()
     found = Marched(
         [tuple(row) for row in track.rows], (), track.status, track.status_time or 0.0,
-        steps=len(grid.lengths), longest=grid.longest,
+        track.place, track.value, steps=len(grid.lengths), longest=grid.longest,
     )  # fmt: skip
     plan = Plan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
@@ -130,18 +132,20 @@ def _in_discrete_time(
 
 
 def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: Grid, runtime: str) -> Track:
-    """A run on given steps; on floats if it fails elsewhere, since these say when."""
+    """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
     track: Track | None = None
+    limits = envelope_of(system)
     if runtime == "c":
         from martensite.simulate.native import march_c
 
-        track = march_c(compiled, compiled.values(system), grid)
+        track = march_c(compiled, compiled.values(system), grid, limits)
     if runtime == "jax":
         from martensite.simulate.batch import march_jax
 
-        track = march_jax(compiled, compiled.values(system), grid)
+        track = march_jax(compiled, compiled.values(system), grid, limits)
     if track is None or track.status.failed:
-        track = march_floats(*bind_march(system), grid)
+        functions, size = bind_march(system)
+        track = march_floats(functions, size, grid, Border(compiled, functions, limits))
     return track
 
 
@@ -201,13 +205,10 @@ def _balance(plan: Plan, found: Marched) -> HeatBalance | None:
     return HeatBalance(found.put_in, found.lost, found.stored)
 
 
-def _check(
-    duration: float, tolerance: float, step: float | None, samples: int, runtime: str
-) -> None:
+def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:
+    """Raise `ParameterError` where an argument of a run is out of range."""
     for name, value in (("duration", duration), ("tolerance", tolerance), ("step", step)):
         if value is not None and not (0.0 < value < math.inf):
             raise ParameterError(f"Argument `{name}` must be above 0, but is {value}.")
     if samples < 2:
         raise ParameterError(f"Argument `samples` must be at least 2, but is {samples}.")
-    if runtime not in RUNTIMES:
-        raise InputError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")

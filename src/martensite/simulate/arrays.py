@@ -15,6 +15,7 @@ import numpy as np
 from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
+from martensite.simulate.marching import Limits
 
 
 class Schedule(NamedTuple):
@@ -30,9 +31,13 @@ class Schedule(NamedTuple):
     """Length of every step [s], 0 for padding, (intervals, steps)."""
     one: Any
     """The number 1, unknown to the compiler: dividing by it makes a value worth keeping."""
+    limits: Any = None
+    """What no run leaves, low and high, (2, envelope); None where nobody looks."""
 
 
-def schedule(grid: Grid, dtype: str = "float64") -> tuple[Schedule, bool]:
+def schedule(
+    grid: Grid, dtype: str = "float64", limits: Limits | None = None
+) -> tuple[Schedule, bool]:
     """The grid as padded arrays, and whether padding was needed."""
     counts = np.asarray(grid.counts)
     shape = (len(counts), int(counts.max()))
@@ -46,7 +51,8 @@ def schedule(grid: Grid, dtype: str = "float64") -> tuple[Schedule, bool]:
     drives = tuple(padded(signal) for signal in zip(*grid.drives, strict=True))
     sampled = [np.asarray(signal, dtype) for signal in zip(*grid.sampled, strict=True)]
     first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
-    plan = Schedule(first, rest, drives, padded(grid.lengths), np.ones((), dtype))
+    bounds = None if limits is None else np.array(limits, dtype)
+    plan = Schedule(first, rest, drives, padded(grid.lengths), np.ones((), dtype), bounds)
     return plan, not bool(used.all())
 
 
@@ -56,7 +62,9 @@ class Rows(NamedTuple):
     outputs: tuple[Any, ...]
     """One array (samples, batch…) per output asked for."""
     reports: tuple[Any, ...]
-    """The worst of every number that steps report."""
+    """The worst of every number that steps report, before the envelope was left."""
+    left: Any = np.inf
+    """Time [s] at the end of the step in which the envelope was left; infinite if it was not."""
 
 
 def march(
@@ -78,8 +86,19 @@ def march(
             row = functions["observe"](*state, *signals)
             return tuple(zero + row[i] for i in outputs)
 
+        def look(state: Any, signals: Any, time: Any, left: Any) -> Any:
+            """When the envelope was left."""
+            if plan.limits is None:
+                return left
+            row = functions["judge"](*state, *(signals[k] for k in compiled.signals_in_step()))
+            for k in range(len(compiled.envelope)):
+                value, (low, high) = row[len(compiled.judged) + k], plan.limits[:, k]
+                inside = ((low <= value) & (value <= high)) | ~np_.isfinite(value)
+                left = np_.where(inside | (left < np_.inf), left, time)
+            return left
+
         def one(carry: Any, now: Any) -> tuple[Any, None]:
-            state, worst = carry
+            state, worst, (time, left) = carry
             signals, dt = now
             found = functions["step"](*state, *signals, dt)
             after = [np_.broadcast_to(a, shape) for a in found[: compiled.size]]
@@ -88,7 +107,9 @@ def march(
                 after = [xp.where(dt > 0.0, a, b) for a, b in zip(after, state, strict=True)]
                 reports = [xp.where(dt > 0.0, r, 0.0) for r in reports]
             pairs = zip(worst, reports, strict=True)
-            return (tuple(after), tuple(np_.where(a >= b, a, b) for a, b in pairs)), None
+            worst = tuple(np_.where((a >= b) | (left < np_.inf), a, b) for a, b in pairs)
+            time = time + dt
+            return (tuple(after), worst, (time, look(after, signals, time, left))), None
 
         def interval(carry: Any, now: Any) -> tuple[Any, tuple[Any, ...]]:
             signals, *steps = now
@@ -97,12 +118,12 @@ def march(
 
         state = tuple(zero + v for v in functions["init"](*plan.first))
         start = observe(state, plan.first)
-        (_, reports), rows = jax.lax.scan(
-            interval, (state, (zero,) * len(compiled.report)),
+        (_, reports, (_, left)), rows = jax.lax.scan(
+            interval, (state, (zero,) * len(compiled.report), (zero, zero + np_.inf)),
             (plan.sampled, plan.drives, plan.lengths),
         )  # fmt: skip
         joined = tuple(np_.concatenate([a[None], b]) for a, b in zip(start, rows, strict=True))
-        return Rows(joined, reports)
+        return Rows(joined, reports, left)
 
     return run
 

@@ -1,20 +1,26 @@
-"""Batches and gradients on JAX: many variants at once, exact derivatives of any output."""
+"""Batches of variants, and exact derivatives of any output on JAX."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
+from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError, suggestion
+from martensite.runtimes.c99 import compiler
+from martensite.simulate.api import RUNTIMES, check_run
 from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
-from martensite.simulate.driven import Waveforms, grid_of
+from martensite.simulate.driven import Waveforms, by_name, grid_of
+from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track_of
+from martensite.simulate.marching import Limits
+from martensite.simulate.variants import Course, Ran
 from martensite.status import Status
 from martensite.system import AbstractSystem
 
@@ -28,9 +34,16 @@ class Batch:
     times: Any
     """Sample times [s], (samples,)."""
     columns: dict[str, Any]
-    """One array (variants, samples) per output asked for, in SI units."""
+    """One array (variants, samples) per output asked for, in SI units; NaN after the end of a run
+    that left the envelope or failed."""
     status: list[Status]
-    """Worst status of each variant."""
+    """How each variant ended."""
+    ended: Any
+    """Time [s] at which each ended, (variants,); NaN where that is not known."""
+    accuracy: Any = None
+    """How far temperatures, martensite fractions, stresses and coordinates of each may be off, as a
+    share of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the
+    envelope. None for runs on given steps. One above the tolerance was not reached."""
 
 
 @dataclass(frozen=True)
@@ -55,38 +68,105 @@ def simulate_batch(
     duration: float,
     over: Mapping[str, Sequence[float]],
     *,
-    step: float,
+    tolerance: float = 1e-4,
+    step: float | None = None,
     samples: int = 1001,
     outputs: Sequence[str] = ("position",),
+    runtime: str = "auto",
     chunk: int | None = None,
     precision: str = "float64",
     devices: int | None = 1,
 ) -> Batch:
     """Run variants of a system that differ in the parameters named in `over`.
 
+    Every run has an error control of its own, and a bound on the error that is left, as in
+    `simulate`; what one run does changes nothing in the others. A run that leaves the envelope, or
+    fails, keeps what was computed before. With `step` given, or on JAX, runs are made on equal
+    steps, and nothing is estimated.
+
     Args:
         system: the system at its nominal parameters.
         waveform: drive signal, the same for all variants.
         duration: length of the runs [s].
         over: parameter path (or unique ending) -> one value per variant, in SI.
-        step: longest step [s]; choose it by a run of `simulate` with a tolerance.
+        tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
+            as a share of the range of each, or of the least range that counts.
+        step: longest of equal steps [s]; if given, nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
-        chunk: variants marched together; by default 256 on a processor, which keeps the state in
-            its cache, and many more on a GPU.
-        precision: float64, or float32 for sweeps (never for finite differences).
-        devices: how many devices of JAX share the chunks; all of them if None.
+        runtime: `c`, `floats`, `jax`, or `auto`: C if there is a compiler, else floats; JAX for
+            runs on given steps.
+        chunk: variants marched together on JAX; by default 256 on a processor, which keeps the
+            state in its cache, and many more on a GPU.
+        precision: float64, or float32 for sweeps on JAX (never for finite differences).
+        devices: how many devices of JAX, or threads of C, share the runs; all of them if None.
 
     Raises:
-        InputError: unknown parameter or output, value out of range, unequal lengths.
+        InputError: unknown parameter or output, value out of range, unequal lengths, or an argument
+            that does not fit the runtime.
     """
+    _check(system, duration, tolerance, step, samples, runtime, precision, devices)
+    varied = _varied(system, over)
+    chosen = _runtime(runtime, step)
+    if chosen == "jax":
+        return _on_jax(
+            system, (waveform, duration, samples, step or 0.0), varied, outputs, chunk, precision,
+            devices,
+        )  # fmt: skip
+    _indices(compile_march(system), outputs)
+    course = Course(
+        system, by_name(system, waveform), duration, samples, step, tuple(outputs), chosen,
+        tolerance=tolerance, threads=(os.cpu_count() or 1) if devices is None else devices,
+    )  # fmt: skip
+    ran = course.run(varied)
+    status = [Status(one) for one in ran.status.tolist()]
+    accuracy = ran.accuracy if course.controlled else None
+    return Batch(np.array(course.times), ran.columns, status, ran.ended, accuracy)
+
+
+def _runtime(asked: str, step: float | None) -> str:
+    """What is meant by `auto`."""
+    if asked != "auto":
+        return asked
+    if step is not None:
+        return "jax"
+    return "c" if compiler() is not None else "floats"
+
+
+def _check(
+    system: AbstractSystem, duration: float, tolerance: float, step: float | None, samples: int,
+    runtime: str, precision: str, devices: int | None,
+) -> None:  # fmt: skip
+    """Raise where an argument of a batch is wrong."""
+    check_run(duration, tolerance, step, samples)
+    if devices is not None and devices < 1:
+        raise ParameterError(f"Argument `devices` must be at least 1, but is {devices}.")
+    if runtime not in RUNTIMES:
+        raise ParameterError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
+    if runtime == "jax" and step is None and not system.sample_time():
+        raise InputError(
+            "A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`."
+        )
+    if precision != "float64" and _runtime(runtime, step) != "jax":
+        raise InputError("Argument `precision` may be float32 on JAX only, with a `step`.")
+
+
+def _on_jax(
+    system: AbstractSystem, run: tuple[Waveforms, float, int, float], varied: Mapping[str, Any],
+    outputs: Sequence[str], chunk: int | None, precision: str, devices: int | None,
+) -> Batch:  # fmt: skip
+    """A batch on JAX."""
+    stops = varied_stops(varied)
+    if stops:
+        raise InputError(f"`{stops[0]}` cannot be varied on JAX.")
     compiled = compile_march(system)
-    varied = _varied(system, over)
     count = len(next(iter(varied.values())))
-    plan, padded = _plan(system, waveform, duration, samples, step, precision)
-    run = jitted_march(compiled, _indices(compiled, outputs), padded)
+    waveform, duration, samples, step = run
+    grid = grid_of(system, waveform, duration, samples, step)
+    plan, padded = schedule(grid, precision, envelope_of(system))
+    march = jitted_march(compiled, _indices(compiled, outputs), padded)
     values = dict(zip(compiled.paths, compiled.values(system), strict=True))
     taken = devices_of(devices)
     size = chunk or chunk_for(taken)
@@ -94,16 +174,16 @@ def simulate_batch(
         _values(values, varied, slice(first, first + size), size, precision)
         for first in range(0, count, size)
     )
-    pieces = list(march_chunks(run, chunks, plan, taken))
+    pieces = list(march_chunks(march, chunks, plan, taken))
     columns = {
         name: np.concatenate([p.outputs[i].T for p in pieces])[:count]
         for i, name in enumerate(outputs)
     }
-    reports = zip(
-        *(np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(2)), strict=True
-    )
-    status = [classify(float(r), float(c)) for r, c in reports]
-    return Batch(np.linspace(0.0, duration, samples), columns, _checked(status, columns))
+    reports = np.stack([np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(3)])
+    left = np.concatenate([p.left for p in pieces])[:count]
+    ran = Ran.on_steps(columns, reports, left, grid.times)
+    status = [Status(one) for one in ran.status.tolist()]
+    return Batch(np.array(grid.times), ran.columns, status, ran.ended)
 
 
 def sensitivity(
@@ -140,12 +220,14 @@ def sensitivity(
     return Sensitivity(np.linspace(0.0, duration, samples), column, named)
 
 
-def march_jax(compiled: CompiledMarch, values: Sequence[float], grid: Grid) -> Track:
+def march_jax(
+    compiled: CompiledMarch, values: Sequence[float], grid: Grid, limits: Limits | None = None
+) -> Track:
     """One run on JAX, with every output."""
-    plan, padded = schedule(grid)
+    plan, padded = schedule(grid, limits=limits)
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
-    return track_of(table, *map(float, rows.reports))
+    return track_of(table, *map(float, rows.reports), left=float(rows.left))
 
 
 def _plan(
@@ -188,8 +270,3 @@ def _values(
         return np.pad(part, (0, chunk - part.size), mode="edge").astype(precision)
 
     return [piece(p) if p in varied else np.asarray(v, precision) for p, v in values.items()]
-
-
-def _checked(status: list[Status], columns: Mapping[str, Any]) -> list[Status]:
-    finite = np.logical_and.reduce([np.isfinite(c).all(axis=1) for c in columns.values()])
-    return [s if ok else Status.NOT_FINITE for s, ok in zip(status, finite, strict=True)]

@@ -89,6 +89,10 @@ class CompiledMarch(Compiled):
         """Inputs of `step` that come from the drives."""
         return sum(self.widths)
 
+    def signals_in_step(self) -> list[int]:
+        """Where among the inputs of `step` the signal of every drive is, or its mean."""
+        return [sum(self.widths[:k]) for k in range(self.drives)]
+
     def asks_for_signals(self, name: str, outputs: Sequence[int] | None = None) -> bool:
         """Whether outputs of a function of state and signals, all if None, depend on signals."""
         function = self.program.functions[name]

@@ -14,6 +14,8 @@ from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Limits, Marched, Row
 from martensite.system import AbstractSystem
 
+STOPS = ("temperature_stop", "stress_stop", "strain_stop")
+"""Numbers of an element that bound it more tightly."""
 WORDS = {
     "hottest": "temperature", "stress": "stress", "strain": "strain",
 }  # fmt: skip
@@ -34,6 +36,11 @@ def envelope_of(system: AbstractSystem) -> Limits:
         low += [0.0, -limits.stress_stop, -strain]
         high += [limits.temperature_stop, limits.stress_stop, strain]
     return Limits(tuple(low), tuple(high))
+
+
+def varied_stops(paths: Iterable[str]) -> list[str]:
+    """Paths of parameters that bound an element."""
+    return [path for path in paths if path.rpartition(".")[2] in STOPS]
 
 
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:

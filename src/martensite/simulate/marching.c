@@ -35,7 +35,7 @@ typedef struct {
     column status_time, ripple, residual, put_in, lost, stored;
     column c[CONSTANTS], p[PARAMETERS + 1], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
-    column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1];
+    column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], limits[2 * ENVELOPE + 1];
     column points[NUMBERS + 1], earlier_points[NUMBERS + 1]; /* now, and half a step ago */
     /* start and middle of the last step, if there is no kink of a drive between them and now */
     column node_state[2][SIZE + 1], node_seen[2][JUDGED + 1];
@@ -55,7 +55,7 @@ typedef struct {
     const double *first;  /* first step of each run */
     const double *times;  /* samples */
     const drive *drives;  /* (runs or 1, DRIVES) */
-    const double *limits; /* low and high, (2, ENVELOPE) */
+    const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
     double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
@@ -166,16 +166,29 @@ static void tell(const march *m, const block *b, long i) {
     for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
 }
 
-static void check_envelope(const march *m, block *b) {
+static int is_inside(const block *b, const column *seen, long k, long i) {
+    return b->limits[k][i] <= seen[JUDGED + k][i] &&
+           seen[JUDGED + k][i] <= b->limits[ENVELOPE + k][i];
+}
+
+static void check_envelope(block *b) {
     for (long k = 0; k < ENVELOPE; k++)
-        LIVE(i) {
-            const double value = b->seen[JUDGED + k][i];
-            if (b->status[i] < UNSOLVED &&
-                !(m->limits[k] <= value && value <= m->limits[ENVELOPE + k])) {
-                b->status[i] = isfinite(value) ? OUT_OF_ENVELOPE : NOT_FINITE;
-                b->place[i] = k;
-            }
+        LIVE(i) if (b->status[i] < UNSOLVED && !is_inside(b, b->seen, k, i)) {
+            b->status[i] = isfinite(b->seen[JUDGED + k][i]) ? OUT_OF_ENVELOPE : NOT_FINITE;
+            b->place[i] = k;
         }
+}
+
+/* runs that leave the envelope in this step, and are outside already in the states in x2 */
+static void find_gone(const march *m, block *b, double time, long *gone) {
+    long leaving = 0;
+    for (long k = 0; k < ENVELOPE; k++) LIVE(i) leaving |= !is_inside(b, b->fine, k, i);
+    EACH(i) gone[i] = 0;
+    if (!leaving) return;
+    column seen[SEEN + 1];
+    if (JUDGE_SIGNALS) put_signals(m, b, time, 0, b->x2 + SIZE);
+    k_judge(LANES, *b->c, *b->x2, *seen);
+    for (long k = 0; k < ENVELOPE; k++) EACH(i) gone[i] |= !is_inside(b, seen, k, i);
 }
 
 /* runs that are done, or cannot go on */
@@ -201,14 +214,16 @@ static void see(const march *m, block *b, const column *seen) {
         }
     memcpy(b->seen, seen, sizeof(column) * SEEN);
     scale_ranges(m, b);
-    check_envelope(m, b);
+    check_envelope(b);
 }
 
 /* outputs of the states in x2 at the next sample */
 static void keep_rows(march *m, block *b, double time) {
+    long gone[LANES];
+    find_gone(m, b, time, gone);
     if (OBSERVE_SIGNALS) put_signals(m, b, time, 0, b->x2 + SIZE);
     k_observe(LANES, *b->c, *b->x2, *b->row);
-    LIVE(i) {
+    LIVE(i) if (!gone[i]) {
         double *row = m->rows + ((b->first_run + i) * m->samples + b->sample) * OUTPUTS;
         for (long k = 0; k < OUTPUTS; k++) row[k] = b->row[k][i];
     }
@@ -226,6 +241,7 @@ static void begin_block(march *m, block *b, long run) {
         b->place[i] = -1;
         if (m->first[own] < b->next) b->next = m->first[own];
         for (long k = 0; k < PARAMETERS; k++) b->p[k][i] = m->p[k * m->runs + own];
+        for (long k = 0; k < 2 * ENVELOPE; k++) b->limits[k][i] = m->limits[k * m->runs + own];
     }
     b->after_edge = b->last_half = b->next;
     k_prepare(LANES, *b->p, *b->c);
@@ -240,7 +256,7 @@ static void begin_block(march *m, block *b, long run) {
     k_observe(LANES, *b->c, *b->x2, *b->row);
     LIVE(i) for (long k = 0; k < OUTPUTS; k++)
         m->rows[(run + i) * m->samples * OUTPUTS + k] = b->row[k][i];
-    check_envelope(m, b);
+    check_envelope(b);
     end_runs(m, b);
 }
 

@@ -118,6 +118,20 @@ class Runs:
     """Waveforms of every run."""
     ranges: Any = None
     """Ranges of the judged outputs, (runs, judged), if they are known."""
+    limits: Any = None
+    """What no run leaves, low and high, (2, envelope, runs); as the plan says if None."""
+
+    def choose(self, places: Any, ranges: Any) -> Runs:
+        """Some of them, with known ranges of their judged outputs, (runs, judged)."""
+        return replace(
+            self,
+            values=[np.asarray(v)[places] if np.ndim(v) else v for v in self.values],
+            count=len(places),
+            first=self.first if np.ndim(self.first) == 0 else self.first[places],
+            own=None if self.own is None else [self.own[place] for place in places],
+            limits=None if self.limits is None else np.asarray(self.limits)[:, :, places],
+            ranges=ranges,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +184,9 @@ class _Marching:
         ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
-        self.limits = np.array(plan.limits, float)
+        limits = np.array(plan.limits if runs.limits is None else runs.limits, float)
+        shape = (2, len(compiled.envelope), runs.count)
+        self.limits = np.ascontiguousarray(np.broadcast_to(limits.reshape(*shape[:2], -1), shape))
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)

@@ -17,18 +17,21 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import Track, track_of
+from martensite.simulate.marching import Limits
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
            const double *restrict sampled, const long *restrict counts,
            const double *restrict drives, const double *restrict lengths,
-           double *restrict rows, double *restrict worst) {{
+           double *restrict rows, double *restrict worst, const double *restrict limits,
+           double *restrict left) {{
     double c[{constants} * {lanes}], x[({size} + {inputs} + 1) * {lanes}], y[{results} * {lanes}];
-    const long n = {lanes};
+    const long n = {lanes};{notes}
     k_prepare(n, p, c);
     for (long l = 0; l < n; l++) {{
         for (long d = 0; d < {drives}; d++) x[d * n + l] = first[{signal}];
         for (long k = 0; k < {reports}; k++) worst[k * n + l] = 0.0;
+        left[l] = HUGE_VAL;
     }}
     k_init(n, c, x, y);
     memcpy(x, y, sizeof(double) * {size} * n);
@@ -44,8 +47,12 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
             k_step(n, c, x, y);
             {keep}
             memcpy(x, y, sizeof(double) * {size} * n);
-            for (long l = 0; l < {reports} * n; l++)
-                worst[l] = worst[l] >= y[{size} * n + l] ? worst[l] : y[{size} * n + l];
+            for (long k = 0; k < {reports}; k++)
+                for (long l = 0; l < n; l++) {{
+                    const double a = worst[k * n + l], b = y[({size} + k) * n + l];
+                    worst[k * n + l] = a >= b || left[l] < HUGE_VAL ? a : b;
+                }}
+            {look}
         }}
         for (long d = 0; d < {drives}; d++)
             for (long l = 0; l < n; l++) x[({size} + d) * n + l] = sampled[{signal}];
@@ -62,12 +69,31 @@ _KEEP = """for (long l = 0; l < n; l++) if (!(lengths[l] > 0.0)) {{
             }}"""
 
 
+_LOOK = """for (long l = 0; l < n; l++) now[l] += lengths[{length}];
+            memcpy(z, y, sizeof(double) * {size} * n);
+            for (long d = 0; d < {drives}; d++)
+                memcpy(z + ({size} + d) * n, x + ({size} + places[d]) * n, sizeof(double) * n);
+            k_judge(n, c, z, seen);
+            for (long k = 0; k < {envelope}; k++)
+                for (long l = 0; l < n; l++) {{
+                    const double v = seen[({judged} + k) * n + l];
+                    const int out = isfinite(v) && !(limits[k * n + l] <= v &&
+                                                     v <= limits[({envelope} + k) * n + l]);
+                    if (out && left[l] == HUGE_VAL) left[l] = now[l];
+                }}"""
+_NOTES = """
+    double now[{lanes}] = {{0.0}}, z[({size} + {drives}) * {lanes}], seen[{seen} * {lanes}];
+    static const long places[] = {{{places}}};"""
+
+
 def march_source(
-    compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False
-) -> str:
+    compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False,
+    bounded: bool = False,
+) -> str:  # fmt: skip
     """C source of the kernels and the march for a fixed number of lanes.
 
-    With signals and steps of their `own` lanes march through a `LaneGrid`.
+    With signals and steps of their `own` lanes march through a `LaneGrid`. If it is `bounded`, a
+    march looks after every step whether lanes leave an envelope.
     """
     traced = compiled.program.functions
     observe = traced["observe"]
@@ -85,8 +111,21 @@ def march_source(
         signal=f"d * {lanes} + l" if own else "d",
         length="l" if own else "0",
         keep=_KEEP.format(size=compiled.size, reports=len(compiled.report)) if own else "",
+        **_watching(compiled, lanes, "l" if own else "0") if bounded else {"look": "", "notes": ""},
     )
-    return _kernels(compiled, [traced["init"], traced["step"], observe], lanes) + loop
+    functions = [traced["init"], traced["step"], observe]
+    return _kernels(compiled, functions + [traced["judge"]] * bounded, lanes) + loop
+
+
+def _watching(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, str]:
+    """What looks at the envelope after every step."""
+    known = {
+        "lanes": lanes, "size": compiled.size, "drives": compiled.drives, "length": length,
+        "judged": len(compiled.judged), "envelope": len(compiled.envelope),
+        "seen": len(compiled.program.functions["judge"].outputs),
+        "places": ", ".join(map(str, [*compiled.signals_in_step(), 0])),
+    }  # fmt: skip
+    return {"look": _LOOK.format_map(known), "notes": _NOTES.format_map(known)}
 
 
 def _kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
@@ -96,8 +135,10 @@ def _kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int)
 
 
 @once(64)
-def _library(compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool) -> Any:
-    return load_library(march_source(compiled, lanes, outputs, own))
+def _library(
+    compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool, bounded: bool
+) -> Any:
+    return load_library(march_source(compiled, lanes, outputs, own, bounded))
 
 
 def march_lanes(
@@ -109,17 +150,39 @@ def march_lanes(
     A `LaneGrid` gives every lane signals and steps of its own.
     Returns outputs (samples, outputs, lanes) and the worst reports (3, lanes).
     """
-    library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid))
+    return march_inside(compiled, values, grid, lanes, outputs, None)[:2]
+
+
+def march_inside(
+    compiled: CompiledMarch, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
+    outputs: Sequence[int], limits: Any,
+) -> tuple[Any, Any, Any]:  # fmt: skip
+    """The same, with the time [s] at which each lane left the envelope, (lanes,).
+
+    That is the end of a step, and infinite for lanes that stay inside. What is reported is that
+    until then. The limits are low and high, (2, envelope) or (2, envelope, lanes), or None where
+    nobody looks.
+    """
+    library = _library(
+        compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), limits is not None
+    )
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((len(compiled.report), lanes))
-    arrays = (parameters, *grid.arrays, rows, worst)
+    left = np.empty(lanes)
+    shape = (2, len(compiled.envelope), lanes)
+    given = np.array(np.zeros(shape) if limits is None else limits, float)
+    bounds = np.ascontiguousarray(np.broadcast_to(given.reshape(*shape[:2], -1), shape))
+    arrays = (parameters, *grid.arrays, rows, worst, bounds, left)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
-    return rows, worst
+    return rows, worst, left
 
 
-def march_c(compiled: CompiledMarch, values: Sequence[float], grid: Grid) -> Track:
+def march_c(
+    compiled: CompiledMarch, values: Sequence[float], grid: Grid, limits: Limits | None = None
+) -> Track:
     """One run on the C runtime."""
-    rows, worst = march_lanes(compiled, values, grid, 1, range(len(compiled.outputs)))
-    return track_of(rows[:, :, 0], *worst[:, 0].tolist())
+    places = range(len(compiled.outputs))
+    rows, worst, left = march_inside(compiled, values, grid, 1, places, limits)
+    return track_of(rows[:, :, 0], *worst[:, 0].tolist(), left=float(left[0]))

@@ -1,14 +1,19 @@
 """Variants of one system, many at a time: parameters and waveforms that differ from run to run.
 
-In C, blocks of lanes march together (`martensite.simulate.native`); on JAX, a batch on whatever
-device JAX has; without either, one after another on floats. A run does not depend on which others
-march beside it. Failures are data: every run has a status, and those that a check of the system
-refuses are not marched.
+Runs are made to a tolerance, with an error control in every step and a bound on what is left of
+the error of each (`martensite.simulate.ensembles`), in lanes of C or, without a compiler, one after
+another on floats. On given steps, in discrete time and on JAX they march on steps that are laid out
+before: in blocks of lanes in C (`martensite.simulate.native`), in a batch on whatever device JAX
+has, or one after another on floats. A run does not depend on which others march beside it.
+
+Failures are data: every run has a status, and those that a check of the system refuses are not
+marched.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -17,13 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.errors import ParameterError, suggestion
+from martensite.runtimes.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
+from martensite.simulate.api import first_step
 from martensite.simulate.clock import Edges, edges_of, played, steps_of
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.driven import grid_of
+from martensite.simulate.driven import arranged, grid_of
+from martensite.simulate.ensembles import Ensemble, march_in_lanes, march_one_by_one
+from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Grid, Steps
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
 from martensite.simulate.march import classify
+from martensite.simulate.marching import HAIR, Plan
+from martensite.simulate.marching_native import Runs
 from martensite.simulate.refusals import refused
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -33,9 +44,13 @@ Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
+OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
+"""Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
 RUNTIMES = ("c", "jax", "floats")
 LANES = {"c": 64, "floats": 16}
-"""Runs that march together; on JAX as many as suit its devices."""
+"""Runs that march together on given steps; on JAX as many as suit its devices."""
+TOGETHER = 256
+"""Runs with an error control that are made before others are begun: samples are held twice."""
 CLOCKS = 64
 """Sets of edges whose steps are kept."""
 
@@ -45,16 +60,57 @@ class Ran:
     """What some variants did."""
 
     columns: dict[str, Numbers]
-    """One array (runs, samples) per output, in SI units; NaN for runs that were refused."""
+    """One array (runs, samples) per output, in SI units; NaN for runs that were refused, and after
+    the end of runs that stopped."""
     status: NDArray[np.int8]
     """Worst status of every run, (runs,)."""
+    ended: Numbers
+    """Time [s] at which every run ended, (runs,); NaN where that is not known."""
+    accuracy: Numbers
+    """How far what is judged may be off, as a share of its range, (runs,); NaN where nothing is
+    estimated, or a run failed otherwise than by leaving the envelope."""
+
+    @staticmethod
+    def empty(names: Iterable[str], runs: int, samples: int, status: Status) -> Ran:
+        """Runs of which nothing is known but a status."""
+        columns = {name: np.full((runs, samples), np.nan) for name in names}
+        nothing = np.full(runs, np.nan)
+        return Ran(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
+
+    @staticmethod
+    def on_steps(
+        columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]
+    ) -> Ran:
+        """Runs on given steps: from their worst reports, and when they left the envelope [s].
+
+        It is infinite for runs that stayed inside; what comes after it is struck out.
+        """
+        status = np.array([classify(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
+        gone = (left < np.inf) & (status < Status.UNSOLVED)
+        known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
+        broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
+        status[gone] = Status.OUT_OF_ENVELOPE
+        status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
+        ended = np.where(status < Status.UNSOLVED, times[-1], np.where(gone, left, np.nan))
+        kept = {name: np.where(known, column, np.nan) for name, column in columns.items()}
+        return Ran(kept, status, ended, np.full(len(left), np.nan))
+
+    def struck_out(self, bad: Flags) -> Ran:
+        """With nothing of some runs but that they were refused."""
+        columns = {name: np.where(bad[:, None], np.nan, c) for name, c in self.columns.items()}
+        status = np.where(bad, np.int8(Status.REFUSED), self.status)
+        return Ran(columns, status, np.where(bad, np.nan, self.ended), self.accuracy)
 
     @staticmethod
     def joined(pieces: Sequence[Ran]) -> Ran:
         """Some after others."""
         names = pieces[0].columns
         columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
-        return Ran(columns, np.concatenate([p.status for p in pieces]))
+        status, ended, accuracy = (
+            np.concatenate([getattr(p, name) for p in pieces])
+            for name in ("status", "ended", "accuracy")
+        )
+        return Ran(columns, status, ended, accuracy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +124,17 @@ class Course:
     duration: float
     """[s]"""
     samples: int
-    step: float
-    """Longest step [s]."""
+    step: float | None
+    """Longest step [s] of runs without an error control; None for runs to a tolerance."""
     outputs: tuple[str, ...]
     runtime: str = "c"
     precision: str = "float64"
     lanes: int | None = None
-    """Runs that march together; by default what suits the runtime."""
+    """Runs on given steps that march together; by default what suits the runtime."""
+    tolerance: float = 1e-4
+    """Accepted error of what is judged, as a share of its range, if no step is given."""
+    threads: int = 1
+    """Threads that make runs in C to a tolerance."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a runtime or a precision that there is not."""
@@ -88,6 +148,8 @@ class Course:
                 f"The precision must be float64, or float32 on JAX, but is `{self.precision}` on "
                 f"`{self.runtime}`."
             )
+        if self.runtime == "jax" and self.controlled:
+            raise ParameterError("Runs on JAX need a `step`, for they have no error control.")
 
     def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ran:
         """Run variants.
@@ -99,15 +161,89 @@ class Course:
         Returns:
             The outputs of every run, in order.
         """
+        if self.runtime == "jax" and varied_stops(values):
+            raise ParameterError(f"`{varied_stops(values)[0]}` cannot be varied on JAX.")
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
         refusal = refused(self.system, values, count) | self._refused(own, count)
-        size, rows = self._together(), np.arange(count)
-        pieces = [
-            self._block(values, own, rows[k : k + size], refusal, size)
-            for k in range(0, count, size)
-        ]
-        return Ran.joined(pieces)
+        size, rows = TOGETHER if self.controlled else self._together(), np.arange(count)
+        make = self._to_tolerance if self.controlled else self._block
+
+        def made(first: int) -> Ran:
+            return make(values, own, rows[first : first + size], refusal, size)
+
+        firsts = range(0, count, size)
+        if self.threads == 1:
+            return Ran.joined([made(first) for first in firsts])
+        with ThreadPoolExecutor(self.threads) as pool:
+            return Ran.joined(list(pool.map(made, firsts)))
+
+    # ---------------------------------------------------------------- runs to a tolerance
+
+    def _to_tolerance(
+        self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
+    ) -> Ran:
+        """Runs with an error control; refused ones are not made."""
+        found = Ran.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
+        good = np.flatnonzero(~refusal[rows])
+        if not len(good):
+            return found
+        march = self._ensemble_in_c if self.runtime == "c" else self._ensemble_on_floats
+        made = march(
+            {path: column[rows[good]] for path, column in values.items()}, signals, rows[good]
+        )
+        for k, name in enumerate(self.outputs):
+            found.columns[name][good] = made.outputs[:, :, k]
+        found.status[good], found.ended[good] = made.status, made.ended
+        found.accuracy[good] = made.accuracy
+        return found
+
+    def _ensemble_in_c(
+        self, values: Values, signals: Mapping[str, Values], rows: Places
+    ) -> Ensemble:
+        own = [self._arranged(signals, row) for row in rows] if signals else None
+        runs = Runs(
+            self._plan, self.table(values), len(rows), self.places, BLOCK, own=own,
+            limits=self._limits(values, len(rows)),
+        )  # fmt: skip
+        return march_in_lanes(runs, self.tolerance)
+
+    def _ensemble_on_floats(
+        self, values: Values, signals: Mapping[str, Values], rows: Places
+    ) -> Ensemble:
+        systems = (
+            (
+                self.system.rebuilt({path: float(v[k]) for path, v in values.items()}),
+                self._arranged(signals, row),
+            )
+            for k, row in enumerate(rows)
+        )
+        return march_one_by_one(self._plan, systems, len(rows), self.places, self.tolerance)
+
+    @cached_property
+    def _plan(self) -> Plan:
+        """What runs with an error control have in common."""
+        return Plan(
+            self.compiled, arranged(self.system, self.waveforms), self.times, self.tolerance,
+            first_step(self.system, self.duration, self.samples), envelope_of(self.system),
+        )  # fmt: skip
+
+    def _arranged(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
+        """The waveforms of one run, in the order of the drives."""
+        if not signals:
+            return self._plan.waveforms
+        return arranged(self.system, self._waveforms(signals, row))
+
+    def _limits(self, values: Values, count: int) -> Any:
+        """What no run leaves, (2, envelope, runs), if that varies."""
+        varied = varied_stops(values)
+        if not varied:
+            return None
+        tables = [{path: float(values[path][k]) for path in varied} for k in range(count)]
+        found = [envelope_of(self.system.rebuilt(table)) for table in tables]
+        return np.moveaxis(np.array(found, float), 0, 2)
+
+    # ---------------------------------------------------------------- runs on given steps
 
     def _together(self) -> int:
         """How many runs march together."""
@@ -124,25 +260,30 @@ class Course:
         bad = refusal[rows]
         good: Places = rows[~bad]
         if not len(good):
-            return self._nothing(len(rows))
+            return Ran.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
         marched: Places = np.pad(np.where(bad, good[0], rows), (0, size - len(rows)), mode="edge")
         table = {path: column[marched] for path, column in values.items()}
         grid = self._grid(signals, marched)
-        columns, reports = self.engine(table, grid, size)
-        status = np.array([classify(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
-        finite = np.logical_and.reduce([np.isfinite(c).all(axis=1) for c in columns])
-        status = np.where(finite, status, Status.NOT_FINITE).astype(np.int8)[: len(rows)]
-        status[bad] = Status.REFUSED
-        kept = [np.where(bad[:, None], np.nan, c[: len(rows)]) for c in columns]
-        return Ran(dict(zip(self.outputs, kept, strict=True)), status)
+        columns, reports, left = self.engine(table, grid, size)
+        named = {n: c[: len(rows)] for n, c in zip(self.outputs, columns, strict=True)}
+        found = Ran.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times)
+        return found.struck_out(bad)
 
-    def _nothing(self, runs: int) -> Ran:
-        empty = {name: np.full((runs, self.samples), np.nan) for name in self.outputs}
-        return Ran(empty, np.full(runs, Status.REFUSED, np.int8))
+    @property
+    def controlled(self) -> bool:
+        """Whether runs are made to a tolerance."""
+        return self.step is None and not self.system.sample_time()
+
+    @property
+    def _longest(self) -> float:
+        """Longest step of runs on given steps [s]; those in discrete time have their own."""
+        return self.step or self.system.sample_time()
 
     @property
     def times(self) -> list[float]:
         """Sample times [s]."""
+        if self.controlled:
+            return [self.duration * k / (self.samples - 1) for k in range(self.samples)]
         return self._common.times
 
     @cached_property
@@ -161,8 +302,8 @@ class Course:
         return [values.get(path, number) for path, number in nominal]
 
     @cached_property
-    def engine(self) -> Callable[[Values, Grid | LaneGrid, int], tuple[list[Numbers], Numbers]]:
-        """What marches: (values, grid, runs) -> columns (runs, samples), reports (2, runs)."""
+    def engine(self) -> Callable[[Values, Grid | LaneGrid, int], OnSteps]:
+        """What marches on given steps, from (values, grid, runs)."""
         if self.runtime == "c":
             return self._march_c
         if self.runtime == "jax":
@@ -171,21 +312,20 @@ class Course:
             return JaxMarch(self)
         return self._march_floats
 
-    def _march_c(
-        self, values: Values, grid: Grid | LaneGrid, runs: int
-    ) -> tuple[list[Numbers], Numbers]:
-        from martensite.simulate.native import march_lanes
+    def _march_c(self, values: Values, grid: Grid | LaneGrid, runs: int) -> OnSteps:
+        from martensite.simulate.native import march_inside
 
-        table = self.table(values)
-        rows, worst = march_lanes(self.compiled, table, grid, runs, self.places)
-        return [rows[:, k].T for k in range(len(self.outputs))], worst
+        limits = self._limits(values, runs)
+        limits = np.array(envelope_of(self.system), float) if limits is None else limits
+        rows, worst, left = march_inside(
+            self.compiled, self.table(values), grid, runs, self.places, limits
+        )
+        return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
-    def _march_floats(
-        self, values: Values, grid: Grid | LaneGrid, runs: int
-    ) -> tuple[list[Numbers], Numbers]:
-        from martensite.simulate.variants_floats import march_one_by_one
+    def _march_floats(self, values: Values, grid: Grid | LaneGrid, runs: int) -> OnSteps:
+        from martensite.simulate.variants_floats import march_on_steps
 
-        return march_one_by_one(self, values, grid, runs)
+        return march_on_steps(self, values, grid, runs)
 
     def _grid(self, signals: Mapping[str, Values], rows: Places) -> Grid | LaneGrid:
         """The steps of all, or of every lane where waveforms vary."""
@@ -202,19 +342,19 @@ class Course:
 
     @cached_property
     def _common(self) -> Grid:
-        return grid_of(self.system, self.waveforms, self.duration, self.samples, self.step)
+        return grid_of(self.system, self.waveforms, self.duration, self.samples, self._longest)
 
     def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
-            shape = self.duration, self.samples, self.step
+            shape = self.duration, self.samples, self._longest
             return grid_of(self.system, waveforms, *shape)
         edges = edges_of(waveforms, self.duration)
         steps = self._clocks.get(edges)
         if steps is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
-            steps = steps_of(edges, self.duration, self.samples, self.step)
+            steps = steps_of(edges, self.duration, self.samples, self._longest)
             self._clocks[edges] = steps
         drives = [waveforms.get(drive.name) for drive in self.system.drives()]
         return played(self.system, steps, drives)

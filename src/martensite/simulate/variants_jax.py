@@ -11,8 +11,10 @@ import numpy as np
 
 from martensite.simulate.arrays import Schedule, jitted_march, schedule
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
+from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
+from martensite.simulate.marching import Limits
 
 if TYPE_CHECKING:
     from martensite.simulate.variants import Course, Numbers, Values
@@ -26,13 +28,14 @@ class JaxMarch:
 
     def __call__(
         self, values: Values, grid: Grid | LaneGrid, runs: int
-    ) -> tuple[list[Numbers], Numbers]:
-        """Columns (runs, samples) and reports (3, runs).
+    ) -> tuple[list[Numbers], Numbers, Numbers]:
+        """Columns (runs, samples), reports (3, runs), and when runs left the envelope (runs,).
 
         Chunks of a block go over the devices; variants of a waveform stay on the first.
         """
         devices = devices_of()[: 1 if isinstance(grid, LaneGrid) else None]
-        plan, padded = _schedule(grid, self.course.precision)
+        limits = envelope_of(self.course.system)
+        plan, padded = _schedule(grid, self.course.precision, limits)
         size = -(-runs // len(devices))
         table = [np.asarray(v, self.course.precision) for v in self.course.table(values)]
         chunks = (
@@ -49,7 +52,8 @@ class JaxMarch:
             np.concatenate([np.broadcast_to(np.asarray(r), size) for r in each])[:runs]
             for each in zip(*(p.reports for p in pieces), strict=True)
         ]
-        return columns, np.stack(reports).astype(np.float64)
+        left = np.concatenate([np.broadcast_to(np.asarray(p.left), size) for p in pieces])[:runs]
+        return columns, np.stack(reports).astype(np.float64), left.astype(np.float64)
 
 
 def block() -> int:
@@ -64,10 +68,10 @@ def _by_run(column: Any, runs: int) -> Numbers:
     return np.broadcast_to(found if found.ndim == 2 else found[:, None], (len(found), runs)).T
 
 
-def _schedule(grid: Grid | LaneGrid, precision: str) -> tuple[Schedule, bool]:
+def _schedule(grid: Grid | LaneGrid, precision: str, limits: Limits) -> tuple[Schedule, bool]:
     """Arrays of a grid: signals and lengths by lane where lanes have their own."""
     if isinstance(grid, Grid):
-        return schedule(grid, precision)
+        return schedule(grid, precision, limits)
     shape = len(grid.counts), int(grid.counts.max())
     used = np.arange(shape[1]) < grid.counts[:, None]
 
@@ -79,4 +83,5 @@ def _schedule(grid: Grid | LaneGrid, precision: str) -> tuple[Schedule, bool]:
     drives = tuple(padded(grid.drives[:, d]) for d in range(grid.drives.shape[1]))
     sampled = [grid.sampled[:, d].astype(precision) for d in range(grid.drives.shape[1])]
     first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
-    return Schedule(first, rest, drives, padded(grid.lengths), np.ones((), precision)), True
+    one, bounds = np.ones((), precision), np.array(limits, precision)
+    return Schedule(first, rest, drives, padded(grid.lengths), one, bounds), True

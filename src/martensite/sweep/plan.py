@@ -23,6 +23,12 @@ from martensite.sweep.axes import Axis
 from martensite.sweep.designs.base import AbstractDesign
 
 Kind = TypeVar("Kind")
+ENDED, ACCURACY = "ended", "accuracy"
+DETAILS = {
+    ENDED: ("s", "time at which a run ended"),
+    ACCURACY: ("1", "how far what is judged may be off, as a share of its range"),
+}
+"""What is said of every run beside its status: unit and meaning."""
 CHUNK = 512
 """Runs in a chunk, unless chosen: about a second of work, and one file per column."""
 
@@ -42,7 +48,7 @@ class Piece:
     values: Numbers
     """Varied numbers, (runs, axes), in SI."""
     scalars: dict[str, Numbers]
-    """One number per run and measure, by the words of the measure."""
+    """One number per run: by the words of a measure, or as one of `DETAILS`."""
     traces: dict[str, Numbers]
     """(runs, samples) by output."""
     status: np.ndarray
@@ -167,15 +173,15 @@ class Plan:
 
     def lost(self, rows: range) -> Piece:
         """What is kept of runs that cannot be made."""
-        empty = {n: np.full((len(rows), len(self.times)), np.nan) for n in self.outputs}
-        return self._kept(self.values(rows), Ran(empty, np.full(len(rows), Status.LOST, np.int8)))
+        lost = Ran.empty(self.outputs, len(rows), len(self.times), Status.LOST)
+        return self._kept(self.values(rows), lost)
 
     @cached_property
     def _ready(self) -> Course:
         return replace(self.course, outputs=self.outputs)
 
     def _kept(self, values: Numbers, ran: Ran) -> Piece:
-        """Measures and traces; nothing of a failed run but its status is to be trusted."""
+        """Measures and traces; a run that failed has no measures."""
         bad = ran.status >= Status.UNSOLVED
         with np.errstate(all="ignore"):  # of failed runs
             found = {
@@ -183,6 +189,7 @@ class Plan:
                 for words, one in self.measures.items()
             }
         scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
+        scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
         traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
         return Piece(values, scalars, traces, ran.status)
 

@@ -139,7 +139,8 @@ def sweep(
         measures: one number each per run, such as `stroke` or `max(stress)`.
         traces: outputs that are kept over time, each with a number of samples.
         seed: of the sample.
-        step: longest step [s]; by default what the tolerance of the scenario asks for.
+        step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
+            each with an error control of its own, and the store says what accuracy each has.
         runtime: c, jax or floats; by default c, if there is a compiler.
         precision: float64, or float32 on JAX.
         chunk: runs that are made and written together.

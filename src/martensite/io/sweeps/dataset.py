@@ -1,7 +1,9 @@
 """A sweep as an xarray dataset, read when it is needed.
 
-    values     measures and traces, in SI; NaN where a run failed or is not made
+    values     measures and traces, in SI; NaN where a run failed or is not made, but traces of runs
+               that left the envelope go as far as these came
     status     how every run ended (`martensite.status`); -1 where it is not made yet
+    ended, accuracy  when it ended [s], and how far it may be off, as a share of ranges
     coordinates  the varied numbers, and the times of traces
     attributes  the scenario and all that was asked for
 
@@ -12,7 +14,7 @@ runs that are not made are NaN, except on a grid.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +24,7 @@ import numpy as np
 from martensite.io.sweeps.reading import axes_of, levels_of, status_of
 from martensite.io.sweeps.store import RUN, STATUS, Store
 from martensite.status import Status
+from martensite.sweep.plan import DETAILS
 from martensite.sweep.table import NOT_MADE
 
 if TYPE_CHECKING:
@@ -50,9 +53,10 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
         str(path), consolidated=False, decode_times=False, decode_timedelta=False
     )
     names = [one.target.name for one in axes]
-    kept = [*store.spec["measures"], *(name for name, _ in store.spec["traces"]), STATUS]
+    traces = [name for name, _ in store.spec["traces"]]
+    kept = [*store.spec["measures"], *traces, *DETAILS, STATUS]
     made = opened.set_coords(names)[kept].assign({STATUS: (RUN, status, _flags(opened))})
-    made = _trusted(made, status)
+    made = _trusted(made, status, (*traces, *DETAILS))
     levels = levels_of(store, axes)
     if grid and levels is not None:
         made = _on_grid(xarray, made, dict(zip(names, levels, strict=True)))
@@ -69,14 +73,16 @@ def _flags(opened: xarray.Dataset) -> dict[str, Any]:
     return {**known, "flag_values": values, "flag_meanings": f"not_made {known['flag_meanings']}"}
 
 
-def _trusted(made: xarray.Dataset, status: Any) -> xarray.Dataset:
-    """NaN in runs that failed or are not made."""
+def _trusted(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
+    """NaN in runs that failed or are not made; `partial` is known where the envelope was left."""
     good = (status > NOT_MADE) & (status < Status.UNSOLVED)
     if good.all():
         return made
-    along = made[STATUS].copy(data=good)
-    numbers = made.drop_vars(STATUS).where(along)
-    return numbers.assign({STATUS: made[STATUS]})
+    all_of_it = made[STATUS].copy(data=good)
+    some_of_it = made[STATUS].copy(data=good | (status == Status.OUT_OF_ENVELOPE))
+    numbers = made.drop_vars(STATUS)
+    masked = {n: one.where(some_of_it if n in partial else all_of_it) for n, one in numbers.items()}
+    return made.assign(masked)
 
 
 def _on_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:

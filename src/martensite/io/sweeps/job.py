@@ -17,7 +17,7 @@ from martensite.errors import InputError, MartensiteError, UnknownNameError
 from martensite.io.scenario import Scenario, read
 from martensite.io.sweeps.differing import differing
 from martensite.io.sweeps.store import Store
-from martensite.io.sweeps.subject import course_of, settled, targets_of, waveforms_of
+from martensite.io.sweeps.subject import course_of, targets_of, waveforms_of
 from martensite.registry import import_modules
 from martensite.simulate.measures.base import measure
 from martensite.sweep.axes import axis
@@ -44,7 +44,7 @@ class Wanted:
     seed: int = 0
     chunk: int = CHUNK
     step: float | None = None
-    """Longest step [s]; None until it is chosen."""
+    """Longest of equal steps [s]; None for runs to the tolerance of the scenario."""
     runtime: str | None = None
     precision: str = "float64"
 
@@ -85,16 +85,14 @@ def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
 
 
 def prepared(scenario: Scenario, wanted: Wanted) -> tuple[Plan, Wanted]:
-    """The plan with its step and its runtime chosen, and what was asked for with both in it.
+    """The plan with its runtime chosen, and what was asked for with its step and its runtime in it.
 
     Raises:
         InputError: something that was asked for is wrong; measures are tried on an empty run.
     """
     plan = plan_of(scenario, wanted)
     plan.lost(range(1))
-    step = wanted.step or settled(scenario, plan)
-    chosen = replace(wanted, step=step, runtime=plan.course.runtime)
-    return replace(plan, course=replace(plan.course, step=step)), chosen
+    return plan, replace(wanted, step=plan.course.step, runtime=plan.course.runtime)
 
 
 def spec_of(scenario: Scenario, wanted: Wanted, modules: Sequence[str] = ()) -> dict[str, Any]:

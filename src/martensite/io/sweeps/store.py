@@ -5,6 +5,8 @@
     words of a measure        its number in SI, (run,); NaN where the run failed
     OUTPUT                    a trace, (run, time of OUTPUT)
     status                    how the run ended (`martensite.status`), (run,)
+    ended                     when it ended [s], (run,); NaN where that is not known
+    accuracy                  how far it may be off, a share of ranges, (run,); NaN on equal steps
     made                      whether a chunk is there, (chunk,)
 
 All arrays are cut at the same runs: a chunk of the sweep is a region of its own, which exactly one
@@ -31,7 +33,7 @@ from martensite.io.sweeps.differing import differing
 from martensite.status import Status
 from martensite.sweep.backends.base import StoppedError
 from martensite.sweep.extras import extra
-from martensite.sweep.plan import Piece, Plan
+from martensite.sweep.plan import DETAILS, Piece, Plan
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"
@@ -111,6 +113,9 @@ def _layout(plan: Plan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int,
         output = system.outputs()[trace.output]
         told = {"units": output.unit, "long_name": output.long_name, "role": "trace"}
         found[trace.output] = NUMBER, (RUN, along), [runs, (count, count)], told
+    for name, (unit, words) in DETAILS.items():
+        told = {"units": unit, "long_name": words, "role": "detail"}
+        found[name] = NUMBER, (RUN,), [runs], told
     meanings = " ".join(one.name.lower() for one in Status)
     flags = {"flag_values": [int(one) for one in Status], "flag_meanings": meanings}
     found[STATUS] = "i1", (RUN,), [runs], {"role": "status", **flags}

@@ -11,19 +11,13 @@ from martensite.io.assemble import waveform_path
 from martensite.io.scales import Scales
 from martensite.runtimes.c99 import compiler
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.api import longest_step
 from martensite.simulate.driven import by_name
-from martensite.simulate.equal_steps import find_step
 from martensite.simulate.variants import Course
 from martensite.sweep.axes import Target
 
 if TYPE_CHECKING:
     from martensite.bench.bench import Bench
     from martensite.io.scenario import Scenario
-    from martensite.sweep.plan import Plan
-
-TRIED = 3
-"""Variants whose step is looked for beside that of the scenario itself."""
 
 
 def course_of(
@@ -34,13 +28,14 @@ def course_of(
 
     Args:
         scenario: the nominal one.
-        step: longest step [s]; by default that of the scenario, or a sensible one until
-            `settled` has chosen it.
+        step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
+            tolerance.
         runtime: c, jax or floats; by default c if there is a compiler.
         precision: float64, or float32 on JAX.
 
     Raises:
-        InputError: a controller of the scenario runs outside of the kernel.
+        InputError: a controller of the scenario runs outside of the kernel, or runs on JAX have no
+            step.
     """
     if scenario.outside:
         raise InputError(
@@ -52,47 +47,16 @@ def course_of(
     if interval:
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
     chosen = runtime or ("c" if compiler() is not None else "floats")
-    found = interval or step or scenario.step or longest_step(system)
+    found = interval or step or scenario.step
+    if chosen == "jax" and found is None:
+        raise InputError(
+            "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or "
+            "take the runtime `c`."
+        )
     return Course(
-        system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision
-    )
-
-
-def settled(scenario: Scenario, plan: Plan) -> float:
-    """The step at which the scenario, and some variants of it, reach its tolerance [s].
-
-    A step that the scenario gives, or that its discrete time gives, is taken as it is. Variants
-    that fail are left to the sweep, which says so.
-    """
-    course = plan.course
-    if scenario.step or course.system.sample_time():
-        return course.step
-    last = plan.size - 1
-    places = {round(last * k / max(TRIED - 1, 1)) for k in range(TRIED)}
-    tried = [
-        ({}, {}),
-        *(plan.by_owner(plan.values(range(row, row + 1))[0].tolist()) for row in sorted(places)),
-    ]
-    return min(_step(scenario, course, *one) for one in tried)
-
-
-def _step(
-    scenario: Scenario, course: Course, values: Mapping[str, float],
-    signals: Mapping[str, Mapping[str, float]],
-) -> float:  # fmt: skip
-    """The step of one run that reaches the tolerance; infinite where it fails."""
-    from martensite.errors import MartensiteError
-
-    try:
-        system = course.system.with_values(values) if values else course.system
-        played = {n: w.with_values(signals.get(n, {})) for n, w in course.waveforms.items()}
-        return find_step(
-            system, played, course.duration, scenario.tolerance, course.samples
-        ).step  # fmt: skip
-    except MartensiteError:
-        if not values and not signals:
-            raise
-        return math.inf
+        system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision,
+        tolerance=scenario.tolerance,
+    )  # fmt: skip
 
 
 def waveforms_of(scenario: Scenario) -> dict[str, AbstractWaveform]:

@@ -30,6 +30,12 @@ def statuses(store: Store, named: int) -> tuple[Counter[int], dict[int, list[int
     return counts, rows
 
 
+def count_above(store: Store, column: str, bound: float) -> int:
+    """How many numbers of a column are above a bound."""
+    stretches = store.stretches()
+    return sum(int(np.sum(store.group[column][place][there] > bound)) for place, there in stretches)
+
+
 def spread(store: Store, column: str, most: int = STRETCH) -> tuple[float, float, float]:
     """Lowest, median and highest of the finite numbers of a column; NaN where there is none.
 
