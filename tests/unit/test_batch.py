@@ -76,7 +76,8 @@ def test_a_run_that_leaves_the_envelope_changes_no_other(more: Any, c_compiler: 
 def test_tighter_bounds_may_vary(c_compiler: str) -> None:
     stops = [320.0, 335.0, 1500.0]
     over = {"temperature_stop": stops}
-    for more in ({}, {"runtime": "floats"}, {"step": 0.02, "runtime": "c"}):
+    ways: list[dict[str, Any]] = [{}, {"runtime": "floats"}, {"step": 0.02, "runtime": "c"}]
+    for more in ways:
         batch = ms.simulate_batch(
             problem_a(), LEVELS, 20.0, over, samples=101, outputs=("temperature",), **more
         )

@@ -29,6 +29,7 @@ from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native_slopes import march_slopes
+from martensite.status import Status
 from martensite.system import Actuator, Group, Machine
 
 PERIOD, DURATION = 0.05, 6.0
@@ -278,3 +279,24 @@ def test_an_estimate_comes_from_one_observer() -> None:
             sensors=Sensors(position=Mounted(sensor=PositionSensor()), resistance=resistance),
             observers=Observers(one=same, other=same),
         )
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c", "jax"])
+def test_a_bench_stops_at_the_envelope(runtime: str, c_compiler: str) -> None:
+    """A controller that asks for more than there is, on a supply that melts the wire."""
+    far = Constant(level=0.1)
+    wild = bench(plant=plant(60.0), controllers=Controllers(drive=pid(reference=far)))
+    found = simulate_bench(wild, DURATION, runtime=runtime)
+    assert found.status is Status.OUT_OF_ENVELOPE
+    assert found.status_time is not None
+    assert found.times[-1] < found.status_time <= found.times[-1] + PERIOD + 1e-9
+    assert max(found["temperature"]) < 1583.15
+    assert any("the temperature came to" in text for text in found.warnings)
+
+
+def test_a_bench_with_a_controller_outside_stops_there_too() -> None:
+    wild = bench(plant=plant(60.0), controllers=Controllers())
+    steady = pid(reference=Constant(level=0.1))
+    found = simulate_bench(wild, DURATION, outside={"drive": steady}, seed=None)
+    assert found.status is Status.OUT_OF_ENVELOPE
+    assert all(len(column) == len(found.times) for column in found.columns.values())

@@ -20,6 +20,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
 from martensite.simulate.closed_loop import ELECTRICAL, simulate_loop
+from martensite.simulate.controlled import simulate_controlled
+from martensite.status import Status
 
 OUTPUTS = hanging_wire().outputs()
 
@@ -191,3 +193,42 @@ def test_held_values_stay() -> None:
     with pytest.raises(ParameterError, match="`frequency`"):
         Held(values=(1.0,), frequency=0.0)
     assert Ramp(high=1.0, end=1.0).unit is None
+
+
+# ---------------------------------------------------------------- the envelope
+
+MELTING = 1583.15
+
+
+@pytest.mark.parametrize("pulses", [False, True])
+def test_a_loop_stops_at_the_envelope(pulses: bool) -> None:
+    """Full power from the third period on; what was computed is kept, whole periods of it."""
+    source = PwmVoltage(supply=60.0) if pulses else PowerSource()
+    script = Scripted(signals=(0.0, 0.0, *(8 * (1.0 if pulses else 400.0,))))
+    loop = simulate_loop(hanging_wire(source=source), script, 1.0, 0.1, pulses=pulses, step=1e-3)
+    result, count = loop.result, len(loop.result.times)
+    assert result.status is Status.OUT_OF_ENVELOPE
+    assert result.status_time is not None
+    assert result.times[-1] <= result.status_time < 0.1 * count < 1.0
+    assert 0.2 < result.status_time
+    assert len(loop.signals) == count
+    assert all(len(column) == count for column in result.columns.values())
+    assert all(len(column) == count - 1 for t in (loop.ends, loop.means) for column in t.values())
+    assert max(result["temperature"]) < MELTING
+    assert any("the temperature came to" in text for text in result.warnings)
+    with pytest.raises(SolveError, match="The run stopped at t = 0"):
+        result.require()
+
+
+def test_a_controlled_run_stops_at_the_envelope() -> None:
+    system = hanging_wire(source=PowerSource())
+    stairs = Staircase(first=0.0, increment=200.0, hold=0.25, count=4)
+    found = simulate_controlled(system, stairs, 1.0, 0.05, step=1e-3)
+    exact = simulate(system, stairs, 1.0, samples=21)
+    assert found.status is exact.status is Status.OUT_OF_ENVELOPE
+    assert found.status_time is not None
+    assert found.times[-1] < found.status_time <= found.times[-1] + 0.05
+    assert found.times == pytest.approx(exact.times)
+    assert found["temperature"] == pytest.approx(exact["temperature"], rel=1e-2)
+    assert all(len(column) == len(found.times) for column in found.columns.values())
+    assert any("the temperature came to" in text for text in found.warnings)

@@ -88,7 +88,9 @@ def consistency(
     """
     chosen, unknown = _filter(bench, observer), hidden.names(bench.plant)
     found = [
-        _judged(simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k), unknown)
+        _judged(
+            simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown
+        )
         for k in range(runs)
     ]
     nees, nis, error = zip(*found, strict=True)

@@ -92,7 +92,7 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
             beside[name] = reference_output(unit, one.measured or drive)
             columns[name] = [one.reference.value(time) for time in result.times]
         beside[wanted_name(name)] = wanted_output(signals[drive], drive)
-        columns[wanted_name(name)] = [*held, held[-1]]
+        columns[wanted_name(name)] = [*held, held[-1]][: len(result.times)]
     return replace(result, columns=columns, beside=beside)
 
 

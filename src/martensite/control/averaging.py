@@ -87,6 +87,8 @@ def compare_averaging(
     pulsed = simulate_loop(
         switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step
     )
+    for run in (average, pulsed.result):
+        run.require()
     differences = {name: _difference(pulsed.means[name], average[name][1::2]) for name in COMPARED}
     capacity = system.element.heat_capacity_total()
     estimate = max(

@@ -193,7 +193,7 @@ def _result(
             f"tolerance of {plan.tolerance:.1e}."
         )
     if leaves:
-        result.warnings.append(describe_exit(system, found))
+        result.warnings.append(describe_exit(system, found.time, found.place, found.value))
     return add_warnings(result)
 
 

@@ -22,6 +22,7 @@ from martensite.errors import InputError, SolveError
 from martensite.signals.base import AbstractDrive
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
+from martensite.simulate.envelope import Envelope, Exit, describe_exit
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
 from martensite.simulate.march import Track, Watch, track
@@ -46,7 +47,7 @@ class Loop:
     signals: list[float]
     """What the drive asked for in each period."""
     ends: dict[str, list[float]]
-    """Outputs at the end of each signal: of the pulse, or of the period."""
+    """Outputs at the end of each signal: of the pulse, or of the period; of whole periods."""
     means: dict[str, list[float]]
     """Outputs averaged over each period; of the drive the share that is on, or the signal."""
 
@@ -66,7 +67,8 @@ def simulate_loop(
 
     The drive gets the time [s], all outputs in SI by name, and its own memory, and answers with
     the signal of the period. Runs on plain floats; no accuracy is estimated, so compare with a
-    run in half the step.
+    run in half the step. A run that comes to where no wire can be stops there, with the status
+    OUT_OF_ENVELOPE; what is returned ends with the start of the period in which it did.
 
     Args:
         system: element, environment, source and mechanism.
@@ -107,12 +109,16 @@ class _Walk:
     times: list[float] = field(default_factory=list[float])
     """Start of every step [s]."""
     longest: float = 0.0
+    gone: Exit | None = None
+    """Where the envelope was left, and when [s]."""
+    left: float = 0.0
 
     def __post_init__(self) -> None:
         functions, self.size = bind_system(self.plan.system)
         self.advance: Callable[..., Row] = functions["step"]
         self.observe: Callable[..., Row] = functions["observe"]
         self.names = tuple(self.plan.system.outputs())
+        self.envelope = Envelope(self.plan.system)
         self.state: Row = functions["init"](self.plan.probe)
         self.switched: Row = self.observe(*self.state, self.plan.probe)
         """Outputs when the source was last on."""
@@ -123,12 +129,20 @@ class _Walk:
         try:
             for k in range(self.plan.periods):
                 memory = self._period(self.plan.start(k), memory)
+                if self.gone is not None and not self.watch.worst.failed:
+                    return self._stopped(self.gone)
             last = self.plan.pieces(self.signals[-1])[0][0]
             self.rows.append(self.observe(*self.state, last))
         except ArithmeticError:  # a division by zero or an overflow
             self.watch.note(math.inf, 0.0, max(len(self.times) - 1, 0))
         noted = self.times if self.watch.worst is not Status.OK else []
         return track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
+
+    def _stopped(self, gone: Exit) -> Track:
+        """A run that left the envelope; of the last period only the start is kept."""
+        whole = len(self.rows) - 1
+        self.ends, self.sums = self.ends[:whole], self.sums[:whole]
+        return Track(self.rows, Status.OUT_OF_ENVELOPE, self.left, gone.place, gone.value)
 
     def _period(self, time: float, memory: Any) -> Any:
         seen = self.observe(*self.state, self.switched[0])
@@ -144,6 +158,8 @@ class _Walk:
         for number, (level, length) in enumerate(pieces):
             end = self._piece(time, level, length)
             time += length
+            if self.gone is not None:
+                break
             if number == 0:
                 on = level != 0.0 or not self.plan.pulses
                 self.ends.append(end if on else self.rows[-1])
@@ -165,17 +181,24 @@ class _Walk:
             row = self.observe(*self.state, level)
             sums[:] = [s + half * (a + b) for s, a, b in zip(sums, before, row, strict=True)]
             before = row
+            gone = self.envelope.find_exit(row)
+            if gone is not None and math.isfinite(gone.value):
+                self.gone, self.left = gone, time + (k + 1) * dt
+                break
         return before
 
     def loop(self, found: Track) -> Loop:
         """What was found, with its alarms."""
         plan, count = self.plan, len(self.times)
-        times = [plan.start(k) for k in range(plan.periods + 1)]
+        times = [plan.start(k) for k in range(len(found.rows))]
         result = Result(
             plan.system, plan.waveform(self.signals), times, self._columns(found.rows),
             found.status, found.status_time, count, self.longest,
         )  # fmt: skip
         ends = self._columns(self.ends)
+        if found.status is Status.OUT_OF_ENVELOPE:
+            when = found.status_time or 0.0
+            result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
         add_warnings(result, self._judged(result.columns, ends))
         return Loop(result, plan.period, self.signals, ends, self._columns(self.sums))
 
@@ -187,7 +210,8 @@ class _Walk:
             name: [*map(max, starts[name], ends[name]), starts[name][-1]]
             for name in ("hottest", "stress")
         }
-        return {**starts, **peaks, "drive": [*self.signals, self.signals[-1]]}
+        asked = [*self.signals, self.signals[-1]][: len(starts["drive"])]
+        return {**starts, **peaks, "drive": asked}
 
     def _columns(self, rows: Sequence[Sequence[float]]) -> dict[str, list[float]]:
         return {name: [row[i] for row in rows] for i, name in enumerate(self.names)}

@@ -20,11 +20,13 @@ from martensite.signals.reader import Reader
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_march, compile_march, fed
 from martensite.simulate.driven import arranged
+from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.loop_plan import whole_periods
-from martensite.simulate.march import Track, Watch, track
+from martensite.simulate.march import Border, Track, Watch, track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
+from martensite.status import Status
 from martensite.system import AbstractSystem
 
 Drives = Mapping[str, AbstractDrive]
@@ -42,7 +44,9 @@ def simulate_controlled(
 ) -> Result:
     """Run a system from rest under controllers and waveforms.
 
-    Runs on plain floats; no accuracy is estimated, so compare with a run in half the step.
+    Runs on plain floats; no accuracy is estimated, so compare with a run in half the step. A run
+    that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE; the result
+    ends with the last sample before.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
@@ -100,7 +104,11 @@ class _Walk:
 
     def __init__(self, plan: _Plan) -> None:
         functions, self.size = bind_march(plan.system)
-        self.widths = compile_march(plan.system).widths
+        compiled = compile_march(plan.system)
+        self.widths = compiled.widths
+        self.border = Border(compiled, functions, envelope_of(plan.system))
+        self.steps = 0
+        """Steps taken."""
         self.plan, self.watch = plan, Watch()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
@@ -123,6 +131,8 @@ class _Walk:
         try:
             for k in range(plan.periods):
                 self._period(k)
+                if self.border.place >= 0 and not self.watch.worst.failed:
+                    return self._stopped()
                 if tell is not None:
                     tell((k + 1) / plan.periods)
             self.rows.append(self.observe(*self.state, *self.now))
@@ -130,6 +140,12 @@ class _Walk:
             self.watch.note(math.inf, 0.0, k * plan.pieces)
         when = self.watch.step * plan.period / plan.pieces
         return track(self.rows, self.watch.worst, when)
+
+    def _stopped(self) -> Track:
+        """A run that left the envelope."""
+        when = self.steps * self.plan.period / self.plan.pieces
+        border = self.border
+        return Track(self.rows, Status.OUT_OF_ENVELOPE, when, border.place, border.value)
 
     def _period(self, k: int) -> None:
         plan, time = self.plan, k * self.plan.period
@@ -140,9 +156,13 @@ class _Walk:
             self.rows.append(self.observe(*self.state, *self.now))
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
-            after = self.step(*self.state, *self._brought(time + piece * dt, dt), dt)
+            brought = self._brought(time + piece * dt, dt)
+            after = self.step(*self.state, *brought, dt)
             self.state = after[: self.size]
             self.watch.note(after[self.size], after[self.size + 1], k * plan.pieces + piece)
+            self.steps += 1
+            if self.border.is_passed(self.state, self.border.signals(brought)):
+                return
         self.now = tuple(
             drive.value(time + plan.period) if isinstance(drive, AbstractWaveform) else held
             for drive, held in zip(plan.drives, self.now, strict=True)
@@ -180,7 +200,7 @@ class _Walk:
     def result(self, found: Track) -> Result:
         """What was found, with its alarms."""
         plan = self.plan
-        times = [k * plan.every * plan.period for k in range(plan.periods // plan.every + 1)]
+        times = [k * plan.every * plan.period for k in range(len(found.rows))]
         columns = {name: [row[i] for row in found.rows] for i, name in enumerate(self.names)}
         played: dict[str, AbstractWaveform] = {}
         drives = zip(plan.system.drives(), plan.drives, strict=True)
@@ -189,6 +209,9 @@ class _Walk:
             played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
         result = Result(
             plan.system, played, times, columns, found.status, found.status_time,
-            plan.periods * plan.pieces, plan.period / plan.pieces,
+            self.steps, plan.period / plan.pieces,
         )  # fmt: skip
+        if found.status is Status.OUT_OF_ENVELOPE:
+            when = found.status_time or 0.0
+            result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
         return add_warnings(result)

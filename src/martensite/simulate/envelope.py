@@ -8,10 +8,11 @@ stops, and says when, where and how far.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from martensite import units
 from martensite.simulate.compiled import ENVELOPE
-from martensite.simulate.marching import Limits, Marched, Row
+from martensite.simulate.marching import Limits, Row
 from martensite.system import AbstractSystem
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
@@ -43,30 +44,55 @@ def varied_stops(paths: Iterable[str]) -> list[str]:
     return [path for path in paths if path.rpartition(".")[2] in STOPS]
 
 
+class Envelope:
+    """The envelope of a system, as rows of its outputs show it."""
+
+    def __init__(self, system: AbstractSystem) -> None:
+        names = list(system.outputs())
+        ports = system.actuators()
+        self.places = [names.index(system.label(port, name)) for port in ports for name in ENVELOPE]
+        self.limits = envelope_of(system)
+
+    def find_exit(self, row: Row) -> Exit | None:
+        """Where a row of outputs is outside; None if it is not."""
+        values = [row[place] for place in self.places]
+        rows = zip(self.limits.low, values, self.limits.high, strict=True)
+        for place, (low, value, high) in enumerate(rows):
+            if not low <= value <= high:
+                return Exit(place, value)
+        return None
+
+
+class Exit(NamedTuple):
+    """Where the envelope is left."""
+
+    place: int
+    """Which of its bounds is passed."""
+    value: float
+    """What came there, in SI."""
+
+
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
     """The rows of outputs before the first one that is outside; the first row of all stays."""
-    names, limits = list(system.outputs()), envelope_of(system)
-    places = [names.index(system.label(port, n)) for port in system.actuators() for n in ENVELOPE]
+    envelope = Envelope(system)
     for k, row in enumerate(rows):
-        triples = zip(limits.low, (row[place] for place in places), limits.high, strict=True)
-        if k and not all(low <= value <= high for low, value, high in triples):
+        if k and envelope.find_exit(row) is not None:
             return
         yield row
 
 
-def describe_exit(system: AbstractSystem, found: Marched) -> str:
-    """When, where and how far a run left the envelope."""
-    value = found.value
+def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:
+    """When [s], where and how far a run left the envelope."""
     ports = list(system.actuators())
-    port, name = ports[found.place // len(ENVELOPE)], ENVELOPE[found.place % len(ENVELOPE)]
+    port, name = ports[place // len(ENVELOPE)], ENVELOPE[place % len(ENVELOPE)]
     limits = envelope_of(system)
-    bound = limits.high[found.place] if value > 0.0 else limits.low[found.place]
+    bound = limits.high[place] if value > 0.0 else limits.low[place]
     unit = system.outputs()[system.label(port, name)].unit
     shown = units.of_column(name, unit)
     where = f" of `{port}`" if len(ports) > 1 else ""
     reason = "absolute zero" if name == "hottest" and value <= 0.0 else BEYOND[name]
     return (
-        f"The run stopped at t = {found.time:.6g} s: the {WORDS[name]}{where} came to "
+        f"The run stopped at t = {time:.6g} s: the {WORDS[name]}{where} came to "
         f"{units.from_si(value, shown, unit):.5g} {shown}, beyond "
         f"{units.from_si(bound, shown, unit):.5g} {shown}, {reason}."
     )

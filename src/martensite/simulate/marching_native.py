@@ -24,6 +24,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.marching import Marched, Plan
+from martensite.simulate.native import spread_limits
 from martensite.status import Status
 
 Numbers = NDArray[np.float64]
@@ -184,9 +185,8 @@ class _Marching:
         ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
-        limits = np.array(plan.limits if runs.limits is None else runs.limits, float)
-        shape = (2, len(compiled.envelope), runs.count)
-        self.limits = np.ascontiguousarray(np.broadcast_to(limits.reshape(*shape[:2], -1), shape))
+        limits = plan.limits if runs.limits is None else runs.limits
+        self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)

@@ -163,20 +163,24 @@ def march_inside(
     until then. The limits are low and high, (2, envelope) or (2, envelope, lanes), or None where
     nobody looks.
     """
-    library = _library(
-        compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), limits is not None
-    )
+    bounded = limits is not None and len(compiled.envelope) > 0
+    library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((len(compiled.report), lanes))
     left = np.empty(lanes)
-    shape = (2, len(compiled.envelope), lanes)
-    given = np.array(np.zeros(shape) if limits is None else limits, float)
-    bounds = np.ascontiguousarray(np.broadcast_to(given.reshape(*shape[:2], -1), shape))
+    bounds = spread_limits(limits, lanes) if bounded else np.empty(0)
     arrays = (parameters, *grid.arrays, rows, worst, bounds, left)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
     return rows, worst, left
+
+
+def spread_limits(limits: Any, runs: int) -> Any:
+    """Limits of every run, (2, envelope, runs), from these or from those of all, (2, envelope)."""
+    given = np.asarray(limits, float)
+    given = given if given.ndim == 3 else given[:, :, None]
+    return np.ascontiguousarray(np.broadcast_to(given, (*given.shape[:2], runs)))
 
 
 def march_c(

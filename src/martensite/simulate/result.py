@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from martensite import units
+from martensite.errors import SolveError
 from martensite.mechanisms.base import Output
 from martensite.simulate.alarms import Alarm
 from martensite.status import Status
@@ -89,6 +90,13 @@ class Result:
     def __getitem__(self, name: str) -> list[float]:
         """A column by name, or the times."""
         return self.times if name == "time" else self.columns[name]
+
+    def require(self) -> Result:
+        """Return this result, or raise `SolveError` if the run stopped before its end."""
+        if self.status.failed:
+            reasons = (words for words in self.warnings if words.startswith("The run stopped"))
+            raise SolveError(next(reasons, self.status.sentence))
+        return self
 
     @cached_property
     def outputs(self) -> dict[str, Output]:

@@ -179,7 +179,7 @@ def _run(
     waveforms: Mapping[str, AbstractWaveform] | None,
 ) -> tuple[Numbers, Numbers, Numbers]:  # fmt: skip
     """Times, signals and readings."""
-    run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed)
+    run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
     members = bench.controllers.members()
     measured = members[drive].measured
     reading = MEASURED + measured if measured in bench.sensors.members() else measured

@@ -185,7 +185,7 @@ def _reading(
     """Times and the reading of the controller, with the loop open."""
     free, controller = opened(bench, drive)
     played = {**(waveforms or {}), drive: wave}
-    run = simulate_bench(free, duration, waveforms=played, seed=seed)
+    run = simulate_bench(free, duration, waveforms=played, seed=seed).require()
     name = controller.measured
     column = MEASURED + name if name in bench.sensors.members() else name
     return np.array(run.times), np.array(run[column])
