@@ -89,6 +89,44 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
         ms.simulate_batch(problem_a(), LEVELS, 20.0, over, step=0.02)
 
 
+PWM = ms.PulseWidthModulation(high=5.0, frequency=20.0, duty=0.2)
+
+
+def test_runs_whose_drives_are_too_long_go_one_by_one(
+    monkeypatch: pytest.MonkeyPatch, c_compiler: str
+) -> None:
+    def run() -> ms.Batch:
+        return ms.simulate_batch(problem_a(), PWM, 10.0, {"h0": H0}, samples=51, outputs=JUDGED)
+
+    together = run()
+    native = import_module("martensite.simulate.marching_native")
+    monkeypatch.setattr(native, "MOST_SEGMENTS", 100)
+    alone = run()
+    assert alone.status == together.status == [Status.OK] * 3
+    for name in JUDGED:
+        off = np.abs(alone.columns[name] - together.columns[name]).max(axis=1)
+        assert (off <= 2e-4 * np.ptp(together.columns[name], axis=1)).all()
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 50])
+def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
+    h0 = np.linspace(60.0, 140.0, 50)
+    whole = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51)
+    some = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0[-count:]}, samples=51)
+    assert np.array_equal(some.columns["position"], whole.columns["position"][-count:])
+    assert np.array_equal(some.accuracy, whole.accuracy[-count:])
+
+
+def test_threads_change_nothing(c_compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("martensite.simulate.variants"), "TOGETHER", 8)
+    h0 = np.linspace(60.0, 140.0, 30)
+    one, two = (
+        ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51, devices=n)
+        for n in (1, 2)
+    )
+    assert np.array_equal(one.columns["position"], two.columns["position"])
+
+
 def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the first two runs differ too much, a third one follows, for those alone."""
     monkeypatch.setattr(import_module("martensite.simulate.ensembles"), "LOCAL", 30.0)
