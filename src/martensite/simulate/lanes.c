@@ -73,6 +73,7 @@ typedef struct {
     long next_run, done;
     flags_of_lanes run, live, loaded, fresh, sample, status, place, at_edge, at_kink, known;
     column time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
+    column coming; /* time of the next sample */
     column steps, rejected, longest, ripple, residual, error, kink;
     column p[PARAMETERS + 1], c[CONSTANTS], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
@@ -96,7 +97,7 @@ typedef struct {
     double tolerance, duration, step;
     const double *p;      /* parameters, (PARAMETERS, runs) */
     const double *first;  /* first step of each run */
-    const double *times;  /* samples */
+    const double *times;  /* samples, and behind the last one infinity */
     const drive *drives;  /* (runs or 1, DRIVES) */
     const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
@@ -185,15 +186,24 @@ static void of_parabola(const drives_of_lanes *d, const column centre, const col
 }
 
 #if TONES > 0
-/* half of the intervals as angles, and both functions of them */
+/* half of the intervals as angles of tones, and functions of them, alone and of pairs */
 typedef struct {
-    column reach[TONES], share[TONES], lean[TONES];
+    column reach[TONES], share[TONES], lean[TONES], near[TONES][TONES], far[TONES][TONES];
 } reaches;
 
 static void find_reaches(const drives_of_lanes *d, const column half, reaches *r) {
     for (long j = 0; j < TONES; j++) {
         EACH(i) r->reach[j][i] = d->speed[j][i] * half[i];
         sincs(r->reach[j], r->share[j], r->lean[j]);
+        for (long l = 0; l <= j; l++) {
+            column apart, both, unused;
+            EACH(i) {
+                apart[i] = r->reach[j][i] - r->reach[l][i];
+                both[i] = r->reach[j][i] + r->reach[l][i];
+            }
+            sincs(apart, r->near[j][l], unused);
+            sincs(both, r->far[j][l], unused);
+        }
     }
 }
 
@@ -218,16 +228,10 @@ static void add_tones(const drives_of_lanes *d, const column (*at)[2], const rea
             swing[i] += x > RESOLVED ? size / d->speed[j][i] : 0.0;
         }
         for (long l = 0; l <= j; l++) {
-            column apart, both, near, far, unused;
-            EACH(i) {
-                apart[i] = r->reach[j][i] - r->reach[l][i];
-                both[i] = r->reach[j][i] + r->reach[l][i];
-            }
-            sincs(apart, near, unused);
-            sincs(both, far, unused);
             EACH(i) {
                 const double together = at[l][0][i] * at[j][0][i], crossed = at[l][1][i] * at[j][1][i];
-                const double sum = (together + crossed) * near[i] + (together - crossed) * far[i];
+                const double sum = (together + crossed) * r->near[j][l][i] +
+                                   (together - crossed) * r->far[j][l][i];
                 m[SQUARE][i] += (l == j ? 0.5 : 1.0) * d->amplitude[j][i] * d->amplitude[l][i] * sum;
             }
         }
@@ -549,23 +553,30 @@ static double find_fall(double ahead, double first, double middle, double last) 
     return begin + 0.5 * (ahead > top ? top / ahead : top / (top - bottom));
 }
 
-/* share of a step at which the law at a point of a run turns or bends, if that counts; else 1 */
-static double find_kink(const block *b, long place, long i, double changed, double most) {
-    const long at = start_of[place];
+/* share of a step at which what drives the law at a point turns, if that counts; else 1 */
+QUICK double find_turn(const block *b, long at, long i, double changed, double most) {
     const column *p = b->earlier_points + at, *q = b->points + at;
     const column *a = b->points_half + at, *z = b->points_full + at;
     const double e = p[0][i] - p[1][i] * PER_STRESS, f = q[0][i] - q[1][i] * PER_STRESS;
     const double g = a[0][i] - a[1][i] * PER_STRESS, h = z[0][i] - z[1][i] * PER_STRESS;
     const double bend = (h - g) - (g - f), rise = h - f;
-    double first = 1.0;
-    if (fabs(rise) < 2.0 * fabs(bend)) {
-        const double top = g - rise * rise / (8.0 * bend), share = 0.5 - 0.25 * rise / bend;
-        const double moved = fabs(f - e) + fabs(g - f) + fabs(h - g);
-        const double apart = smaller(smaller(fabs(top - f), fabs(top - g)), fabs(top - h));
-        if (BESIDE < share && share < 1.0 - BESIDE && changed * apart > most * moved) first = share;
-    }
-    if (!(b->error[i] > 1.0)) return first;
+    const int turns = fabs(rise) < 2.0 * fabs(bend);
+    const double per = 1.0 / (turns ? bend : 1.0), top = g - 0.125 * rise * rise * per;
+    const double share = 0.5 - 0.25 * rise * per;
+    const double moved = fabs(f - e) + fabs(g - f) + fabs(h - g);
+    const double apart = smaller(smaller(fabs(top - f), fabs(top - g)), fabs(top - h));
+    const int counts = turns & (changed > most) & (BESIDE < share) & (share < 1.0 - BESIDE) &
+                       (changed * apart > most * moved);
+    return counts ? share : 1.0;
+}
+
+/* share of a step that is too long at which the law at a point bends; else 1 */
+static double find_bend(const block *b, long place, long i) {
+    const long at = start_of[place];
+    const column *p = b->earlier_points + at, *q = b->points + at;
+    const column *a = b->points_half + at, *z = b->points_full + at;
     const double ratio = 0.5 * b->length[i] / b->last_half[i];
+    double first = 1.0;
     for (long k = 4; k < size_of_point[place]; k++) {
         const double ahead = ratio * (p[k][i] - q[k][i]);
         const double share = find_fall(ahead, q[k][i], a[k][i], z[k][i]);
@@ -605,10 +616,9 @@ static void find_kinks(const march *m, block *b) {
         EACH(i) most[i] = share * b->scale[parts[place]][i];
         EVERY(i) counts |= changed[i] > most[i];
         if (!counts) continue;
-        EVERY(i) if (b->live[i] && changed[i] > most[i]) {
-            const double kink = find_kink(b, place, i, changed[i], most[i]);
-            b->kink[i] = smaller(kink, b->kink[i]);
-        }
+        EACH(i) b->kink[i] = smaller(find_turn(b, at, i, changed[i], most[i]), b->kink[i]);
+        EVERY(i) if (changed[i] > most[i] && b->error[i] > 1.0)
+            b->kink[i] = smaller(find_bend(b, place, i), b->kink[i]);
     }
 }
 
@@ -874,34 +884,42 @@ static void keep_rows(const march *m, block *b, const column time, const flags_o
 
 /* outputs at the samples within the steps that were taken */
 static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end) {
-    column time, per[5];
-    flags_of_lanes due, smooth, good;
+    column time, per[5], last, middle;
+    flags_of_lanes due, smooth, good, other;
     long leaving = 0, found = 0;
-    for (long k = 0; k < ENVELOPE; k++) EVERY(i) leaving |= taken[i] && !is_inside(b, b->fine, k, i);
+    for (long k = 0; k < ENVELOPE; k++) EVERY(i) leaving |= taken[i] & !is_inside(b, b->fine, k, i);
+    EACH(i) {
+        last[i] = taken[i] ? end[i] + HAIR * b->length[i] : -1.0;
+        middle[i] = b->time[i] + 0.5 * b->length[i];
+    }
     for (;;) {
-        EVERY(i) {
-            const double next = b->sample[i] < m->samples ? m->times[b->sample[i]] : HUGE_VAL;
-            due[i] = taken[i] && next <= end[i] + HAIR * b->length[i];
-            time[i] = due[i] ? smaller(next, end[i]) : end[i];
+        EACH(i) {
+            due[i] = b->coming[i] <= last[i];
+            time[i] = due[i] ? smaller(b->coming[i], end[i]) : end[i];
         }
         if (!any(due)) return;
         if (!found) find_smooth(m, b, smooth, per);
         found = 1;
         memcpy(good, smooth, sizeof good);
         interpolate(b, time, per, good, b->x2, leaving);
-        EVERY(i) {
-            const double hair = HAIR * b->length[i], middle = b->time[i] + 0.5 * b->length[i];
-            const int ends = time[i] >= end[i] - hair, halves = fabs(time[i] - middle) <= hair;
-            if (!due[i] || (good[i] && !ends)) continue;
-            for (long k = 0; k < SIZE && (ends || halves); k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
-            if (ends || halves) continue;
-            put_aside(m, b, i, time[i], leaving);
-            due[i] = 2; /* later */
+        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - HAIR * b->length[i]));
+        if (any(other))
+            EVERY(i) if (other[i]) {
+                const double hair = HAIR * b->length[i];
+                const int ends = time[i] >= end[i] - hair, halves = fabs(time[i] - middle[i]) <= hair;
+                if (ends || halves) {
+                    for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
+                } else {
+                    put_aside(m, b, i, time[i], leaving);
+                    good[i] = -1; /* it is kept later */
+                }
+            }
+        EACH(i) other[i] = due[i] & (good[i] >= 0);
+        if (any(other)) keep_rows(m, b, time, other, leaving);
+        EACH(i) {
+            b->sample[i] += due[i];
+            b->coming[i] = m->times[b->sample[i]];
         }
-        flags_of_lanes shown;
-        EACH(i) shown[i] = due[i] == 1;
-        if (any(shown)) keep_rows(m, b, time, shown, leaving);
-        EACH(i) b->sample[i] += due[i] != 0;
     }
 }
 
@@ -1034,6 +1052,7 @@ static void load_run(const march *m, block *b, long i, long run) {
     b->status[i] = OK;
     b->place[i] = -1;
     b->sample[i] = b->at_edge[i] = 1;
+    b->coming[i] = m->times[1];
     b->at_kink[i] = b->known[i] = 0;
     b->time[i] = b->power[i] = b->lapse[i] = b->rough[i] = b->steps[i] = b->rejected[i] = 0.0;
     b->longest[i] = b->ripple[i] = b->residual[i] = 0.0;

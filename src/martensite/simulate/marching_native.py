@@ -202,13 +202,13 @@ class _Marching:
             self.p[row] = value
         first = plan.first if runs.first is None else runs.first
         self.first = np.array(np.broadcast_to(first, runs.count), float)
-        self.times = np.asarray(plan.times, float)
+        self.times = np.array([*plan.times, np.inf])
         ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
-        self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
+        self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
@@ -223,7 +223,7 @@ class _Marching:
             else:
                 window.extend(0.0)
         self.march = _March(
-            runs=runs.count, samples=len(self.times), rounds=ROUNDS, recording=plan.recorded,
+            runs=runs.count, samples=len(plan.times), rounds=ROUNDS, recording=plan.recorded,
             capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
             step=plan.step or 0.0,
             p=_at(self.p), first=_at(self.first), times=_at(self.times),
