@@ -13,15 +13,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
+from martensite.runtimes.c99_lanes import BLOCK
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
+from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import Grid, build_grid
 from martensite.simulate.march import classify, march_floats
+from martensite.simulate.marching import Plan
+from martensite.simulate.marching_native import Runs, march_runs
 from martensite.simulate.native import march_lanes
 from martensite.status import Status
 
 LANES = 256
+FIRST = 0.02
+"""First step of runs with an error control [s]."""
 SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1
 COLUMNS = ("position", "stress", "strain")
 SHARES = {
@@ -106,7 +112,7 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
     def march() -> tuple[Any, Status]:
         compiled = compile_march(whole)
         rows, worst = march_lanes(compiled, compiled.values(whole), steps, 1, places)
-        return rows[:, :, 0].T, classify(*worst[:, 0].tolist())
+        return rows[:, :, 0].T, classify(*worst[:2, 0].tolist())
 
     return judged(march)
 
@@ -166,9 +172,29 @@ def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], 
         rows = []
         for chunk in chunks:
             found, worst = march_lanes(compiled, chunk, steps, width, [place])
-            failed = np.array([classify(*pair).failed for pair in worst.T.tolist()])
+            failed = np.array([classify(*pair).failed for pair in worst[:2].T.tolist()])
             rows.append(np.where(failed[:, None], np.nan, 1e3 * found[:, 0].T))
         return np.concatenate(rows)
+
+    return run
+
+
+def march_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Callable[[], Any]:
+    """x [mm] of all sets in C with an error control, each run on steps of its own."""
+    whole = problem.system()
+    compiled = compile_march(whole)
+    values: list[Any] = list(compiled.values(whole))
+    for name in SHARES:
+        place = compiled.paths.index(whole.resolve(NAMES.get(name, name)))
+        values[place] = np.array([getattr(p, name) for p in sets])
+    times = [DURATION * k / (SAMPLES - 1) for k in range(SAMPLES)]
+    plan = Plan(compiled, [waveform()], times, tolerance, FIRST, envelope_of(whole))
+    runs = Runs(plan, values, len(sets), (compiled.outputs.index("position"),), BLOCK)
+
+    def run() -> Any:
+        found = march_runs(runs)
+        failed = found.numbers[:, 0] >= Status.UNSOLVED
+        return np.where(failed[:, None], np.nan, 1e3 * found.outputs[:, :, 0])
 
     return run
 

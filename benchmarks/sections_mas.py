@@ -40,6 +40,7 @@ class Effort(NamedTuple):
     kvaerno: Sequence[int] = (3, 4, 5, 6)
     jax_batch: Sequence[float] = (50, 20, 10)
     simd_batch: Sequence[float] = (50, 20, 10)
+    marches: Sequence[int] = (4, 5, 6)
     kvaerno_batch: Sequence[int] = (4,)
     hybrid: Sequence[float] = (100, 50, 20)
     hybrid_jax: Sequence[float] = (100,)
@@ -156,6 +157,8 @@ def batch_tables(options: Options, label: str, size: int, effort: Effort) -> lis
     judge, (jax, simd) = mas_batches.Judge(sets), mas_runs.BATCH
     settings = {jax: effort.jax_batch, simd: effort.simd_batch}
     runs = mas_batches.library(judge, sets, settings) if ours(options) else []
+    if ours(options):
+        runs += mas_batches.marches(judge, sets, effort.marches)
     runs += mas_batches.lsoda(judge, sets, effort.rtols)
     runs += mas_batches.kvaerno(judge, sets, effort.kvaerno_batch)
     timings = measure(runs, options.repeats)

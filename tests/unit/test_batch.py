@@ -108,6 +108,15 @@ def test_runs_whose_drives_are_too_long_go_one_by_one(
         assert (off <= 2e-4 * np.ptp(together.columns[name], axis=1)).all()
 
 
+def test_samples_on_edges_are_behind_them(c_compiler: str) -> None:
+    batch = ms.simulate_batch(
+        problem_a(), PWM, 10.0, {"h0": H0}, samples=201, outputs=("drive", "current")
+    )
+    single = ms.simulate(problem_a(), PWM, 10.0, samples=201)
+    for row in batch.columns["drive"]:
+        assert row.tolist() == single["drive"]
+
+
 @pytest.mark.parametrize("count", [1, 15, 16, 17, 50])
 def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
     h0 = np.linspace(60.0, 140.0, 50)

@@ -17,7 +17,7 @@ OURS = Options(available(["ours"]), repeats=1, sizes=(8,))
 SOME = ("liang-rogers", "mas-hybrid")
 LITTLE = sections_mas.Effort(
     floats=(100,), jax=(), c=(100, 50), rtols=(4, 6), kvaerno=(), jax_batch=(),
-    simd_batch=(), kvaerno_batch=(), hybrid=(100,), hybrid_jax=(),
+    simd_batch=(), marches=(4,), kvaerno_batch=(), hybrid=(100,), hybrid_jax=(),
 )  # fmt: skip
 needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
 

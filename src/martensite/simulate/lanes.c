@@ -895,7 +895,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
     for (;;) {
         EACH(i) {
             due[i] = b->coming[i] <= last[i];
-            time[i] = due[i] ? smaller(b->coming[i], end[i]) : end[i];
+            time[i] = due[i] ? b->coming[i] : end[i];
         }
         if (!any(due)) return;
         if (!found) find_smooth(m, b, smooth, per);
