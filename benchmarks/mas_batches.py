@@ -62,21 +62,12 @@ class Judge:
 def library(
     judge: Judge, sets: list[Wire], settings: dict[str, Sequence[float]]
 ) -> list[Candidate]:
-    """Ours: engine -> steps [ms]."""
+    """Ours: engine -> steps [ms], or tolerances."""
     problem, found = Problem(sets[0]), []
     for name, make in mas_runs.BATCH.items():
-        for ms in settings[name]:
-            run, count = cut(make, problem, sets, 1e-3 * ms)
-            found.append(judge.candidate(name, f"dt {ms:g} ms", run, count))
-    return found
-
-
-def marches(judge: Judge, sets: list[Wire], tolerances: Sequence[int]) -> list[Candidate]:
-    """Ours with an error control, each run on steps of its own."""
-    problem, found = Problem(sets[0]), []
-    for n in tolerances:
-        run, count = cut(mas_runs.march_batch, problem, sets, 10.0**-n)
-        found.append(judge.candidate("ours, march", f"tol 1e-{n}", run, count))
+        for setting in mas_runs.settings_of(name, settings[name]):
+            run, count = cut(make, problem, sets, setting.value)
+            found.append(judge.candidate(name, setting.label, run, count))
     return found
 
 

@@ -1,13 +1,14 @@
 """martensite on problem B: one system, marched on every runtime, single or for many wires.
 
 What: the wire of `problem_b` with the rate law `mas`, or with its rate-independent limit
-`mas-hybrid`, over 201 samples and steps of at most the given length. Single runs and the C lanes
-are timed without the preparation of the grid; the JAX batch is `simulate_batch` as a user calls it.
+`mas-hybrid`, over 201 samples and steps of at most the given length, or those of an error control.
+Single runs and the C lanes are timed without the preparation of the grid; the JAX batch is
+`simulate_batch` as a user calls it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,8 +27,6 @@ from martensite.simulate.native import march_lanes
 from martensite.status import Status
 
 LANES = 256
-FIRST = 0.02
-"""First step of runs with an error control [s]."""
 SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1
 COLUMNS = ("position", "stress", "strain")
 SHARES = {
@@ -130,7 +129,31 @@ def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     return judged(march)
 
 
-SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native}
+def plan_of(whole: Any, tolerance: float) -> Plan:
+    """A march with error control."""
+    times = [OUTPUT_INTERVAL * k for k in range(SAMPLES)]
+    return Plan(
+        compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, envelope_of(whole)
+    )
+
+
+def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
+    """One run in C with an error control in every step."""
+    whole = problem.system()
+    plan = plan_of(whole, tolerance)
+    places = tuple(plan.compiled.outputs.index(name) for name in COLUMNS)
+    runs = Runs(plan, plan.compiled.values(whole), 1, places, 1)
+
+    def march() -> tuple[Any, Status]:
+        found = march_runs(runs)
+        return found.outputs[0].T, Status(int(found.numbers[0, 0]))
+
+    return judged(march)
+
+
+SINGLE = {
+    "ours, floats": floats, "ours, JAX": jax_single, "ours, C": native, "ours, march": adaptive
+}  # fmt: skip
 
 
 # ---------------------------------------------------------------- batches
@@ -172,24 +195,23 @@ def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], 
         rows = []
         for chunk in chunks:
             found, worst = march_lanes(compiled, chunk, steps, width, [place])
-            failed = np.array([classify(*pair).failed for pair in worst[:2].T.tolist()])
+            failed = np.array([classify(*pair[:2]).failed for pair in worst.T.tolist()])
             rows.append(np.where(failed[:, None], np.nan, 1e3 * found[:, 0].T))
         return np.concatenate(rows)
 
     return run
 
 
-def march_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Callable[[], Any]:
+def adaptive_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Callable[[], Any]:
     """x [mm] of all sets in C with an error control, each run on steps of its own."""
     whole = problem.system()
-    compiled = compile_march(whole)
-    values: list[Any] = list(compiled.values(whole))
+    plan = plan_of(whole, tolerance)
+    values: list[Any] = list(plan.compiled.values(whole))
     for name in SHARES:
-        place = compiled.paths.index(whole.resolve(NAMES.get(name, name)))
-        values[place] = np.array([getattr(p, name) for p in sets])
-    times = [DURATION * k / (SAMPLES - 1) for k in range(SAMPLES)]
-    plan = Plan(compiled, [waveform()], times, tolerance, FIRST, envelope_of(whole))
-    runs = Runs(plan, values, len(sets), (compiled.outputs.index("position"),), BLOCK)
+        path = whole.resolve(NAMES.get(name, name))
+        values[plan.compiled.paths.index(path)] = [getattr(p, name) for p in sets]
+    place = plan.compiled.outputs.index("position")
+    runs = Runs(plan, values, len(sets), (place,), BLOCK)
 
     def run() -> Any:
         found = march_runs(runs)
@@ -199,4 +221,18 @@ def march_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Callabl
     return run
 
 
-BATCH = {"ours, JAX": jax_batch, "ours, SIMD C": simd_batch}
+BATCH = {"ours, JAX": jax_batch, "ours, SIMD C": simd_batch, "ours, march": adaptive_batch}
+
+
+class Setting(NamedTuple):
+    """How exact an engine is asked to be: a step, or a tolerance."""
+
+    value: float
+    label: str
+
+
+def settings_of(name: str, numbers: Sequence[float]) -> list[Setting]:
+    """Of an engine, from tolerances or steps [ms]."""
+    if "march" in name:
+        return [Setting(x, f"tol {x:.0e}") for x in numbers]
+    return [Setting(1e-3 * x, f"dt {x:g} ms") for x in numbers]

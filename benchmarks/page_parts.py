@@ -32,14 +32,16 @@ from benchmarks.sections_mas import Effort, library, peers
 Row = dict[str, Any]
 BASE, LEVELS = "martensite, C", (1e-4, 1e-5)
 NAMES = {
-    "ours": "martensite, floats", "ours-c": BASE, "ours-jax": "martensite, JAX",
+    "ours": "martensite, floats", "ours-march": BASE, "ours-c": "martensite, C, equal steps",
+    "ours-jax": "martensite, JAX",
     "odeint": "SciPy odeint (LSODA)", "lsoda": "SciPy solve_ivp (LSODA)",
     "rk45": "SciPy solve_ivp (RK45)", "dop853": "SciPy solve_ivp (DOP853)",
     "radau": "SciPy solve_ivp (Radau)", "cvode": "SUNDIALS CVODE (BDF)",
     "diffrax": "diffrax (Tsit5)", "diffrax-forward": "diffrax (Tsit5, forward mode)",
 }  # fmt: skip
 RATE_NAMES = {
-    "ours, C": BASE, "ours, JAX": "martensite, JAX", "ours, floats": "martensite, floats",
+    "ours, march": BASE, "ours, C": "martensite, C, equal steps", "ours, JAX": "martensite, JAX",
+    "ours, floats": "martensite, floats",
     "LSODA": "SciPy odeint (LSODA)", "Radau": "SciPy solve_ivp (Radau)",
     "CVODE": "SUNDIALS CVODE (BDF)",
     "Kvaerno5": "diffrax (Kvaerno5)",
@@ -98,7 +100,8 @@ def wire_contender(engine: Engine, p: Wire, drive: Drive) -> Contender:
 @part
 def wire(choice: Choice) -> list[Table]:
     """Single runs of problem A."""
-    names = ["ours-c", "ours-jax", "ours", "odeint", "lsoda", "rk45", "dop853", "cvode", "diffrax"]
+    names = ["ours-march", "ours-c", "ours-jax", "ours", "odeint", "lsoda", "rk45", "dop853"]
+    names += ["cvode", "diffrax"]
     engines = available(names if choice.quick else [*names, "radau"])
     contenders = [wire_contender(e, Wire(), sine()) for e in engines]
     return [table_at(level, contenders, choice.repeats) for level in choice.levels()]

@@ -40,19 +40,22 @@ class Effort(NamedTuple):
     kvaerno: Sequence[int] = (3, 4, 5, 6)
     jax_batch: Sequence[float] = (50, 20, 10)
     simd_batch: Sequence[float] = (50, 20, 10)
-    marches: Sequence[int] = (4, 5, 6)
     kvaerno_batch: Sequence[int] = (4,)
     hybrid: Sequence[float] = (100, 50, 20)
     hybrid_jax: Sequence[float] = (100,)
+    march: Sequence[float] = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
+    march_batch: Sequence[float] = (3e-3, 1e-3, 3e-4, 1e-4)
 
     def steps(self, law: str) -> dict[str, Sequence[float]]:
-        """Of single runs, by engine."""
+        """Of single runs, by engine; tolerances of the march."""
         if law == "mas-hybrid":
-            return {FLOATS: self.hybrid, JAX: self.hybrid_jax, C: self.hybrid}
-        return {FLOATS: self.floats, JAX: self.jax, C: self.c}
+            own = {FLOATS: self.hybrid, JAX: self.hybrid_jax, C: self.hybrid}
+        else:
+            own = {FLOATS: self.floats, JAX: self.jax, C: self.c}
+        return own | {MARCH: self.march}
 
 
-FLOATS, JAX, C = mas_runs.SINGLE
+FLOATS, JAX, C, MARCH = mas_runs.SINGLE
 USUAL = Effort()
 
 
@@ -74,9 +77,9 @@ def peers(p: Wire, form: str, effort: Effort) -> dict[tuple[str, str], Callable[
 def library(problem: Problem, effort: Effort) -> dict[tuple[str, str], Callable[[], Any]]:
     """The same of the library."""
     return {
-        (name, f"dt {ms:g} ms"): make(problem, 1e-3 * ms)
+        (name, setting.label): make(problem, setting.value)
         for name, make in mas_runs.SINGLE.items()
-        for ms in effort.steps(problem.law)[name]
+        for setting in mas_runs.settings_of(name, effort.steps(problem.law)[name])
     }
 
 
@@ -154,11 +157,9 @@ def single_tables(options: Options, label: str, effort: Effort) -> list[Table]:
 def batch_tables(options: Options, label: str, size: int, effort: Effort) -> list[Table]:
     """A batch around one wire: every setting, and cost at equal error."""
     sets = parameter_sets(WIRES[label], size)
-    judge, (jax, simd) = mas_batches.Judge(sets), mas_runs.BATCH
-    settings = {jax: effort.jax_batch, simd: effort.simd_batch}
+    judge, (jax, simd, march) = mas_batches.Judge(sets), mas_runs.BATCH
+    settings = {jax: effort.jax_batch, simd: effort.simd_batch, march: effort.march_batch}
     runs = mas_batches.library(judge, sets, settings) if ours(options) else []
-    if ours(options):
-        runs += mas_batches.marches(judge, sets, effort.marches)
     runs += mas_batches.lsoda(judge, sets, effort.rtols)
     runs += mas_batches.kvaerno(judge, sets, effort.kvaerno_batch)
     timings = measure(runs, options.repeats)

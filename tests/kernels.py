@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -25,6 +26,8 @@ from martensite.elements.base import Heating, Spring
 from martensite.elements.lumped import AbstractLumped
 from martensite.errors import ParameterError
 from martensite.laws.base import Fractions
+from martensite.laws.mas import MullerAchenbachSeelecke
+from martensite.laws.shared.exchange import AbstractExchange
 from martensite.mechanisms.base import AbstractMechanism, Load
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.mechanisms.multibody import AbstractMultibody
@@ -94,6 +97,8 @@ def law_extras(law: Any, xp: Any, strain: Any, stress: Any, temperature: Any) ->
         found += (law.free_energy(xp, strain, temperature), law.depth(xp, temperature))
     if hasattr(law, "jump_rates"):
         found += (law.jump_rates(xp, stress, temperature),)
+    if isinstance(law, AbstractExchange):
+        found += (law.jumps(xp, stress, temperature)(law.quantiles()[0]),)
     return found
 
 
@@ -119,6 +124,15 @@ def element_answers(element: Any, xp: Any, x: Any, force: Any, temperature: Any,
     )
 
 
+def with_layers(element: Any) -> Any:
+    """A copy whose law is of layers; its numbers may be traced ones, which are no parameters."""
+    found = copy(element)
+    (name,) = {"law", "strand", "link"} & set(element.declarations)
+    law = builders.example(MullerAchenbachSeelecke)
+    object.__setattr__(found, name, law if name == "law" else with_layers(getattr(found, name)))
+    return found
+
+
 def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: Any, dt: Any) -> Any:
     """A step against a spring, and what is seen after it."""
     environment = builders.example_environment()
@@ -141,9 +155,14 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
     if not isinstance(element, AbstractLumped):
         with pytest.raises(ParameterError, match="not the same all over"):
             element.in_state(xp, after, *there)
+        with pytest.raises(NotImplementedError):
+            element.advance_rosenbrock(xp, state, heating, pull, dt)
         return after, report.crossing, seen
     put = element.in_state(xp, after, *there)
-    return after, report.crossing, seen, put.force
+    layers = with_layers(element)
+    state = layers.init(xp, force, temperature)
+    ends = layers.advance_rosenbrock(xp, state, heating, pull, dt + 1e-3)
+    return after, report.crossing, seen, put.force, tuple(end.force for end in ends)
 
 
 def mechanism_answers(
@@ -181,7 +200,8 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
         mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
-        own.energy(xp, motion) if hasattr(own, "energy") else 0.0,
+        own.total_energy(xp, motion) if hasattr(own, "total_energy") else 0.0,
+        mechanism.potential(xp, motion.position) or 0.0, mechanism.kinetic(xp, motion),
     )  # fmt: skip
     return tuple(tuple(part) if isinstance(part, list) else part for part in found)
 

@@ -163,7 +163,7 @@ def test_power_of_the_demand_is_change_of_energy_and_losses(count: int) -> None:
 
     def energy(t: float) -> float:
         place, rate = q + t * v + 0.5 * t * t * a, v + t * a
-        return motor.energy(floats, Motion(tuple(place), tuple(rate), ()))
+        return motor.total_energy(floats, Motion(tuple(place), tuple(rate), ()))
 
     needs = motor.demand(floats, Motion(tuple(q), tuple(v), tuple(a)), [0.0])
     lost = motor.rotor_friction * v[-2] ** 2 + motor.resistance * v[-1] ** 2
@@ -184,7 +184,8 @@ def drift(coupling: str, solver: str = "DOP853") -> float:
         lambda t, y: rates(*y, 0.0), (0.0, 5.0), start, method=solver, rtol=1e-12, atol=1e-13
     )
     energies = [
-        motor.energy(floats, Motion((x, a, 0.0), (v, w, i), ())) for x, v, a, w, i in found.y.T
+        motor.total_energy(floats, Motion((x, a, 0.0), (v, w, i), ()))
+        for x, v, a, w, i in found.y.T
     ]
     return float(np.ptp(energies) / energies[0])
 

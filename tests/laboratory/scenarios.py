@@ -44,7 +44,7 @@ class Scenario:
     waveform: AbstractWaveform
     duration: float
     """[s]"""
-    equations: Equations
+    equations: Any
 
     @property
     def times(self) -> list[float]:
@@ -103,7 +103,7 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
         "power": watts, "voltage": math.sqrt(watts * r_A * length),
         "current": math.sqrt(watts / (r_A * length)),
     }[source]  # fmt: skip
-    waveform, duration = _wave(rng, drive, level, constant, source)
+    waveform, duration = make_wave(rng, drive, level, constant, source)
     E = law["E_M"]
     numbers = {
         **law, "s0": stress, "K": stiffness * length / section,
@@ -117,7 +117,7 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
     return Scenario(f"{kind}, {source}, {drive}", system, waveform, duration, equations)
 
 
-def _wave(
+def make_wave(
     rng: Any, drive: str, level: float, constant: float, source: str
 ) -> tuple[AbstractWaveform, float]:
     """A drive that now and then reaches a level, and how long it goes on [s]."""

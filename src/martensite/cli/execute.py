@@ -81,6 +81,9 @@ class Executed:
             "heat": None
             if result.heat is None
             else asdict(result.heat) | {"residual": result.heat.residual},
+            "work": None
+            if result.work is None
+            else asdict(result.work) | {"residual": result.work.residual},
             "status": result.status.name,
             "status_time": result.status_time,
             "stroke": result.stroke,
@@ -103,8 +106,9 @@ class Executed:
         first, *_ = str(self.result).partition("\n")
         show.text(f"{first}; {_stroke(self.result)}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
-        if self.result.heat is not None:
-            show.text(str(self.result.heat))
+        for balance in (self.result.heat, self.result.work):
+            if balance is not None:
+                show.text(str(balance))
         if self.agreements:
             rows = [self._agreement(agreement) for agreement in self.agreements]
             show.table(COMPARED, rows, right=",".join(COMPARED[1:]))

@@ -143,6 +143,17 @@ class AbstractElement(Parametrised):
         """The state after a step of dt [s], and how well the step was solved."""
         raise NotImplementedError
 
+    @property
+    def exchanges(self) -> bool:
+        """True if it offers `advance_rosenbrock`, for a law that gives rates."""
+        return False
+
+    def advance_rosenbrock(
+        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Any, Any, Any]:
+        """States after a step of dt [s], in its middle, and after it to a lower order."""
+        raise NotImplementedError
+
     def warm_start(self, state: Any, found: Any) -> Any:
         """The state, with what `found`, where a step from it ended before, tells its solve."""
         return state

@@ -13,12 +13,15 @@ in its middle, to first order, and a wire that only relaxes does so by
 
 so that a rest is one step, and a power that rises or falls is no error. An element that is not
 linear in force is linearised at the force before, and again at the one found.
+
+Under a law of rates the whole system is one of ordinary differential equations, which a march with
+an error control takes by a method of higher order (`laws.rosenbrock`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from martensite.elements.base import (
     AbstractElement,
@@ -32,6 +35,8 @@ from martensite.elements.base import (
 )
 from martensite.laws.base import Fractions
 from martensite.laws.coupling import Report, advance
+from martensite.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.laws.shared.exchange import AbstractExchange
 from martensite.runtimes.dual import jacobian, value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import Environment
@@ -172,6 +177,49 @@ class AbstractLumped(AbstractElement):
         change = end.martensite - line.fractions.martensite
         rate = xp.detach(xp.where(moves, change / xp.where(moves, dt, 1.0), state.rate))
         return Lumped(memory, force, rate), report._replace(ripple=line.ripple)
+
+    @property
+    def exchanges(self) -> bool:
+        """True if the law is an exchange of layers."""
+        return isinstance(self.law, AbstractExchange)
+
+    def advance_rosenbrock(
+        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Lumped, Lumped, Lumped]:
+        """States after a step of dt [s], in its middle, and after it to a lower order.
+
+        What is owed is not asked for. The law must be an exchange of layers.
+        """
+        law = cast(AbstractExchange, self.law)
+        start, imposed = state.memory.temperature, heating.temperature
+
+        def loaded(xp: Namespace, at: Column) -> Scalar:
+            def near(xp: Namespace, force: Scalar) -> Spring:
+                return self.spring(xp, Fractions(at[0], at[1]), at[2], force)
+
+            return fitted(xp, near, pull, state.force, self.passes)
+
+        def stress(xp: Namespace, at: Column) -> Scalar:
+            return self.stress(xp, loaded(xp, at))
+
+        def power(xp: Namespace, at: Column) -> Column:
+            if imposed is not None:
+                return [self.heat_capacity_total() * (imposed - start) / dt, 0.0]
+            strain = law.strain(xp, Fractions(at[0], at[1]), stress(xp, at), at[2])
+            heat = heating.heat(xp, self.ohms(xp, at[0], strain, at[2]))
+            return [heat.mean - self.heat_loss(xp, at[2], heating.environment), heat.slope]
+
+        def latent(xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+            free = imposed is None
+            return self.latent_heat_total(xp, stress, temperature) if free else 0.0
+
+        def lumped(memory: Any) -> Lumped:
+            force = loaded(xp, [*law.fractions(memory), memory.temperature])
+            return Lumped(memory, force, state.rate)
+
+        coupling = Coupling(stress, power, latent, self.heat_capacity_total())
+        after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
+        return lumped(after), lumped(middle), lumped(coarse)
 
     def rates(self, state: Lumped) -> list[Scalar]:
         """That of the martensite fraction."""

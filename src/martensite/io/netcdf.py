@@ -228,6 +228,7 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "heat_put_in": None if result.heat is None else result.heat.put_in,
         "heat_lost": None if result.heat is None else result.heat.lost,
         "heat_stored": None if result.heat is None else result.heat.stored,
+        **({} if result.work is None else {f"work_{k}": v for k, v in asdict(result.work).items()}),
         "warnings": "\n".join(result.warnings),
         "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
         "martensite_version": _version("martensite"),

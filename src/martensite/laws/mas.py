@@ -18,11 +18,12 @@ implementation of the Saarland group (Ullrich 2014).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
 from martensite.laws.shared.barriers import Process, Start, begin, processes, rate, scales, wells
-from martensite.laws.shared.exchange import Flows, exchange, mean_flows
+from martensite.laws.shared.exchange import AbstractExchange, Flows, exchange, mean_flows
 from martensite.laws.shared.layers import AbstractCrystal, Memory, Pull, Variants, together
 from martensite.parameters import option
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -41,10 +42,9 @@ RESTING = 0.03
 
 
 @LAWS.register("mas")
-class MullerAchenbachSeelecke(AbstractCrystal):
+class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     """Single crystal with austenite and two martensite variants, rate dependent."""
 
-    rate_dependent = True
     cites = ("seelecke2004", "ullrich2014")
 
     rates: str = option(
@@ -95,3 +95,10 @@ class MullerAchenbachSeelecke(AbstractCrystal):
         """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
         found = self.barriers(xp, stress, temperature)
         return Flows(*(rate(xp, process, self.layer_time) for process in found))
+
+    def jumps(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], Flows]:
+        """The same, whatever the quantile."""
+        rates = self.jump_rates(xp, stress, temperature)
+        return lambda quantile: rates

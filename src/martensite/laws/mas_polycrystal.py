@@ -24,9 +24,9 @@ from statistics import NormalDist
 from typing import NamedTuple
 
 from martensite.laws.base import LAWS, Fractions
-from martensite.laws.shared.barriers import Process, Start, begin, edges, scales, wells
-from martensite.laws.shared.exchange import exchange, mean_flows
-from martensite.laws.shared.layers import PRESENT, AbstractLayers, Pull, Variants, variants
+from martensite.laws.shared.barriers import Process, Start, begin, edges, rate, scales, wells
+from martensite.laws.shared.exchange import AbstractExchange, Flows, exchange, mean_flows
+from martensite.laws.shared.layers import PRESENT, Pull, Variants, variants
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.runtimes.nested import total
@@ -56,11 +56,10 @@ class Move(NamedTuple):
 
 
 @LAWS.register("mas-polycrystal")
-class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
+class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     """Groups of layers with distributed barriers (or internal stresses), in series."""
 
     grouped = True
-    rate_dependent = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(
@@ -113,8 +112,26 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
             return plus + grow.plus * left, minus + grow.minus * left
 
         columns = xp.each(group, memory.plus, memory.minus)
-        plus, minus = (tuple(column) for column in columns)
-        return Memory(plus, minus, self.mean(xp, plus, minus), stress, temperature)
+        plus, minus = columns
+        return self.remember(xp, plus, minus, stress, temperature)
+
+    def populations(self, memory: Memory) -> tuple[Column, Column]:
+        """x₊ and x₋ of every group."""
+        return memory.plus, memory.minus
+
+    def remember(
+        self, xp: Namespace, plus: Column, minus: Column, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """The memory with these populations of every group."""
+        mean = self.mean(xp, plus, minus)
+        return Memory(tuple(plus), tuple(minus), mean, stress, temperature)
+
+    def jumps(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], Flows]:
+        """Rates [1/s] of the four processes, by the quantile of a group."""
+        four, time = self.group(xp, stress, temperature), self.layer_time
+        return lambda quantile: Flows(*(rate(xp, process, time) for process in four(quantile)))
 
     def fractions(self, memory: Memory) -> Fractions:
         """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
@@ -187,8 +204,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractLayers):
     ) -> Memory:  # fmt: skip
         """The memory after the accepted step."""
         plus, minus = self.groups_after(xp, move, stress, temperature, dt)
-        mean = self.mean(xp, plus, minus)
-        return Memory(tuple(plus), tuple(minus), mean, stress, temperature)
+        return self.remember(xp, plus, minus, stress, temperature)
 
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar

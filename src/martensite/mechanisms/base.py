@@ -12,9 +12,9 @@ Every mechanism is assembled with its elements in their initial state.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from martensite.elements.base import AbstractElement, Heating
+from martensite.elements.base import AbstractElement, Heating, Pull
 from martensite.laws.coupling import Report
 from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
@@ -35,6 +35,25 @@ class Output(NamedTuple):
     symbol: str
 
 
+class Energy(NamedTuple):
+    """What a mechanism holds [J], but for a constant, and what it gives away."""
+
+    springs: Scalar
+    """Elastic, without the shape-memory elements."""
+    gravity: Scalar
+    kinetic: Scalar
+    """Of motion; of the current in a coil, too."""
+    spent: Scalar
+    """Power [W] that goes into friction and damping, less what motors give."""
+
+
+class Work(NamedTuple):
+    """A force [N] that does work on the outside, and its way [m]."""
+
+    force: Scalar
+    way: Scalar
+
+
 class Load(NamedTuple):
     """An element at a port of a mechanism."""
 
@@ -45,6 +64,9 @@ class Load(NamedTuple):
 
 class AbstractMechanism(Parametrised):
     """Interface of a mechanism."""
+
+    static: ClassVar[bool] = False
+    """True if it takes one element, has no signal, and offers a `load_line`."""
 
     def ports(self) -> tuple[str, ...]:
         """Names of the elements that it takes."""
@@ -89,6 +111,29 @@ class AbstractMechanism(Parametrised):
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        raise NotImplementedError
+
+    def energy(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> Energy | None:
+        """What it holds and gives away in a state; None if it does not say."""
+        return None
+
+    def ways(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], forces: Column
+    ) -> list[Scalar]:
+        """How far the end of each element has moved under these forces [N], as it shortens [m]."""
+        rows = zip(loads, forces, strict=True)
+        return [-load.element.elongation(xp, load.state, force) for load, force in rows]
+
+    def outside(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> list[Work]:
+        """The forces with which it does work on something else."""
+        return []
+
+    def load_line(self, memory: Any) -> Pull:
+        """What the element of a `static` mechanism meets, at any time."""
         raise NotImplementedError
 
     def observe(

@@ -195,7 +195,14 @@ class BeamMotor(AbstractMultibody):
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
         return [*bent, torque, volts - voltage]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Scalar:
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar] | None:
+        """Of the beam [J]; weights are left out. None where energy is not conserved."""
+        if self.coupling != "lagrange":
+            return None
+        rows = zip(self._beam(xp), position[: self.count], strict=True)
+        return 0.5 * total([k * q * q for (_, _, k), q in rows]), 0.0
+
+    def total_energy(self, xp: Namespace, motion: Motion) -> Scalar:
         """Kinetic and elastic energy, and that of the coil [J]; without the element."""
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]

@@ -8,7 +8,7 @@ with F₀ the preload at assembly and x the position. Neither wire nor spring ca
 from __future__ import annotations
 
 from martensite.elements.base import Spring
-from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.base import MECHANISMS, Energy
 from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
@@ -36,6 +36,10 @@ class BiasSpring(AbstractLoadLine):
     ) -> Scalar:
         """Shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
+
+    def energy_at(self, xp: Namespace, force: Scalar, position: Scalar) -> Energy:
+        """F²/2k of the spring."""
+        return Energy(0.5 * force * force * (1.0 / self.stiffness), 0.0, 0.0, 0.0)
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """Element and spring in a row between two walls; the spring's own length is not known."""

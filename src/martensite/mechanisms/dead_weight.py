@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from martensite.elements.base import Spring
-from martensite.mechanisms.base import MECHANISMS
+from martensite.mechanisms.base import MECHANISMS, Energy
 from martensite.mechanisms.drawing import Reading, Shape, bar, weight
 from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.parameters import param
@@ -32,6 +32,10 @@ class DeadWeight(AbstractLoadLine):
     ) -> Scalar:
         """Lift of the mass [m]."""
         return assembly.elongation - elongation
+
+    def energy_at(self, xp: Namespace, force: Scalar, position: Scalar) -> Energy:
+        """The lifted weight."""
+        return Energy(0.0, force * position, 0.0, 0.0)
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """The element hangs from a ceiling, the mass from the element."""

@@ -37,7 +37,7 @@ from __future__ import annotations
 
 from martensite.mechanisms.base import MECHANISMS, Column
 from martensite.mechanisms.drawing import Reading, Shape
-from martensite.mechanisms.joints import bowstring, bowstring_arm, stop_torque
+from martensite.mechanisms.joints import bowstring, bowstring_arm, stop_energy, stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.mechanisms.shared.finger_drawing import drawn_finger
 from martensite.mechanisms.shared.motion import Motion
@@ -118,6 +118,24 @@ class Finger(AbstractMultibody):
         (angle,), (rate,), (acceleration,) = motion
         held = self.spring_torque(xp, angle) + self.stops(xp, angle)
         return [held + self.damping * rate + self.inertia * acceleration]
+
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar]:
+        """Of return spring, stops, and brackets that have met [J]; no weight."""
+        (angle,) = position
+        if self.spring == "follower":
+            stretched = self.extension + self.arm * angle
+        else:
+            across = self.arm * (xp.cos(angle) - 1.0)
+            along = self.arm * xp.sin(angle) + self.height
+            stretched = xp.sqrt(across * across + along * along) - self.height + self.extension
+        spring = 0.5 * self.stiffness * stretched * stretched
+        h = 0.5 * xp.clip(angle, 0.0, 3.1)
+        c, s = xp.cos(h), xp.sin(h)
+        size = xp.sqrt(self.offset * self.offset + self.bracket * self.bracket)
+        past = self.offset * s - self.bracket * c
+        inside = xp.where(past > 0.0, (self.offset * c + self.bracket * s) / size, 1.0)
+        met = -4.0 * self.stop * xp.log(inside)
+        return spring + met + stop_energy(xp, angle, self.lowest, self.highest, self.stop), 0.0
 
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""

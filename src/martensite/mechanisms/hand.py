@@ -40,6 +40,8 @@ from martensite.mechanisms.joints import (
     Rod,
     bowstring,
     hanging_rods,
+    rods_lifted,
+    stop_energy,
     stop_torque,
     two_rods,
 )
@@ -154,6 +156,18 @@ class Hand(AbstractMultibody):
             for k in range(2):
                 found.append(self._held(xp, angles[k], rates[k]) + hung[k] + moved[k])
         return found
+
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar]:
+        """Of joint springs and stops, and of the phalanges [J]."""
+        springs: Scalar = 0.0
+        gravity: Scalar = 0.0
+        for i, size in enumerate(self.sizes()):
+            angles = _two(position, i)
+            gravity = gravity + rods_lifted(xp, *self._rods(size), angles, self.gravity)
+            for angle in angles:
+                springs = springs + (self.torque + 0.5 * self.stiffness * angle) * angle
+                springs = springs + stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return springs, gravity
 
     def start_forces(self, xp: Namespace) -> Column:
         """The preload of the flexors, and what balances it [N]."""

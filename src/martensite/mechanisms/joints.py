@@ -44,6 +44,14 @@ def stop_torque(
     return stiffness * past
 
 
+def stop_energy(
+    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
+) -> Scalar:
+    """Energy [J] of these stops."""
+    past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
+    return 0.5 * stiffness * past * past
+
+
 class Rod(NamedTuple):
     """A uniform link."""
 
@@ -71,3 +79,10 @@ def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: 
     far = 0.5 * second.mass * second.length * xp.sin(angles[0] + angles[1])
     near = (0.5 * first.mass + second.mass) * first.length * xp.sin(angles[0])
     return gravity * (near + far), gravity * far
+
+
+def rods_lifted(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Scalar:
+    """Energy [J] of their weight; 0 at angles zero."""
+    far = 0.5 * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
+    near = (0.5 * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
+    return gravity * (near + far)

@@ -24,7 +24,7 @@ from collections.abc import Sequence
 
 from martensite.mechanisms.base import MECHANISMS, Column, Load, Output
 from martensite.mechanisms.drawing import Reading, Shape, bar, led, pin, weight
-from martensite.mechanisms.joints import stop_torque
+from martensite.mechanisms.joints import stop_energy, stop_torque
 from martensite.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.mechanisms.shared.motion import Motion
 from martensite.parameters import param
@@ -114,6 +114,14 @@ class Lever(AbstractMultibody):
         inertia = self.inertia + self.mass * self.weight_arm * self.weight_arm
         moved = self.damping * rate + inertia * acceleration
         return [self.held(xp, angle) + stop + moved]
+
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar]:
+        """Of return spring and stops, and of the weight [J]."""
+        (angle,) = position
+        rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
+        spring = (self.torque + 0.5 * self.stiffness * angle) * angle
+        stop = stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return spring + stop, self.mass * self.gravity * self.weight_arm * rise
 
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import AbstractMechanism, Column, Energy, Load, Output
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -26,6 +26,8 @@ class Assembly(NamedTuple):
 
 class AbstractLoadLine(AbstractMechanism):
     """Interface of a quasi-static mechanism with one element and one coordinate."""
+
+    static = True
 
     def start_force(self, xp: Namespace) -> Scalar:
         """Force [N] on the element when it is assembled."""
@@ -65,7 +67,7 @@ class AbstractLoadLine(AbstractMechanism):
     ) -> tuple[Assembly, list[object], Report]:  # fmt: skip
         """The element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
-        pull = self._pull(memory)
+        pull = self.load_line(memory)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
@@ -78,14 +80,25 @@ class AbstractLoadLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = fitted(xp, tangent, self._pull(memory), element.force(state), element.passes)
+        force = fitted(xp, tangent, self.load_line(memory), element.force(state), element.passes)
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 
-    def _pull(self, assembly: Assembly) -> Pull:
+    def energy(
+        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
+    ) -> Energy | None:
+        """What it holds at the force and the position where both fit."""
+        (force,), (position,) = self.observe(xp, memory, loads, signals)
+        return self.energy_at(xp, force, position)
+
+    def energy_at(self, xp: Namespace, force: Scalar, position: Scalar) -> Energy | None:
+        """What it holds under a force [N] at a position [m]; None if it does not say."""
+        return None
+
+    def load_line(self, memory: Assembly) -> Pull:
         """The mechanism as the element sees it."""
 
         def pull(xp: Namespace, spring: Spring) -> Scalar:
-            return self.force(xp, assembly, spring)
+            return self.force(xp, memory, spring)
 
         return pull

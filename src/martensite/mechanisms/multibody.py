@@ -25,14 +25,14 @@ from typing import Any, NamedTuple
 
 from martensite.elements.base import AbstractElement
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import AbstractMechanism, Column, Energy, Load, Output
 from martensite.mechanisms.drawing import Reading, Shape, hanging
 from martensite.mechanisms.shared import condensed
 from martensite.mechanisms.shared.elimination import inner, solutions
 from martensite.mechanisms.shared.motion import Course, Motion, Scheme, dynamic, quasi_static
 from martensite.parameters import option, param
 from martensite.runtimes import floats
-from martensite.runtimes.dual import jacobian
+from martensite.runtimes.dual import jacobian, value_and_slope
 from martensite.runtimes.namespace import Namespace, Scalar
 
 
@@ -96,6 +96,10 @@ class AbstractMultibody(AbstractMechanism):
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
 
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar] | None:
+        """Energy [J] of springs, end stops included, and of weights; None if it does not say."""
+        return None
+
     # ---------------------------------------------------------------- what follows
 
     @property
@@ -149,13 +153,64 @@ class AbstractMultibody(AbstractMechanism):
         self, xp: Namespace, position: Column, forces: Column, velocity: Column
     ) -> list[Scalar]:
         """Generalised forces [N] or [N m] of given tensions [N]."""
-        if not self.ports():
-            return [0.0] * len(position)
-        _, lever = jacobian(xp, self.contraction, position)
         motion = Motion(tuple(position), tuple(velocity), (0.0,) * len(position))
         shares = self.transmission(xp, motion)
         arriving = [share * force for share, force in zip(shares, forces, strict=True)]
-        return [inner(arriving, column) for column in zip(*lever, strict=True)]
+        return self._turn(xp, position, arriving)
+
+    def energy(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> Energy | None:
+        """Potential and kinetic energy, and what damping, friction and signals take from both."""
+        course = memory.course
+        rest = (0.0,) * len(course.position)
+        motion = Motion(course.position, course.velocity, rest)
+        held = self.potential(xp, motion.position)
+        if held is None:
+            return None
+        forces = [element.force(state) for element, state, _ in loads]
+        place, speed = motion.position, motion.velocity
+        given = inner(self._turn(xp, place, forces), speed)
+        rubbed = given - inner(self.supply(xp, place, forces, speed), speed)
+        taken = inner(self.demand(xp, motion, signals), speed) - self.gain(xp, motion)
+        return Energy(*held, self.kinetic(xp, motion), rubbed + taken)
+
+    def ways(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], forces: Column
+    ) -> list[Scalar]:
+        """Of their paths: a slack element has an end of its own [m]."""
+        return list(self.contraction(xp, memory.course.position))
+
+    def kinetic(self, xp: Namespace, motion: Motion) -> Scalar:
+        """Half of the square velocity in the inertia, which `demand` is linear in [J]."""
+        if not self.moves:
+            return 0.0
+
+        def needed(xp: Namespace, acceleration: Column) -> Column:
+            signals = [0.0] * len(self.signals())
+            return self.demand(xp, motion._replace(acceleration=tuple(acceleration)), signals)
+
+        _, inertia = jacobian(xp, needed, [0.0] * len(motion.position))
+        return 0.5 * inner(motion.velocity, [inner(row, motion.velocity) for row in inertia])
+
+    def gain(self, xp: Namespace, motion: Motion) -> Scalar:
+        """Rate of all energy along a motion that is not accelerated [W]."""
+
+        def held(xp: Namespace, time: Scalar) -> Scalar:
+            place = tuple(
+                q + time * v for q, v in zip(motion.position, motion.velocity, strict=True)
+            )
+            springs, gravity = self.potential(xp, place) or (0.0, 0.0)
+            return springs + gravity + self.kinetic(xp, motion._replace(position=place))
+
+        return value_and_slope(xp, held, 0.0)[1]
+
+    def _turn(self, xp: Namespace, position: Column, forces: Column) -> list[Scalar]:
+        """Generalised forces of tensions [N] from which friction takes nothing."""
+        if not self.ports():
+            return [0.0] * len(position)
+        _, lever = jacobian(xp, self.contraction, position)
+        return [inner(forces, column) for column in zip(*lever, strict=True)]
 
     def scheme(self, xp: Namespace, course: Course, dt: Scalar) -> Scheme:
         """How velocity and acceleration follow from the position at the end of a step."""

@@ -114,6 +114,13 @@ class ParallelPlatform(AbstractMultibody):
             for inertia, rate, pull in zip(moving, rates, weight, strict=True)
         ]
 
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar]:
+        """Of the plate's weight [J]; its springs are elements."""
+        alpha, beta = position
+        plate = self.top_plate(xp)
+        height = xp.cos(alpha) * xp.cos(beta) - 1.0
+        return 0.0, plate.mass * self.gravity * plate.above * height
+
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, three times [N]."""
         return [self.preload] * 3

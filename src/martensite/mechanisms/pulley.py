@@ -54,6 +54,11 @@ class AntagonisticPulley(AbstractMultibody):
         held = self.stiffness * angle + self.moment * xp.sin(angle)
         return [held + self.damping * rate + self.inertia * acceleration]
 
+    def potential(self, xp: Namespace, position: Column) -> tuple[Scalar, Scalar]:
+        """Of the joint and of the lever [J]."""
+        (angle,) = position
+        return 0.5 * self.stiffness * angle * angle, self.moment * (1.0 - xp.cos(angle))
+
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, twice [N]."""
         return [self.preload, self.preload]

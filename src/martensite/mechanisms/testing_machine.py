@@ -30,7 +30,15 @@ from typing import Any, NamedTuple
 from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.errors import ParameterError
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Energy,
+    Load,
+    Output,
+    Work,
+)
 from martensite.mechanisms.drawing import Reading, Shape, bar
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -136,6 +144,20 @@ class TensileTestingMachine(AbstractMechanism):
         else:
             travel = self._target(signals)
         return [force], [give - travel, travel]
+
+    def energy(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> Energy:
+        """F²/2k of frame and grips."""
+        (force,), _ = self.observe(xp, memory, loads, signals)
+        return Energy(0.5 * force * force * (1.0 / self.stiffness), 0.0, 0.0, 0.0)
+
+    def outside(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> list[Work]:
+        """The element pulls the crosshead back."""
+        (force,), (_, travel) = self.observe(xp, memory, loads, signals)
+        return [Work(force, -travel)]
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """The element between grips; the crosshead draws the upper one, by a spring if it gives."""

@@ -1,8 +1,8 @@
 /* The march with an error control in every step: each is as short as the most demanding run needs
    it. What it does is said in martensite/simulate/adaptive.py, which is the same march on floats.
 
-   Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_solve,
-   k_ripple, k_points and k_flows, and: ORDER; PLACES (the drive of each known heat); of each point its START
+   Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_solve
+   (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple, k_points, k_flows and k_mechanics, and: PLACES (the drive of each known heat); of each point its START
    among the numbers of all and its SIZES, the fraction that it is part of (PARTS) and WEIGHTS; and
    PLACES_OF_RATES in the state. */
 
@@ -20,7 +20,8 @@
 #define CUBIC 0.385
 #define PER_STRESS (1.0 / 7e6)
 #define LEAST_FALL 1e-9
-#define PART (ORDER == 2 ? 1.0 / 3.0 : 1.0)
+#define PART (ORDER == 4 ? 1.0 : 1.0 / 3.0)
+#define CHECKED (ORDER == 4 && b->at_edge)
 
 static const long places[HEATED + 1] = PLACES;
 static const long parts[POINTS + 1] = PARTS;
@@ -137,7 +138,9 @@ static void resolve_length(const march *m, block *b) {
     }
 }
 
-static double root_of_error(double error) { return ORDER == 2 ? cbrt(error) : sqrt(error); }
+static double root_of_error(double error) {
+    return ORDER == 4 ? sqrt(sqrt(error)) : cbrt(error);
+}
 
 /* by what the length of a step is to be changed for the tolerance */
 static double change_of(double error) {
@@ -183,10 +186,19 @@ static void begin_step(const march *m, block *b) {
     b->planned = b->length < allowed ? allowed : 0.0;
 }
 
-static void try_step(const march *m, block *b) {
-    moments whole[SETS][DRIVES + 1];
-    resolve_length(m, b);
-    for (long set = 0; set < SETS; set++) join(b->one[set], b->two[set], b->length, whole[set]);
+#if ORDER == 4
+/* one step where laws give rates: its end, its middle, and its end to a lower order */
+static void solve_step(block *b, const moments (*whole)[DRIVES + 1]) {
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(whole, 0, b->length, b->x0 + SIZE);
+    k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
+    memcpy(b->full, b->ends, sizeof(column) * SIZE);
+    memcpy(b->half, b->ends + SIZE, sizeof(column) * SIZE);
+    memcpy(b->whole, b->ends + 2 * SIZE, sizeof(column) * SIZE);
+}
+#else
+/* a step in two halves, and the same as a whole */
+static void solve_step(block *b, const moments (*whole)[DRIVES + 1]) {
     const double gap = 0.5 * (b->last_half + 0.5 * b->length);
     memcpy(b->x0, b->state, sizeof(column) * SIZE);
     feed(b->one, b->owed, 0.5 * b->length, b->x0 + SIZE);
@@ -199,20 +211,49 @@ static void try_step(const march *m, block *b) {
         EACH(i) b->x1[rates[k]][i] += 0.5 * b->length / gap *
                                       (b->half[rates[k]][i] - b->state[rates[k]][i]);
     k_solve(LANES, *b->c, *b->x1, *b->full);
-    if (b->lapse > 0.0) {
-        k_ripple(LANES, *b->c, *b->x0, *b->ripple_half);
-        k_ripple(LANES, *b->c, *b->x1, *b->ripple_full);
-    }
     feed(whole, b->owed, b->length, b->x0 + SIZE);
     for (long k = 0; k < RATES; k++)
         EACH(i) b->x0[rates[k]][i] = 0.5 * (b->half[rates[k]][i] + b->full[rates[k]][i]);
     k_solve(LANES, *b->c, *b->x0, *b->whole);
+}
+#endif
+
+/* Behind an edge of a drive rates may die out within a part of a step, which no error estimate of
+   that step sees: a step of half its length is compared with its middle, and replaces it. */
+static void check_middle(const march *m, block *b) {
+#if ORDER == 4
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, 0, 0.5 * b->length, b->x0 + SIZE);
+    k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
+    memcpy(b->half, b->ends, sizeof(column) * SIZE);
+    memcpy(b->doubted, b->middle, sizeof(column) * SEEN);
+    judge_at(m, b, b->half, b->time + 0.5 * b->length, 0, b->middle);
+#endif
+}
+
+/* what the means of the drives leave out in each half */
+static void find_ripple(block *b) {
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, b->owed, 0.5 * b->length, b->x0 + SIZE);
+    k_ripple(LANES, *b->c, *b->x0, *b->ripple_half);
+    memcpy(b->x1, b->half, sizeof(column) * SIZE);
+    feed(b->two, 0, 0.5 * b->length, b->x1 + SIZE);
+    k_ripple(LANES, *b->c, *b->x1, *b->ripple_full);
+}
+
+static void try_step(const march *m, block *b) {
+    moments whole[SETS][DRIVES + 1];
+    resolve_length(m, b);
+    for (long set = 0; set < SETS; set++) join(b->one[set], b->two[set], b->length, whole[set]);
+    solve_step(b, whole);
+    if (b->lapse > 0.0) find_ripple(b);
     k_points(LANES, *b->c, *b->half, *b->points_half);
     k_points(LANES, *b->c, *b->full, *b->points_full);
     const double end = b->time + b->length;
     judge_at(m, b, b->whole, end, 1, b->coarse);
     judge_at(m, b, b->half, b->time + 0.5 * b->length, 0, b->middle);
     judge_at(m, b, b->full, end, 1, b->fine);
+    if (CHECKED) check_middle(m, b);
 }
 
 /* share of a step at which a number falls to 0; else 1 */
@@ -323,6 +364,11 @@ static double judge_errors(const march *m, block *b, column ripple, column resid
             const double own = (k ? apart : apart > ripple[i] ? apart : ripple[i]) / scale * per;
             b->error[i] = own > b->error[i] ? own : b->error[i];
         }
+    for (long k = 0; k < (CHECKED ? JUDGED : 0); k++)
+        EACH(i) {
+            const double own = fabs(b->middle[k][i] - b->doubted[k][i]) / b->scale[k][i] * per;
+            b->error[i] = own > b->error[i] ? own : b->error[i];
+        }
     LIVE(i) {
         if (!(finite[i] == 0.0 && residual[i] <= SOLVED)) b->error[i] = HUGE_VAL;
         worst = b->error[i] > worst ? b->error[i] : worst;
@@ -349,8 +395,8 @@ static int judge_step(march *m, block *b) {
         }
         if (last && !good) worst = 1.0;
         double change = change_of(worst);
-        const double rough = (worst > 1e-9 ? worst : 1e-9) / (ORDER == 2 ? length : 1.0) /
-                             (length * length);
+        const double cube = length * length * length;
+        const double rough = (worst > 1e-9 ? worst : 1e-9) / (ORDER == 4 ? cube * length : cube);
         if (b->rough > 0.0 && b->rough < rough) change *= root_of_error(b->rough / rough);
         const double grown = length * (change < LEAST_CHANGE ? LEAST_CHANGE :
                                        change > b->grows ? b->grows : change);
@@ -445,15 +491,20 @@ static int interpolate(const block *b, double time, const double *per, column *x
 /* states at a time after a step from the start or the middle of the one taken */
 static void step_aside(const march *m, block *b, double time, column *x) {
     const double middle = b->time + 0.5 * b->length;
-    const int late = time >= middle;
+    const int late = ORDER == 2 && time >= middle;
     const double begin = late ? middle : b->time;
     memcpy(x, late ? b->half : b->state, sizeof(column) * SIZE);
     if (!(time - begin > HAIR * b->length)) return;
     moments found[SETS][DRIVES + 1];
     bring(m, b, begin, time, found);
     feed(found, late ? 0 : b->owed, time - begin, x + SIZE);
+#if ORDER == 4
+    k_rosenbrock(LANES, *b->c, *x, *b->ends);
+    memcpy(x, b->ends, sizeof(column) * SIZE);
+#else
     k_solve(LANES, *b->c, *x, *b->whole);
     memcpy(x, b->whole, sizeof(column) * SIZE);
+#endif
 }
 
 /* outputs at the samples within the step that was taken */
@@ -499,9 +550,49 @@ static void keep_ledger(block *b) {
         EACH(i) b->stored[i] += b->fine[k][i] - b->seen[k][i];
 }
 
+#if MECHANICS
+static void mechanics_at(const march *m, block *b, const column *states, double time, int before,
+                         column *found) {
+    memcpy(b->x2, states, sizeof(column) * SIZE);
+    if (MECHANICS_SIGNALS) put_signals(m, b, time, before, b->x2 + SIZE);
+    k_mechanics(LANES, *b->c, *b->x2, *found);
+}
+
+/* work in a step: of forces along their ways, both through three points, and power by Simpson */
+static void keep_work(const march *m, block *b) {
+    const double third = b->length / 6.0, middle = b->time + 0.5 * b->length;
+    column *first = b->mechanics[0], *half = b->mechanics[1], *last = b->mechanics[2];
+    if (MECHANICS_SIGNALS || !b->known_work) mechanics_at(m, b, b->state, b->time, 0, first);
+    mechanics_at(m, b, b->half, middle, 0, half);
+    mechanics_at(m, b, b->full, b->time + b->length, 1, last);
+    for (long k = 0; k < FORCES; k++) {
+        const long f = 4 + 2 * k, w = f + 1;
+        EACH(i) {
+            const double a = first[w][i], c = half[w][i], e = last[w][i];
+            const double work = first[f][i] * (4.0 * c - 3.0 * a - e) / 6.0 +
+                                half[f][i] * (e - a) * (2.0 / 3.0) +
+                                last[f][i] * (a - 4.0 * c + 3.0 * e) / 6.0;
+            b->work[k < ELEMENTS ? 0 : 1][i] += work;
+            b->work[6][i] += fabs(work);
+        }
+    }
+    EACH(i) {
+        const double spent = third * (first[3][i] + 4.0 * half[3][i] + last[3][i]);
+        b->work[2][i] += spent;
+        b->work[6][i] += fabs(spent);
+    }
+    for (long k = 0; k < 3; k++) EACH(i) b->work[3 + k][i] += last[k][i] - first[k][i];
+    memcpy(first, last, sizeof(column) * MECHANICS);
+    b->known_work = 1;
+}
+#endif
+
 static void accept_step(march *m, block *b) {
     const double length = b->length;
     if (HEATED) keep_ledger(b);
+#if MECHANICS
+    keep_work(m, b);
+#endif
     double end = b->time + length;
     if (m->duration - end < SHORTEST * m->duration) end = m->duration;
     LIVE(i) if (b->status[i] != OK) { /* it has no solution here, and ends where it began */
@@ -509,8 +600,9 @@ static void accept_step(march *m, block *b) {
         b->live[i] = 0;
     }
     keep_samples(m, b, end);
-    b->steps += 2;
-    b->longest = 0.5 * length > b->longest ? 0.5 * length : b->longest;
+    const double own = ORDER == 4 ? length : 0.5 * length;
+    b->steps += ORDER == 4 ? 1 : 2;
+    b->longest = own > b->longest ? own : b->longest;
     if (m->recording && b->first_run == 0) {
         m->record[m->recorded++] = b->time + 0.5 * length;
         m->record[m->recorded++] = end;

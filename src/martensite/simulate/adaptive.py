@@ -1,11 +1,12 @@
 r"""The march with an error control in every step, on plain floats.
 
 Every step is made once whole and once in two halves, with what the drives bring in each. Halves and
-whole differ by 2^p - 1 times the error of the halves (order p), in the outputs that a user reads:
-temperature, fraction, stress, coordinates. A step whose error is above the tolerance is made again,
-shorter. What the difference says about the heat in an element is handed on to the next step as heat
-that is owed, which makes the march third order where it is smooth. The memory of a law is never
-touched: the two halves are legal steps.
+whole differ by three times the error of the halves, in the outputs that a user reads: temperature,
+fraction, stress, coordinates. Where a law gives rates a step is one of Rodas4, with the difference
+to its inner solution of order three (`martensite.laws.rosenbrock`). A step whose error is above the
+tolerance is made again, shorter. What the difference says about the heat in an element is handed on
+to the next step as heat that is owed, which makes the march third order where it is smooth. The
+memory of a law is never touched: the two halves are legal steps.
 
 A law without rates follows the extremes of temperature and stress, and a step sees its ends only: a
 parabola through both ends and the middle shows a turn between them, and steps end on turns that
@@ -109,6 +110,8 @@ class AdaptiveMarch(AbstractMarch):
         compiled = plan.compiled
         self.heating = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w > 1]
         self.prescribing = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w == 1]
+        self.exponent = 4.0 if plan.order == 4 else 3.0
+        """Of the length of a step that its error goes with."""
         self.points = functions["points"](*self.state)
         self.earlier_points = self.points
         """Half a step earlier."""
@@ -231,21 +234,20 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _try_step(self, length: float, halves: Sequence[Row]) -> Trial:
-        """Make the step whole and in halves, and compare."""
-        step, size, plan = self.functions["solve"], self.size, self.plan
-        one = step(*self._guessed(self.state, self.rates, length), *halves[0], 0.5 * length)
-        guessed = self._guessed(one[:size], [self.state[k] for k in plan.compiled.rates], length)
-        two = step(*guessed, *halves[1], 0.5 * length)
-        mean = [0.5 * (one[k] + two[k]) for k in plan.compiled.rates]
-        whole = step(*self._with_rates(self.state, mean), *self._whole(halves, length), length)
+        """Make a step in two ways, and compare."""
+        plan = self.plan
+        solve = self._solve_rosenbrock if plan.order == 4 else self._solve_halves
+        one, two, whole, residual = solve(length, halves)
+        doubt = 0.0
+        if plan.order == 4 and self.at_edge:
+            one, doubt = self._check_middle(length, halves, one)
         signals, judge = self.signals(self.time + length, before=True), self.functions["judge"]
-        coarse, fine = judge(*whole[:size], *signals), judge(*two[:size], *signals)
-        part = 1.0 / (2.0**plan.order - 1.0)
-        error = 0.0
+        coarse, fine = judge(*whole, *signals), judge(*two, *signals)
+        part = 1.0 if plan.order == 4 else 1.0 / 3.0
+        error = doubt
         for k in range(self.judged):
             error = max(error, part * abs(fine[k] - coarse[k]) / self._scale(k, fine[k]))
-        residual = max(whole[size], one[size], two[size])
-        lapse, ripple = self._measure(length, halves, one[:size])
+        lapse, ripple = self._measure(length, halves, one)
         error = max(error, ripple / self._scale(0, fine[0])) / plan.tolerance
         if not (residual <= SOLVED and error < math.inf):
             error, residual = math.inf, max(residual, 2.0 * SOLVED)
@@ -257,9 +259,40 @@ class AdaptiveMarch(AbstractMarch):
                 owed[place] = part * (a - b)
         points = self.functions["points"]
         return Trial(
-            length, halves, one[:size], two[:size], fine,
-            (points(*one[:size]), points(*two[:size])), tuple(owed), error, ripple, residual, lapse,
+            length, halves, one, two, fine, (points(*one), points(*two)), tuple(owed), error,
+            ripple, residual, lapse,
         )  # fmt: skip
+
+    def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
+        """Middle and end of a step in two halves, its end as a whole, and the worst residual."""
+        step, size, plan = self.functions["solve"], self.size, self.plan
+        one = step(*self._guessed(self.state, self.rates, length), *halves[0], 0.5 * length)
+        guessed = self._guessed(one[:size], [self.state[k] for k in plan.compiled.rates], length)
+        two = step(*guessed, *halves[1], 0.5 * length)
+        mean = [0.5 * (one[k] + two[k]) for k in plan.compiled.rates]
+        whole = step(*self._with_rates(self.state, mean), *self._whole(halves, length), length)
+        residual = max(whole[size], one[size], two[size])
+        return one[:size], two[:size], whole[:size], residual
+
+    def _solve_rosenbrock(
+        self, length: float, halves: Sequence[Row]
+    ) -> tuple[Row, Row, Row, float]:
+        """Middle and end of a step where laws give rates, and its end to a lower order."""
+        size, inputs = self.size, self._whole(halves, length)
+        ends = self.functions["rosenbrock"](*self.state, *inputs, length)
+        return ends[size : 2 * size], ends[:size], ends[2 * size :], 0.0
+
+    def _check_middle(self, length: float, halves: Sequence[Row], middle: Row) -> tuple[Row, float]:
+        """The middle of a step by one of half its length, and what the two differ by.
+
+        Behind an edge of a drive rates may die out within a part of a step, which no error estimate
+        of that step sees.
+        """
+        signals, judge = self.signals(self.time + 0.5 * length), self.functions["judge"]
+        found = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
+        pairs = zip(judge(*found, *signals), judge(*middle, *signals), strict=True)
+        apart = [abs(a - b) / self._scale(k) for k, (a, b) in enumerate(list(pairs)[: self.judged])]
+        return found, max(apart, default=0.0)
 
     def _guessed(self, state: Row, before: Sequence[float], length: float) -> Row:
         """A state whose rates go on as they changed over two half steps."""
@@ -335,11 +368,11 @@ class AdaptiveMarch(AbstractMarch):
 
     def _change(self, trial: Trial) -> float:
         """By what the length of a step is to be changed for the tolerance."""
-        return SAFETY * max(trial.error, 1e-9) ** (-1.0 / (self.plan.order + 1.0))
+        return SAFETY * max(trial.error, 1e-9) ** (-1.0 / self.exponent)
 
     def _trend(self, trial: Trial) -> float:
         """By what the next step is to be shorter if errors go on to grow as they just did."""
-        power = self.plan.order + 1.0
+        power = self.exponent
         rough = max(trial.error, 1e-9) / trial.length**power
         last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
@@ -359,16 +392,45 @@ class AdaptiveMarch(AbstractMarch):
         pairs = zip(trial.seen[self.judged :], self.seen[self.judged :], strict=True)
         found.stored += sum(b - a for b, a in list(pairs)[-heats:]) if heats else 0.0
 
+    def _keep_work(self, trial: Trial) -> None:
+        """Work in a step: of forces along their ways, both through three points, and powers."""
+        mechanics, times = self.functions["mechanics"], (self.time, self.time + 0.5 * trial.length)
+        last = self.signals(self.time + trial.length, before=True)
+        first, half, last = (
+            mechanics(*state, *signals)
+            for state, signals in zip(
+                (self.state, trial.half, trial.full), (*map(self.signals, times), last), strict=True
+            )
+        )
+        if not first:
+            return
+        by_elements, outside, spent, *held, passed = self.found.work
+        count = self.plan.compiled.workers[0]
+        for k, place in enumerate(range(4, len(first), 2)):
+            forces, ways = (
+                tuple(row[i] for row in (first, half, last)) for i in (place, place + 1)
+            )
+            work = find_work(forces, ways)
+            by_elements, outside = (
+                (by_elements + work, outside) if k < count else (by_elements, outside + work)
+            )
+            passed += abs(work)
+        more = trial.length / 6.0 * (first[3] + 4.0 * half[3] + last[3])
+        held = (x + b - a for x, a, b in zip(held, first[:3], last[:3], strict=True))
+        self.found.work = (by_elements, outside, spent + more, *held, passed + abs(more))
+
     def _accept(self, trial: Trial, most: float, planned: float) -> None:
         """Go on to the end of a step."""
         self._keep_ledger(trial)
+        self._keep_work(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
         nodes = [*self.nodes, *self._reached(trial)]
         self._keep_samples(end, trial, nodes)
-        found.steps += 2
-        found.longest = max(found.longest, 0.5 * length)
+        parts = 1 if self.plan.order == 4 else 2
+        found.steps += parts
+        found.longest = max(found.longest, length / parts)
         found.ripple = max(found.ripple, trial.ripple)
         found.residual = max(found.residual, trial.residual)
         if self.plan.recorded:
@@ -445,11 +507,12 @@ class AdaptiveMarch(AbstractMarch):
     def _step_aside(self, trial: Trial, time: float) -> Row:
         """State after a step from the last half step."""
         middle = self.time + 0.5 * trial.length
-        late = time >= middle
+        name = "rosenbrock" if self.plan.order == 4 else "solve"
+        late = name == "solve" and time >= middle
         begin, state = (middle, trial.half) if late else (self.time, self.state)
         if time - begin > HAIR * trial.length:
             inputs = self._fed(self._brought(begin, time), int(late))
-            state = self.functions["solve"](*state, *inputs, time - begin)[: self.size]
+            state = self.functions[name](*state, *inputs, time - begin)[: self.size]
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:
@@ -512,6 +575,13 @@ def find_dip(first: float, middle: float, last: float) -> float:
     share, below = find_extreme(first, middle, last)
     least = min(first, middle, last)
     return share if middle - first < 0.5 * (last - first) and LEAST < least < 2.0 * below else 1.0
+
+
+def find_work(force: Sequence[float], way: Sequence[float]) -> float:
+    """∫ F dw [J] of parabolas through start, middle and end of a step."""
+    a, b, c = way
+    first, middle, last = 4.0 * b - 3.0 * a - c, 4.0 * (c - a), a - 4.0 * b + 3.0 * c
+    return (force[0] * first + force[1] * middle + force[2] * last) / 6.0
 
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:

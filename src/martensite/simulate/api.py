@@ -14,7 +14,7 @@ from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import Grid, cut_steps, steps_through
 from martensite.simulate.march import Border, Track, march_floats
 from martensite.simulate.marching import Marched, Plan
-from martensite.simulate.result import HeatBalance, Result, profiles_of
+from martensite.simulate.result import HeatBalance, Result, WorkBalance, profiles_of
 from martensite.simulate.warnings import add_warnings
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -75,6 +75,7 @@ def simulate(
     plan = Plan(
         compiled, waves, times, tolerance, first_step(system, duration, samples),
         envelope_of(system), step=step, recorded=runtime == "jax" and step is None,
+        halves=runtime == "jax",
     )  # fmt: skip
     chosen = "auto" if runtime == "jax" else runtime
     engine = Engine(compiled, compiled.values(system), chosen, tell, budget)
@@ -186,11 +187,17 @@ def _result(
         system, waveform, list(plan.times[: len(rows)]), columns, found.status, when, found.steps,
         found.longest, accuracy, profiles=profiles_of(len(names), rows), runtime=runtime,
         rejected=found.rejected, ripple=found.ripple, heat=_balance(plan, found),
+        work=None if accuracy is None else _work(plan, found),
     )  # fmt: skip
     if result.heat is not None and result.heat.residual > plan.tolerance:
         result.warnings.append(
             f"Warning: {result.heat.residual:.1e} of the heat is not accounted for, more than the "
             f"tolerance of {plan.tolerance:.1e}."
+        )
+    if result.work is not None and result.work.residual > plan.tolerance:
+        result.warnings.append(
+            f"Warning: {result.work.residual:.1e} of the mechanical work is not accounted for, "
+            f"more than the tolerance of {plan.tolerance:.1e}."
         )
     if leaves:
         result.warnings.append(describe_exit(system, found.time, found.place, found.value))
@@ -203,6 +210,12 @@ def _balance(plan: Plan, found: Marched) -> HeatBalance | None:
     if plan.step is not None or not fed or len(plan.compiled.heated) < fed:
         return None
     return HeatBalance(found.put_in, found.lost, found.stored)
+
+
+def _work(plan: Plan, found: Marched) -> WorkBalance | None:
+    """Where the work went, if the mechanism says what it holds."""
+    says = plan.compiled.program.functions["mechanics"].outputs
+    return WorkBalance(*found.work) if says else None
 
 
 def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:

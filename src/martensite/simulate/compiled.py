@@ -83,6 +83,14 @@ class CompiledMarch(Compiled):
     """What `points` returns, one after the other."""
     rates: tuple[int, ...] = ()
     """Places in the state of numbers that only tell a solve where to look."""
+    workers: tuple[int, int] = (0, 0)
+    """How many forces of elements, and how many of the outside, `mechanics` returns with their
+    ways, after energies and power of the mechanism; none at all if it does not say."""
+
+    @property
+    def order(self) -> int:
+        """Of a step with error control: 4 where laws give rates, else 2."""
+        return 4 if "rosenbrock" in self.program.functions else 2
 
     @property
     def inputs(self) -> int:
@@ -152,6 +160,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         heated=trace.add_judge(wanted, feeds),
         points=trace.add_points(judged),
         rates=trace.rates(),
+        workers=trace.add_mechanics(),
     )  # fmt: skip
 
 
@@ -200,7 +209,14 @@ class _Trace:
             state, drives = brought(numbers)
             return list(self.system.flows(xp, state, *drives))
 
+        def rosenbrock(xp: Any, *arguments: Any) -> list[Any]:
+            *numbers, dt = arguments
+            state, drives = brought(numbers)
+            return flatten(self.system.step_rosenbrock(xp, state, *drives, dt=dt))
+
         self.program.add("step", [*self.names, *inputs, "dt"], step)
+        if reports > len(REPORT) and self.system.exchanges():
+            self.program.add("rosenbrock", [*self.names, *inputs, "dt"], rosenbrock)
         if reports > len(REPORT):
             self.program.add("flows", [*self.names, *inputs], flows)
         made = self.program.functions["step"]
@@ -238,6 +254,22 @@ class _Trace:
 
         self.program.add("points", self.names, points)
         return tuple(places)
+
+    def add_mechanics(self) -> tuple[int, int]:
+        """Energies of the mechanism and what does work on it; the number of these forces."""
+        found = (0, 0)
+
+        def mechanics(xp: Any, *arguments: Any) -> list[Any]:
+            nonlocal found
+            state = self.shape.rebuild(arguments[: self.size])
+            seen = self.system.mechanics(xp, state, *arguments[self.size :])
+            if seen is None:
+                return []
+            found = len(seen.elements), len(seen.outside)
+            return flatten(seen)
+
+        self.program.add("mechanics", [*self.names, *self.signals], mechanics)
+        return found
 
     def rates(self) -> tuple[int, ...]:
         """Places in the state of numbers that only tell a solve where to look."""

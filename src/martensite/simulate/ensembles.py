@@ -28,13 +28,11 @@ from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.marching import Marched, Plan
-from martensite.simulate.marching_native import Rows, Runs, march_runs
+from martensite.simulate.marching_native import RANGES, Rows, Runs, march_runs
 from martensite.status import Status
 from martensite.system import AbstractSystem
 
 Numbers: TypeAlias = NDArray[np.float64]
-RANGES = 12
-"""Where the ranges begin among the numbers of a run, see `Rows`."""
 RIPPLE, RESIDUAL = 7, 8
 
 
@@ -71,7 +69,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
     judged = [compiled.outputs.index(name) for name, _ in compiled.judged]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
     seen = [outputs.index(place) for place in judged]
-    compared, local = choose_samples(len(plan.times)), LOCAL * tolerance
+    compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
     whole = replace(runs, outputs=outputs)
     before = march_runs(replace(whole, plan=some))

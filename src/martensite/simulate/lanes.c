@@ -3,7 +3,8 @@
    a whole, and no ledger is kept. What is done, and why, is said in martensite/simulate/adaptive.py.
 
    Before this text stand martensite/signals/reader.c, the kernels k_prepare, k_init, k_observe,
-   k_judge, k_solve, k_ripple and k_points over LANES lanes, and what marching.c and adaptive.c ask for.
+   k_judge, k_solve (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple and k_points over
+   LANES lanes, what marching.c and adaptive.c ask for, and which numbers of the state are OBSERVED.
    Loops over lanes are written so that a compiler makes vectors of them: values are chosen, not
    branched upon, except where few lanes have something to do. */
 
@@ -25,9 +26,11 @@
 #define PER_STRESS (1.0 / 7e6)
 #define LEAST_FALL 1e-9
 #define LEAST_ERROR 1e-9
-#define PART (ORDER == 2 ? 1.0 / 3.0 : 1.0)
+#define PART (ORDER == 4 ? 1.0 : 1.0 / 3.0)
+#define POWER (ORDER == 4 ? 0.25 : 1.0 / 3.0) /* of an error, for the length of a step */
 #define SEEN (JUDGED + ENVELOPE + HEATED)
 #define REPORTS 1
+#define ANSWERS (ORDER == 4 ? 3 * SIZE : SIZE + REPORTS)
 #define MOMENTS 7
 #define IDLE 2 /* lanes without a run from which on runs are begun */
 #define EACH(i) _Pragma("omp simd") for (long i = 0; i < LANES; i++)
@@ -63,7 +66,7 @@ typedef struct {
 typedef struct {
     long count;
     flags_of_lanes run, sample, leaving;
-    column begin, end, c[CONSTANTS], x[SIZE + INPUTS + 1], y[SIZE + REPORTS], row[OUTPUTS + 1];
+    column begin, end, c[CONSTANTS], x[SIZE + INPUTS + 1], y[ANSWERS], row[OUTPUTS + 1];
     column owed[DRIVES + 1];
     drives_of_lanes then[DRIVES + 1];
 } steps_aside;
@@ -86,6 +89,7 @@ typedef struct {
     column one[DRIVES + 1][MOMENTS], two[DRIVES + 1][MOMENTS];
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
     column whole[SIZE + REPORTS], half[SIZE + REPORTS], full[SIZE + REPORTS];
+    column ends[ORDER == 4 ? 3 * SIZE : 1], doubted[SEEN + 1];
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], row[OUTPUTS + 1];
@@ -102,7 +106,7 @@ typedef struct {
     const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
-    double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
+    double *numbers;      /* (runs, 19 + JUDGED): what is said of a run */
     double *record;
 } march;
 
@@ -501,14 +505,37 @@ static void resolve_lengths(const march *m, block *b) {
 
 /* ------------------------------------------------------------------ a step */
 
-static void try_steps(const march *m, block *b) {
-    column whole[DRIVES + 1][MOMENTS], half, gap, end, middle;
-    for (long k = 0; k < DRIVES; k++) join(b, k, whole[k]);
+#if ORDER == 4
+/* one step where laws give rates: its end, its middle, and its end to a lower order */
+static void solve_steps(block *b, const column (*whole)[MOMENTS]) {
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(whole, 0, b->length, b->x0 + SIZE);
+    k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
+    memcpy(b->full, b->ends, sizeof(column) * SIZE);
+    memcpy(b->half, b->ends + SIZE, sizeof(column) * SIZE);
+    memcpy(b->whole, b->ends + 2 * SIZE, sizeof(column) * SIZE);
+}
+
+/* Behind an edge of a drive rates may die out within a part of a step, which no error estimate of
+   that step sees: a step of half its length is compared with its middle, and replaces it. */
+static void check_middles(const march *m, block *b, const column half, const column middle) {
+    column seen[SEEN + 1];
+    if (!any(b->at_edge)) return;
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, 0, half, b->x0 + SIZE);
+    k_rosenbrock(LANES, *b->c, *b->x0, *b->ends);
+    judge_at(m, b, b->ends, middle, 0, seen);
+    for (long k = 0; k < SIZE; k++) BLEND(b->half[k], b->at_edge, b->ends[k]);
+    memcpy(b->doubted, b->middle, sizeof(column) * SEEN);
+    for (long k = 0; k < SEEN; k++) BLEND(b->middle[k], b->at_edge, seen[k]);
+}
+#else
+/* steps in two halves, and the same as wholes */
+static void solve_steps(block *b, const column (*whole)[MOMENTS]) {
+    column half, gap;
     EACH(i) {
         half[i] = 0.5 * b->length[i];
         gap[i] = 0.5 * (b->last_half[i] + half[i]);
-        middle[i] = b->time[i] + half[i];
-        end[i] = b->time[i] + b->length[i];
     }
     memcpy(b->x0, b->state, sizeof(column) * SIZE);
     feed(b->one, b->owed, half, b->x0 + SIZE);
@@ -524,23 +551,48 @@ static void try_steps(const march *m, block *b) {
         EACH(i) (*x)[i] += half[i] / gap[i] * (b->half[rates[k]][i] - b->state[rates[k]][i]);
     }
     k_solve(LANES, *b->c, *b->x1, *b->full);
-    double lapse = 0.0;
-    EVERY(i) lapse = larger(lapse, b->lapse[i]);
-    if (lapse > 0.0) {
-        k_ripple(LANES, *b->c, *b->x0, *b->ripple_half);
-        k_ripple(LANES, *b->c, *b->x1, *b->ripple_full);
-    }
     feed(whole, b->owed, b->length, b->x0 + SIZE);
     for (long k = 0; k < RATES; k++) {
         column *x = b->x0 + rates[k];
         EACH(i) (*x)[i] = 0.5 * (b->half[rates[k]][i] + b->full[rates[k]][i]);
     }
     k_solve(LANES, *b->c, *b->x0, *b->whole);
+}
+
+static void check_middles(const march *m, block *b, const column half, const column middle) {
+    (void)m, (void)b, (void)half, (void)middle;
+}
+#endif
+
+/* what the means of the drives leave out in each half */
+static void find_ripples(block *b, const column half) {
+    double lapse = 0.0;
+    EVERY(i) lapse = larger(lapse, b->lapse[i]);
+    if (!(lapse > 0.0)) return;
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, b->owed, half, b->x0 + SIZE);
+    k_ripple(LANES, *b->c, *b->x0, *b->ripple_half);
+    memcpy(b->x1, b->half, sizeof(column) * SIZE);
+    feed(b->two, 0, half, b->x1 + SIZE);
+    k_ripple(LANES, *b->c, *b->x1, *b->ripple_full);
+}
+
+static void try_steps(const march *m, block *b) {
+    column whole[DRIVES + 1][MOMENTS], half, end, middle;
+    for (long k = 0; k < DRIVES; k++) join(b, k, whole[k]);
+    EACH(i) {
+        half[i] = 0.5 * b->length[i];
+        middle[i] = b->time[i] + half[i];
+        end[i] = b->time[i] + b->length[i];
+    }
+    solve_steps(b, whole);
+    find_ripples(b, half);
     k_points(LANES, *b->c, *b->half, *b->points_half);
     k_points(LANES, *b->c, *b->full, *b->points_full);
     judge_at(m, b, b->whole, end, 1, b->coarse);
     judge_at(m, b, b->half, middle, 0, b->middle);
     judge_at(m, b, b->full, end, 1, b->fine);
+    check_middles(m, b, half, middle);
 }
 
 /* share of a step at which a number falls to 0; else 1 */
@@ -644,6 +696,11 @@ static void judge_errors(const march *m, block *b, column ripple, column residua
             const double most = k ? apart : larger(apart, ripple[i]);
             b->error[i] = larger(b->error[i], most / larger(b->scale[k][i], wider) * per);
         }
+    for (long k = 0; k < JUDGED && ORDER == 4; k++)
+        EACH(i) {
+            const double apart = fabs(b->middle[k][i] - b->doubted[k][i]) / b->scale[k][i] * per;
+            b->error[i] = larger(b->error[i], b->at_edge[i] ? apart : 0.0);
+        }
     EACH(i) b->error[i] = broken[i] == 0.0 && residual[i] <= SOLVED ? b->error[i] : HUGE_VAL;
 }
 
@@ -660,11 +717,11 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         taken[i] = b->live[i] && (last || (good && b->kink[i] == 1.0));
         const double error = last && !good ? 1.0 : b->error[i];
         const double used = smaller(larger(error, LEAST_ERROR), 1e300), length = b->length[i];
-        rough[i] = used / (ORDER == 2 ? length * length * length : length * length);
+        const double cube = length * length * length;
+        rough[i] = used / (ORDER == 4 ? cube * length : cube);
         const double falls = b->rough[i] > 0.0 && b->rough[i] < rough[i] ? b->rough[i] / rough[i] : 1.0;
-        const double power = ORDER == 2 ? 1.0 / 3.0 : 0.5;
-        change[i] = SAFETY * exp(-power * log(used));
-        slowing[i] = change[i] * exp(power * log(falls));
+        change[i] = SAFETY * exp(-POWER * log(used));
+        slowing[i] = change[i] * exp(POWER * log(falls));
     }
     EVERY(i) if (b->live[i] && b->length[i] <= shortest && b->error[i] == HUGE_VAL)
         b->status[i] = residual[i] > SOLVED ? UNSOLVED : NOT_FINITE;
@@ -831,7 +888,11 @@ static void finish_aside(const march *m, steps_aside *q) {
         EVERY(i) if (!plain[i]) bring(m, d, k, i, q->begin[i], q->end[i], found[k]);
     }
     feed(found, q->owed, length, q->x + SIZE);
+#if ORDER == 4
+    k_rosenbrock(LANES, *q->c, *q->x, *q->y);
+#else
     k_solve(LANES, *q->c, *q->x, *q->y);
+#endif
     memcpy(q->x, q->y, sizeof(column) * SIZE);
     for (long k = 0; k < DRIVES && (OBSERVE_SIGNALS || JUDGE_SIGNALS); k++)
         EVERY(i) signals[k][i] = value_at(drive_of(m, q->then + k, k, i), q->end[i], q->then[k].cursor[i], 0);
@@ -850,7 +911,7 @@ static void finish_aside(const march *m, steps_aside *q) {
 static void put_aside(const march *m, block *b, long i, double time, long leaving) {
     steps_aside *q = &b->aside;
     const double middle = b->time[i] + 0.5 * b->length[i];
-    const int late = time > middle;
+    const int late = ORDER == 2 && time > middle;
     const column *state = late ? b->half : b->state;
     const long j = q->count++;
     q->run[j] = b->run[i];
@@ -926,7 +987,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
 /* ------------------------------------------------------------------ the way through time */
 
 static void tell(const march *m, block *b, long i) {
-    double *n = m->numbers + b->run[i] * (12 + JUDGED);
+    double *n = m->numbers + b->run[i] * (19 + JUDGED); /* no ledger of heat and work is among them */
     n[0] = (double)b->status[i];
     n[1] = b->time[i];
     n[2] = (double)b->place[i];
@@ -936,8 +997,7 @@ static void tell(const march *m, block *b, long i) {
     n[6] = b->longest[i];
     n[7] = b->ripple[i];
     n[8] = b->residual[i];
-    n[9] = n[10] = n[11] = 0.0;
-    for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
+    for (long k = 0; k < JUDGED; k++) n[19 + k] = b->high[k][i] - b->low[k][i];
     b->live[i] = 0;
     b->loaded[i] = b->status[i] < UNSOLVED; /* what has failed may take long to solve, again and again */
     b->done++;
@@ -1001,8 +1061,8 @@ static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];
         const double after_edge = b->at_edge[i] ? MOST_CHANGE * length : b->after_edge[i];
-        b->steps[i] += t ? 2.0 : 0.0;
-        b->longest[i] = t ? larger(0.5 * length, b->longest[i]) : b->longest[i];
+        b->steps[i] += t ? (ORDER == 4 ? 1.0 : 2.0) : 0.0;
+        b->longest[i] = t ? larger(ORDER == 4 ? length : 0.5 * length, b->longest[i]) : b->longest[i];
         b->after_edge[i] = t ? after_edge : b->after_edge[i];
         b->next[i] = t && at ? smaller(b->next[i], after_edge) : b->next[i];
         b->rough[i] = t && at ? 0.0 : b->rough[i];

@@ -5,7 +5,8 @@
    k_judge over LANES lanes, and: SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED,
    ENVELOPE, HEATED, CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each
    judged output that counts); OWN if every run has drives of its own; whether k_judge and k_observe
-   ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c. */
+   ask for signals; MECHANICS, numbers of k_mechanics, of which FORCES and ways, first of ELEMENTS;
+   POINTS, all their NUMBERS, and RATES of adaptive.c. */
 
 #define HAIR 1e-9
 #define SHORTEST 1e-12
@@ -29,10 +30,11 @@ typedef struct {
     double time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     double begin, stop, pieces, piece; /* of equal steps to a stop, in fixed.c */
     double node_time[2];
-    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known;
+    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, known_work;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
-    column status_time, ripple, residual, put_in, lost, stored;
+    column status_time, ripple, residual, put_in, lost, stored, work[7];
+    column mechanics[3][MECHANICS + 1];
     column c[CONSTANTS], p[PARAMETERS + 1], state[SIZE + 1], owed[DRIVES + 1], seen[SEEN + 1];
     column rate[RATES + 1]; /* of the half step before the last */
     column low[JUDGED + 1], high[JUDGED + 1], scale[JUDGED + 1], limits[2 * ENVELOPE + 1];
@@ -42,8 +44,8 @@ typedef struct {
     moments one[SETS][DRIVES + 1], two[SETS][DRIVES + 1];
     tone_angles angles[SETS][DRIVES + 1]; /* at the start of the step */
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
-    column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1];
-    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
+    column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1], ends[ORDER == 4 ? 3 * SIZE : 1];
+    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1], doubted[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];
 } block;
@@ -58,7 +60,7 @@ typedef struct {
     const double *limits; /* low and high, (2, ENVELOPE, runs) */
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
-    double *numbers;      /* (runs, 12 + JUDGED): what is said of a run */
+    double *numbers;      /* (runs, 19 + JUDGED): what is said of a run */
     double *record;       /* ends of steps, of the first runs */
 } march;
 
@@ -150,7 +152,7 @@ static void scale_ranges(const march *m, block *b) {
 }
 
 static void tell(const march *m, const block *b, long i) {
-    double *n = m->numbers + (b->first_run + i) * (12 + JUDGED);
+    double *n = m->numbers + (b->first_run + i) * (19 + JUDGED);
     n[0] = (double)b->status[i];
     n[1] = b->status[i] == LONG_STEP ? b->status_time[i] : b->time;
     n[2] = (double)b->place[i];
@@ -163,7 +165,8 @@ static void tell(const march *m, const block *b, long i) {
     n[9] = b->put_in[i];
     n[10] = b->lost[i];
     n[11] = b->stored[i];
-    for (long k = 0; k < JUDGED; k++) n[12 + k] = b->high[k][i] - b->low[k][i];
+    for (long k = 0; k < 7; k++) n[12 + k] = b->work[k][i];
+    for (long k = 0; k < JUDGED; k++) n[19 + k] = b->high[k][i] - b->low[k][i];
 }
 
 static int is_inside(const block *b, const column *seen, long k, long i) {

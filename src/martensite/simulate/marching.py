@@ -38,14 +38,19 @@ class Plan:
     first: float
     """Length of the first step [s]."""
     limits: Limits
-    order: int = 2
-    """Of one step."""
     ranges: tuple[float, ...] = ()
     """Ranges of the judged outputs, if they are known."""
     recorded: bool = False
     """Whether the steps taken are kept."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
+    halves: bool = False
+    """Whether all steps are made in halves, for a runtime that knows no others."""
+
+    @property
+    def order(self) -> int:
+        """Of one step with error control."""
+        return 2 if self.halves else self.compiled.order
 
 
 @dataclass
@@ -76,6 +81,10 @@ class Marched:
     """Heat [J] that they lost to the surroundings."""
     stored: float = 0.0
     """Heat [J] that they hold more than in the beginning, latent heat included."""
+    work: tuple[float, ...] = (0.0,) * 7
+    """Work [J] that elements did on the mechanism and this on the outside; what friction and
+    damping took, less what motors gave; what springs, weights and motion hold more than in the
+    beginning; and all work that passed, without its sign."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
 

@@ -39,6 +39,10 @@ MOST_SEGMENTS = 1 << 21
 FIRST_RECORD = 4096
 HEATS = 3
 """Numbers of a run on its heat: put in, lost, stored."""
+WORKS = 7
+"""And on its work, see `Marched.work`."""
+RANGES = 9 + HEATS + WORKS
+"""Numbers of a run before the ranges of what is judged."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -153,8 +157,8 @@ class Rows:
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
     numbers: Numbers
-    """(runs, 12 + judged): status, time, place, value, steps, rejected, longest step, ripple,
-    residual, heat put in, lost and stored, and the ranges of what is judged; see `Marched`."""
+    """(runs, 19 + judged): status, time, place, value, steps, rejected, longest step, ripple,
+    residual, heat put in, lost and stored, work, and ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
@@ -162,7 +166,8 @@ class Rows:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, stored, *ranges = more
+        put_in, lost, stored, *more = more
+        work, ranges = more[:WORKS], more[WORKS:]
         rows = self.outputs[run]
         found = Status(int(status))
         stopped = bisect_right(times, end)
@@ -172,7 +177,7 @@ class Rows:
         return Marched(
             [tuple(row) for row in rows[:reached].tolist()], tuple(ranges), found, end, int(place),
             value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, stored,
-            self.ends,
+            tuple(work), self.ends,
         )  # fmt: skip
 
 
@@ -209,7 +214,7 @@ class _Marching:
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, 9 + HEATS + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, RANGES + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -293,7 +298,8 @@ def kernel_of(
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
     fixed = plan.step is not None
-    return Kernel(plan.compiled, tuple(outputs), lanes, tones, plan.order, own is not None, fixed)
+    order = 2 if fixed else plan.order
+    return Kernel(plan.compiled, tuple(outputs), lanes, tones, order, own is not None, fixed)
 
 
 @dataclass(frozen=True)
@@ -337,10 +343,14 @@ class Kernel:
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
             "OBSERVED": _list(compiled.states_observed(self.outputs)),
+            "MECHANICS": 0 if self.fixed else len(traced["mechanics"].outputs),
+            "MECHANICS_SIGNALS": int(compiled.asks_for_signals("mechanics")),
+            "FORCES": sum(compiled.workers), "ELEMENTS": compiled.workers[0],
         }  # fmt: skip
-        names = ("step",) if self.fixed else ("solve", "ripple", "points", "flows")
-        if self.lanes > 1:
-            names = names[:-1]
+        solve = "rosenbrock" if self.order == 4 else "solve"
+        names = ["step"] if self.fixed else [solve, "ripple", "points"]
+        if self.lanes == 1 and not self.fixed:
+            names += ["flows", "mechanics"] if constants["MECHANICS"] else ["flows"]
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)

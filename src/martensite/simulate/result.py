@@ -41,6 +41,47 @@ class HeatBalance:
         )
 
 
+@dataclass(frozen=True)
+class WorkBalance:
+    """Where the mechanical work of a run went; over all elements, in J."""
+
+    by_elements: float
+    """What the shape-memory elements did on the mechanism."""
+    outside: float
+    """What the mechanism did on something else."""
+    spent: float
+    """What friction and damping took, less what motors gave."""
+    springs: float
+    """Held more than in the beginning."""
+    gravity: float
+    kinetic: float
+    passed: float
+    """All work that passed, without its sign."""
+
+    @property
+    def residual(self) -> float:
+        """What is not accounted for, as a share of all that passed."""
+        held = self.springs + self.gravity + self.kinetic
+        missing = abs(self.by_elements - self.outside - self.spent - held)
+        return missing / self.passed if self.passed > LEAST_HEAT else 0.0
+
+    def __str__(self) -> str:
+        """In a line; what is nothing is left out."""
+        parts = {
+            "to the outside": self.outside, "into friction, damping and motors": self.spent,
+            "into springs": self.springs, "into weights": self.gravity, "into motion": self.kinetic,
+        }  # fmt: skip
+        parts = {"by the elements": self.by_elements} | parts
+        least = 1e-6 * self.passed
+        left = [f"{value:.3g} J {name}" for name, value in parts.items() if abs(value) > least]
+        if not self.passed > LEAST_HEAT:
+            return "work: none"
+        return (
+            f"work: {self.passed:.3g} J passed, {', '.join(left) or 'and came back'}; "
+            f"{self.residual:.1e} of it not accounted for"
+        )
+
+
 LEAST_HEAT = 1e-9
 """Heat [J] below which nothing is balanced."""
 
@@ -81,6 +122,8 @@ class Result:
     """What it was computed on: floats, C or JAX; empty if that is not said."""
     rejected: int = 0
     """Steps that were made again, shorter."""
+    work: WorkBalance | None = None
+    """Of a run with an error control, if the mechanism says what it holds."""
     heat: HeatBalance | None = None
     """Of a run with an error control; None where a law's heat of transformation is no constant, a
     temperature is prescribed, or steps are given."""

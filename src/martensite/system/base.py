@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 from martensite.elements.base import Point
 from martensite.laws.coupling import Report
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Energy,
+    Load,
+    Output,
+    Work,
+)
 from martensite.parameters import Parametrised, part
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system.actuator import Actuator, Feed
@@ -26,6 +34,16 @@ class State(NamedTuple):
 
     elements: tuple[Any, ...]
     mechanism: Any
+
+
+class Mechanics(NamedTuple):
+    """What a mechanism holds, and the forces that do work on it."""
+
+    energy: Energy
+    elements: tuple[Work, ...]
+    """Tension of each element, and how much shorter it is."""
+    outside: tuple[Work, ...]
+    """What takes work out of the mechanism."""
 
 
 class Drive(NamedTuple):
@@ -91,6 +109,16 @@ class AbstractSystem(Parametrised, init=False):
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         raise NotImplementedError
 
+    def exchanges(self) -> bool:
+        """Whether it offers `step_rosenbrock`."""
+        return False
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Any, Any]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        raise NotImplementedError
+
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
         raise NotImplementedError
@@ -102,6 +130,10 @@ class AbstractSystem(Parametrised, init=False):
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> tuple[Scalar, Scalar]:
         """Power [W] into the elements whose heat is known, in the mean, and what they lose."""
         return 0.0, 0.0
+
+    def mechanics(self, xp: Namespace, state: Any, *drives: Scalar) -> Mechanics | None:
+        """Energy of the mechanism, and what does work on it; None if it does not say."""
+        return None
 
     def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
@@ -164,6 +196,22 @@ class AbstractAssembly(AbstractSystem):
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 
+    def exchanges(self) -> bool:
+        """Whether it is one element whose law gives rates, on a load line."""
+        return self.mechanism.static and self._actuators()[0].element.exchanges
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[State, State, State]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        ((element, own, heating),) = self._loads(state, drives)
+        pull = self.mechanism.load_line(state.mechanism)
+        after, middle, coarse = (
+            State((one,), state.mechanism)
+            for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
+        )
+        return after, middle, coarse
+
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         rows = zip(self._actuators(), state.elements, strict=True)
@@ -182,6 +230,18 @@ class AbstractAssembly(AbstractSystem):
                 given = given + load.heating.heat(xp, seen.resistance).mean
                 lost = lost + seen.heat_loss
         return given, lost
+
+    def mechanics(self, xp: Namespace, state: State, *drives: Scalar) -> Mechanics | None:
+        """Energy of the mechanism, and what does work on it; None if it does not say."""
+        loads, signals = self._loads(state, drives), self._signals(drives)
+        energy = self.mechanism.energy(xp, state.mechanism, loads, signals)
+        if energy is None:
+            return None
+        forces, _ = self.mechanism.observe(xp, state.mechanism, loads, signals)
+        ways = self.mechanism.ways(xp, state.mechanism, loads, forces)
+        elements = (Work(*row) for row in zip(forces, ways, strict=True))
+        outside = self.mechanism.outside(xp, state.mechanism, loads, signals)
+        return Mechanics(energy, tuple(elements), tuple(outside))
 
     def points(self, xp: Namespace, state: State) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""

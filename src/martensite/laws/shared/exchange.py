@@ -11,11 +11,11 @@ determinant, no growing exponential, and nothing changes where all rates vanish.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from martensite.laws.shared.barriers import Process, Start, mean_rate
-from martensite.laws.shared.layers import Variants
+from martensite.laws.shared.layers import AbstractLayers, Variants
 from martensite.runtimes.namespace import Namespace, Scalar
 
 SMALL = 1e-2
@@ -23,8 +23,35 @@ CLOSE = 1e-4
 """Eigenvalues nearer than this are taken as equal in the divided difference of ψ."""
 
 
+class AbstractExchange(AbstractLayers):
+    """Layers that jump at rates which stress and temperature give, in one group or in several."""
+
+    rate_dependent = True
+
+    def quantiles(self) -> tuple[float, ...]:
+        """What tells the groups from each other."""
+        return (0.0,)
+
+    def populations(self, memory: Any) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
+        """x₊ and x₋ of every group."""
+        raise NotImplementedError
+
+    def remember(
+        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
+        temperature: Scalar,
+    ) -> Any:  # fmt: skip
+        """The memory with these populations of every group."""
+        raise NotImplementedError
+
+    def jumps(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], Flows]:
+        """Rates [1/s] of the four processes, by the quantile of a group."""
+        raise NotImplementedError
+
+
 class Flows(NamedTuple):
-    """Rates of the four processes times the step."""
+    """Of A → M+, M+ → A, A → M-, M- → A: rates, or rates times the step."""
 
     to_plus: Scalar
     from_plus: Scalar

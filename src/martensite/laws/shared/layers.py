@@ -13,6 +13,7 @@ The threshold σ_A never falls below zero: cold martensite switches between its 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.errors import ParameterError
@@ -212,9 +213,21 @@ class AbstractCrystal(AbstractLayers):
         """ξ = x₊ + x₋, oriented x₊ - x₋."""
         return together(memory.present)
 
+    def populations(self, memory: Memory) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
+        """x₊ and x₋."""
+        return (memory.present.plus,), (memory.present.minus,)
+
+    def remember(
+        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The memory with these populations."""
+        return Memory(Variants(plus[0], minus[0]), stress, temperature)
+
     def commit(
         self, xp: Namespace, memory: Memory, move: Any, fractions: Fractions, stress: Scalar,
         temperature: Scalar, dt: Scalar,
     ) -> Memory:  # fmt: skip
         """The memory after the accepted step."""
-        return Memory(variants(fractions), stress, temperature)
+        present = variants(fractions)
+        return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

@@ -131,8 +131,9 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
         ahead, back = forward.distance(*at), reverse.distance(*at)
-        ahead = xp.where(memory.fraction < 1.0, ahead, 2.0)
-        back = xp.where(memory.fraction > 0.0, back, 2.0)
+        # a complete transformation is one until its finish line is passed the other way
+        ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
+        back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
         lines = [ahead - 1.0, back - 1.0]
         own = xp.where(memory.branch > 0.0, ahead, back)
         if self.endless:

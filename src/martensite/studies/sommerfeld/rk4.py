@@ -118,5 +118,5 @@ def energy_drift(motor: BeamMotor) -> float:
 
 def _energy(motor: BeamMotor, state: Sequence[float]) -> float:
     x, v, a, w, i = state
-    energy = motor.energy(floats, Motion((x, a, 0.0), (v, w, i), ()))
+    energy = motor.total_energy(floats, Motion((x, a, 0.0), (v, w, i), ()))
     return energy if math.isfinite(energy) else math.inf
