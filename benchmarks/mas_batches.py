@@ -1,7 +1,7 @@
 """Batches of problem B for the section `mas`: ours, LSODA one by one, Kvaerno5 by vmap.
 
 What: wires around a given one, on JAX through `simulate_batch` and on SIMD lanes of C, each at
-several steps. A big batch is cut to what takes about a
+several steps, and in lanes of C with an error control. A big batch is cut to what takes about a
 second. The first sets are judged, each against its own reference; an engine of which any set
 fails has failed.
 """
@@ -72,17 +72,17 @@ def library(
 
 
 def cut(
-    make: Any, problem: Problem, sets: list[Wire], step: float
+    make: Any, problem: Problem, sets: list[Wire], setting: float
 ) -> tuple[Callable[[], Any], int]:
     """A batch of as many chunks as take about `MOST` seconds, and its number of sets."""
     chunk = min(LANES, len(sets))
-    one = make(problem, sets[:chunk], step)
+    one = make(problem, sets[:chunk], setting)
     one()
     begin = time.process_time()
     one()
     count = round(MOST / max(time.process_time() - begin, 1e-6))
     size = chunk * max(1, min(len(sets) // chunk, count))
-    return make(problem, sets[:size], step), size
+    return make(problem, sets[:size], setting), size
 
 
 def lsoda(judge: Judge, sets: Sequence[Wire], rtols: Sequence[int]) -> list[Candidate]:

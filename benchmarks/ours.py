@@ -20,6 +20,7 @@ from martensite.elements.wire import Wire as Element
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.parameters import part
+from martensite.runtimes.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone
 from martensite.simulate.compiled import CompiledMarch, compile_march, fed
@@ -230,7 +231,7 @@ class Volts(AbstractWaveform):
 
 
 def march(lanes: int) -> Callable[..., Callable[[], Any]]:
-    """The march with an error control in C: one run, or all sets, `lanes` on shared steps."""
+    """The march with an error control in C: one run, or all sets, `lanes` side by side."""
 
     def prepare(p: Wire, drive: Drive, tolerance: float) -> Callable[[], Any]:
         import numpy as np
@@ -253,8 +254,6 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
     return prepare
 
 
-SHARED = 16
-"""Lanes of a block whose runs share their steps."""
 TOLERANCES = {
     f"tol {n}": float(n) for n in ("1e-3", "3e-4", "1e-4", "3e-5", "1e-5", "3e-6", "1e-6")
 }
@@ -271,6 +270,6 @@ ENGINES = (
     ),
     Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
     Engine("ours-c", "P", STEPS, USUAL, single=native(1)),
-    Engine("ours-march", "P", TOLERANCES, "tol 0.0001", single=march(1), batch=march(SHARED)),
+    Engine("ours-march", "P", TOLERANCES, "tol 0.0001", single=march(1), batch=march(BLOCK)),
     Engine("ours-simd", "P", STEPS, USUAL, batch=native(LANES)),
 )  # fmt: skip

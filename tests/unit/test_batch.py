@@ -61,13 +61,13 @@ def test_a_run_that_leaves_the_envelope_changes_no_other(more: Any, c_compiler: 
     assert [mixed.status[k] for k in (0, 2)] == calm.status
     assert not any(status.failed for status in calm.status)
     for name in JUDGED:
-        apart = np.abs(mixed.columns[name][[0, 2]] - calm.columns[name])
-        assert np.all(apart <= 2e-4 * np.ptp(calm.columns[name], axis=1)[:, None])
+        assert np.array_equal(mixed.columns[name][[0, 2]], calm.columns[name])
         kept = np.isfinite(mixed.columns[name][1])
         assert kept.tolist() == [time < mixed.ended[1] for time in mixed.times]
     assert 1.2 < mixed.ended[1] < 8.0
     assert np.nanmax(mixed.columns["temperature"][1]) < 1583.15
     if not more:
+        assert mixed.accuracy[[0, 2]].tolist() == calm.accuracy.tolist()
         alone = ms.simulate(problem_a().with_values({"h0": 100.0}), wave, 12.0, samples=101)
         assert alone.status is Status.OUT_OF_ENVELOPE
         assert alone.status_time == pytest.approx(mixed.ended[1], rel=0.1)
@@ -87,6 +87,53 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
         assert highest[0] < highest[1] < highest[2]
     with pytest.raises(InputError, match="cannot be varied on JAX"):
         ms.simulate_batch(problem_a(), LEVELS, 20.0, over, step=0.02)
+
+
+PWM = ms.PulseWidthModulation(high=5.0, frequency=20.0, duty=0.2)
+
+
+def test_runs_whose_drives_are_too_long_go_one_by_one(
+    monkeypatch: pytest.MonkeyPatch, c_compiler: str
+) -> None:
+    def run() -> ms.Batch:
+        return ms.simulate_batch(problem_a(), PWM, 10.0, {"h0": H0}, samples=51, outputs=JUDGED)
+
+    together = run()
+    native = import_module("martensite.simulate.marching_native")
+    monkeypatch.setattr(native, "MOST_SEGMENTS", 100)
+    alone = run()
+    assert alone.status == together.status == [Status.OK] * 3
+    for name in JUDGED:
+        off = np.abs(alone.columns[name] - together.columns[name]).max(axis=1)
+        assert (off <= 2e-4 * np.ptp(together.columns[name], axis=1)).all()
+
+
+def test_samples_on_edges_are_behind_them(c_compiler: str) -> None:
+    batch = ms.simulate_batch(
+        problem_a(), PWM, 10.0, {"h0": H0}, samples=201, outputs=("drive", "current")
+    )
+    single = ms.simulate(problem_a(), PWM, 10.0, samples=201)
+    for row in batch.columns["drive"]:
+        assert row.tolist() == single["drive"]
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 50])
+def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
+    h0 = np.linspace(60.0, 140.0, 50).tolist()
+    whole = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51)
+    some = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0[-count:]}, samples=51)
+    assert np.array_equal(some.columns["position"], whole.columns["position"][-count:])
+    assert np.array_equal(some.accuracy, whole.accuracy[-count:])
+
+
+def test_threads_change_nothing(c_compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("martensite.simulate.variants"), "TOGETHER", 8)
+    h0 = np.linspace(60.0, 140.0, 30).tolist()
+    one, two = (
+        ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51, devices=n)
+        for n in (1, 2)
+    )
+    assert np.array_equal(one.columns["position"], two.columns["position"])
 
 
 def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,8 +80,7 @@ def simulate_batch(
     """Run variants of a system that differ in the parameters named in `over`.
 
     Every run has an error control of its own, and a bound on the error that is left, as in
-    `simulate`; in C some share their steps, each as short as the most demanding run needs it, so
-    that what one does changes the others within their accuracy. A run that leaves the envelope, or
+    `simulate`; what one run does changes nothing in the others. A run that leaves the envelope, or
     fails, keeps what was computed before. With `step` given, or on JAX, runs are made on equal
     steps, and nothing is estimated.
 

@@ -111,6 +111,12 @@ class CompiledMarch(Compiled):
         found = [function.outputs[i] for i in places]
         return self.program.needs(found, function.inputs[self.size :])
 
+    def states_observed(self, outputs: Sequence[int]) -> list[int]:
+        """Of every number of the state, 1 if some of the outputs depend on it, else 0."""
+        function = self.program.functions["observe"]
+        found = [function.outputs[i] for i in outputs]
+        return [int(self.program.needs(found, [name])) for name in function.inputs[: self.size]]
+
 
 def compile_march(system: AbstractSystem) -> CompiledMarch:
     """Trace a system for marches whose drives are integrated over every step."""

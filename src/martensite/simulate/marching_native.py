@@ -1,7 +1,8 @@
-"""Marches in C: one run, or many, of which some share their steps in the lanes of a block.
+"""Marches in C: one run, or many in the lanes of a block, each on steps of its own.
 
-The C is `marching.c` with `adaptive.c` or `fixed.c`. Memory holds what is kept, and a window of the
-drives: nothing grows with the steps.
+The C is `marching.c` with `adaptive.c` or `fixed.c` for one run, and `lanes.c` for many. Memory
+holds what is kept, and a window of the drives: nothing grows with the steps. Lanes are at different
+times, and know their drives as a whole; runs whose drives are too long for that go one by one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.runtimes.c99 import c_source, is_compiled, load_library
-from martensite.runtimes.c99_lanes import BLOCK, lanes_source
+from martensite.runtimes.c99_lanes import lanes_source
 from martensite.runtimes.once import once
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
@@ -35,9 +36,11 @@ ROUNDS = 4096
 """Rounds of all lanes between two looks from Python."""
 FIRST_WINDOW, WINDOW = 256, 65_536
 """Segments of a drive that are known at once: at first, and at most."""
+MOST_SEGMENTS = 1 << 21
+"""Segments of drives that runs in lanes know, at most."""
 FIRST_RECORD = 4096
 RANGES = 11 + len(ACCOUNTS)
-"""Where the ranges begin among the numbers of a run, see `Rows`."""
+"""Numbers of a run before the ranges of what is judged."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -89,6 +92,13 @@ class _Window:
         self._table = np.concatenate([self._table[place:], more.reshape(-1, 4)])
         self._columns = np.ascontiguousarray(self._table.T)
 
+    def extend_to_end(self, most: int) -> int:
+        """Know all, if that is not many more than so many segments; how many are known."""
+        self.extend(0.0)
+        while not self._ended and len(self._table) < most:
+            self.extend(0.0)
+        return len(self._table)
+
     def known_until(self) -> float:
         """Time [s] up to which it is known."""
         return np.inf if self._ended else float(self._table[-1, 0])
@@ -115,6 +125,7 @@ class Runs:
     outputs: tuple[int, ...]
     """Places of the outputs that are kept."""
     lanes: int
+    """A multiple of `BLOCK`, or 1, as for runs on given steps."""
     first: Any = None
     """First step of every run [s]; that of the plan if None."""
     own: Sequence[Sequence[AbstractWaveform]] | None = None
@@ -170,7 +181,17 @@ class Rows:
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Rows:
     """March runs to their ends; `watch` is told the share that is done, now and then."""
-    return _Marching(runs).go(watch)
+    marching = _Marching(runs)
+    if runs.lanes == 1 or marching.knows_all():
+        return marching.go(watch)
+    places = np.arange(runs.count)
+    alone = replace(runs, lanes=1)
+    ranges = marching.ranges
+    rows = [_Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
+    outputs, numbers = (
+        np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers")
+    )
+    return Rows(outputs, numbers, [])
 
 
 class _Marching:
@@ -184,13 +205,13 @@ class _Marching:
             self.p[row] = value
         first = plan.first if runs.first is None else runs.first
         self.first = np.array(np.broadcast_to(first, runs.count), float)
-        self.times = np.asarray(plan.times, float)
+        self.times = np.array([*plan.times, np.inf])
         ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
         self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
-        self.rows = np.full((runs.count, len(self.times), len(runs.outputs)), np.nan)
+        self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, RANGES + len(compiled.judged)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
@@ -198,11 +219,14 @@ class _Marching:
         self.library = _library(kernel_of(plan, runs.outputs, runs.lanes, runs.own))
         self.block = ctypes.create_string_buffer(self.library.size_of_block())
         self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
-        for row in self.windows:
-            for window in row:
+        most = MOST_SEGMENTS
+        for window in (window for row in self.windows for window in row):
+            if runs.lanes > 1:
+                most -= window.extend_to_end(most)
+            else:
                 window.extend(0.0)
         self.march = _March(
-            runs=runs.count, samples=len(self.times), rounds=ROUNDS, recording=plan.recorded,
+            runs=runs.count, samples=len(plan.times), rounds=ROUNDS, recording=plan.recorded,
             parted=plan.parted,
             capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
             step=plan.step or 0.0,
@@ -230,13 +254,15 @@ class _Marching:
             if watch is not None:
                 watch(self._done())
 
+    def knows_all(self) -> bool:
+        """Whether all drives are known to the end."""
+        return all(window.known_until() == np.inf for row in self.windows for window in row)
+
     def _extend(self) -> None:
-        """Know more of the drives that the block waits for."""
+        """Know more of the drives that a run waits for."""
         now, first = self._where()
-        rows = self.windows
-        if self.runs.own is not None:
-            rows = rows[first : first + self.runs.lanes]
-        for window in (window for row in rows for window in row):
+        row = self.windows[first if self.runs.own is not None else 0]
+        for window in row:
             if window.known_until() < self.plan.times[-1]:
                 window.extend(now)
         self._fill()
@@ -316,6 +342,7 @@ class Kernel:
             "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
             "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
             "LEAST": _list([least for _, least in compiled.judged]),
+            "OBSERVED": _list(compiled.states_observed(self.outputs)),
             "ENTRIES": book.size, "HELD": len(book.held), "EFFORTS": len(book.efforts),
             "BALANCED": int(book.heat), "ACCOUNTS": len(ACCOUNTS),
             "ACCOUNT_OF": _list([*book.held, *book.efforts]),
@@ -323,20 +350,20 @@ class Kernel:
             "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
         }  # fmt: skip
         solve = "rosenbrock" if self.order == 4 else "solve"
-        names = ("step",) if self.fixed else (solve, "ripple", "points", "flows", "entries")
+        names = ["step"] if self.fixed else [solve, "ripple", "points"]
+        names += ["flows", "entries"] if self.lanes == 1 and not self.fixed else []
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)
         functions.append(replace(observe, outputs=wanted))
         kernels = (
-            c_source(compiled.program, functions, not self.fixed) if self.lanes % BLOCK
+            c_source(compiled.program, functions, not self.fixed) if self.lanes == 1
             else lanes_source(compiled.program, functions)
         )  # fmt: skip
-        controlled = ("ledger.c", "adaptive.c")
-        texts = ("marching.c", *(("fixed.c",) if self.fixed else controlled))
-        defined = (f"#define {k} {v}" for k, v in constants.items())
-        own = (_text("simulate", name) for name in texts)
-        return "\n".join([kernels, *defined, _text("signals", "reader.c"), *own])
+        names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
+        names = ("lanes.c",) if self.lanes > 1 else names
+        texts = [_text("signals", "reader.c"), *(_text("simulate", name) for name in names)]
+        return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
 
 
 _LOADED: set[Kernel] = set()

@@ -4,8 +4,7 @@ Runs are made to a tolerance, with an error control in every step and a bound on
 the error of each (`martensite.simulate.ensembles`), in lanes of C or, without a compiler, one after
 another on floats. On given steps, in discrete time and on JAX they march on steps that are laid out
 before: in blocks of lanes in C (`martensite.simulate.native`), in a batch on whatever device JAX
-has, or one after another on floats. With an error control runs of a block share their steps, so that what
-marches beside a run changes it within its accuracy; on given steps it changes nothing.
+has, or one after another on floats. A run does not depend on which others march beside it.
 
 Failures are data: every run has a status, and those that a check of the system refuses are not
 marched.
