@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from builders import SINE_A, examples, label, problem_a, wire_a
+from builders import SINE_A, examples, label, problem_a, raised_cosine, wire_a
+from elastic import machine
 
 from martensite.io.scenario import load
 from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.mechanisms.lever import Lever
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 
@@ -157,3 +159,39 @@ def test_both_runtimes_keep_the_same_ledger(c_compiler: None) -> None:
 def test_runs_on_given_steps_have_no_balance() -> None:
     found = simulate(problem_a(), SINE_A, 1.0, step=0.01, runtime="floats")
     assert found.heat is None and found.work is None and found.unbalanced == []
+
+
+# ---------------------------------------------------------------- slack, and multibody mechanisms
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_the_work_of_a_wire_that_hangs_slack_for_a_while_is_accounted_for(
+    runtime: str, c_compiler: None
+) -> None:
+    """A slack element has an end of its own, which does no work."""
+    system = machine(BiasSpring(stiffness=500.0, preload=2.0), compliance=5e-4)
+    longer = raised_cosine(-20.0, 0.1, 300.0)
+    found = simulate(system, {"element": longer}, 0.2, tolerance=1e-4, runtime=runtime)
+    assert min(found["element.force"]) == 0.0
+    assert found.work is not None and found.work.residual is not None
+    assert found.work.residual < 1e-12
+
+
+class WrongLever(Lever):
+    """A lever whose springs hold less than they do."""
+
+    def energy(self, xp: Any, motion: Any) -> Any:
+        held = super().energy(xp, motion)
+        return held._replace(springs=0.7 * held.springs)
+
+
+def test_a_mechanism_that_says_the_wrong_thing_is_noticed(c_compiler: None) -> None:
+    """It has no more friction than it says, but a residual."""
+    lever = next(one for one in examples("mechanism") if type(one) is Lever and one.moves)
+    for one, wrong in zip(both_of(lever, WrongLever), (False, True), strict=True):
+        system = machine(one, compliance=5e-4)
+        drives = {"element": raised_cosine(1.0, 0.1, 300.0)}
+        found = simulate(system, drives, 0.06, tolerance=1e-4, runtime="c")
+        assert found.work is not None and found.work.residual is not None
+        assert (found.work.residual > 1e-2) == wrong
+        assert any("of the work is not" in text for text in found.warnings) == wrong

@@ -57,6 +57,9 @@ class Mechanics(NamedTuple):
     """What becomes of the work of the elements."""
 
     energy: Energy
+    ways: tuple[Scalar, ...]
+    """How far each element has drawn what it pulls since assembly [m]: where it is taut by its own
+    elongation; where it hangs slack, and has an end of its own, by its path."""
     dissipated: tuple[Effort, ...] = ()
     """Friction, damping and losses of a motor, each along its way."""
     outside: tuple[Effort, ...] = ()

@@ -44,10 +44,9 @@ class AbstractLoadLine(AbstractMechanism):
         raise NotImplementedError
 
     def energy(self, xp: Namespace, shortening: Scalar) -> Energy | None:
-        """What it holds if the element is shorter by so much than at assembly [m].
+        """What it holds if the path of the element is shorter by so much than at assembly [m].
 
-        Where the element is slack it may be longer or shorter than its path. None, and no
-        balance of the work, if the mechanism does not say.
+        None, and no balance of the work, if the mechanism does not say.
         """
         return None
 
@@ -97,9 +96,12 @@ class AbstractLoadLine(AbstractMechanism):
     ) -> Mechanics | None:
         """Its energy at the end of the last step; it has no friction."""
         ((element, state, _),) = loads
-        elongation = element.elongation(xp, state, element.force(state))
-        found = self.energy(xp, memory.elongation - elongation)
-        return None if found is None else Mechanics(found)
+        force = element.force(state)
+        elongation = element.elongation(xp, state, force)
+        slack = self.position(xp, memory, force, elongation)
+        way = xp.where(force > 0.0, memory.elongation - elongation, slack)
+        found = self.energy(xp, way)
+        return None if found is None else Mechanics(found, (way,))
 
     def load_line(self, memory: Assembly) -> Pull:
         """The mechanism as the element sees it."""

@@ -209,14 +209,18 @@ class AbstractMultibody(AbstractMechanism):
             strict=True,
         )  # fmt: skip
         efforts = [(Effort(taken, q), Effort(-given, q)) for taken, given, q in rows]
-        paths, shares = self.contraction(xp, motion.position), self.transmission(xp, motion)
-        forces = (element.force(state) for element, state, _ in loads)
-        rubbed = (
-            Effort((1.0 - share) * force, path)
-            for share, force, path in zip(shares, forces, paths, strict=True)
-        )
         dissipated, outside = zip(*efforts, strict=True)
-        return Mechanics(held, (*dissipated, *rubbed), outside)
+        paths = self.contraction(xp, motion.position)
+        ways, rubbed = list[Scalar](), list[Effort]()
+        shares = self.transmission(xp, motion)
+        for (element, state, _), home, path, share in zip(
+            loads, memory.home, paths, shares, strict=True
+        ):
+            force = element.force(state)
+            taut = home - element.elongation(xp, state, force)
+            ways.append(xp.where(force > 0.0, taut, path))
+            rubbed.append(Effort((1.0 - share) * force, path))
+        return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""

@@ -150,7 +150,10 @@ class TensileTestingMachine(AbstractMechanism):
         force = element.force(state)
         travel = self._travel(xp, memory, element, state, force, signals)
         spring = Energy(springs=(0.5 / self.stiffness) * force * force)
-        return Mechanics(spring, outside=(Effort(-force, travel),))
+        taut = memory.elongation - element.elongation(xp, state, force)
+        slack = (force - memory.force) * (1.0 / self.stiffness) - travel
+        ways = (xp.where(force > 0.0, taut, slack),)
+        return Mechanics(spring, ways, outside=(Effort(-force, travel),))
 
     def drawn(self, reading: Reading) -> list[Shape]:
         """The element between grips; the crosshead draws the upper one, by a spring if it gives."""

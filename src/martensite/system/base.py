@@ -224,7 +224,7 @@ class AbstractAssembly(AbstractSystem):
         found.work = True
         energy = mechanics.energy
         found.held.update(zip(energy._fields, energy, strict=True))
-        self._enter_work(xp, found, loads)
+        self._enter_work(xp, found, loads, mechanics.ways)
         found.efforts += [("dissipated", one) for one in mechanics.dissipated]
         found.efforts += [("outside", one) for one in mechanics.outside]
         return found
@@ -244,16 +244,16 @@ class AbstractAssembly(AbstractSystem):
             force, around = element.force(state), heating.environment
             found.lost = found.lost + element.condition(xp, state, force, around).heat_loss
 
-    def _enter_work(self, xp: Namespace, found: Entries, loads: Sequence[Load]) -> None:
+    def _enter_work(
+        self, xp: Namespace, found: Entries, loads: Sequence[Load], ways: Column
+    ) -> None:
         """Work of elements, and the elastic energy in them if all say it."""
         elastic = [element.elastic_energy(xp, state) for element, state, _ in loads]
         known = [one for one in elastic if one is not None]
         if known and len(known) == len(loads):
             found.held["elastic"] = total(known)
-        for element, state, _ in loads:
-            force = element.force(state)
-            shortening = -element.elongation(xp, state, force)
-            found.efforts.append(("work", Effort(force, shortening)))
+        rows = zip(loads, ways, strict=True)
+        found.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
 
     def points(self, xp: Namespace, state: State) -> list[list[Point]]:
         """Places at which laws without rates act, of every element."""
