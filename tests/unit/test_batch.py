@@ -119,7 +119,7 @@ def test_samples_on_edges_are_behind_them(c_compiler: str) -> None:
 
 @pytest.mark.parametrize("count", [1, 15, 16, 17, 50])
 def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
-    h0 = np.linspace(60.0, 140.0, 50)
+    h0 = np.linspace(60.0, 140.0, 50).tolist()
     whole = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51)
     some = ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0[-count:]}, samples=51)
     assert np.array_equal(some.columns["position"], whole.columns["position"][-count:])
@@ -128,7 +128,7 @@ def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
 
 def test_threads_change_nothing(c_compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(import_module("martensite.simulate.variants"), "TOGETHER", 8)
-    h0 = np.linspace(60.0, 140.0, 30)
+    h0 = np.linspace(60.0, 140.0, 30).tolist()
     one, two = (
         ms.simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51, devices=n)
         for n in (1, 2)
