@@ -226,9 +226,14 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
         crossings.append(report.crossing)
     loads = [Load(*row) for row in zip(elements, states, heated, strict=True)]
     tensions, seen = mechanism.observe(xp, memory, loads, signals)
+    ledger = (
+        mechanism.energy(xp, memory, loads, signals) or 0.0,
+        tuple(1.0 + way for way in mechanism.ways(xp, memory, loads, tensions)),  # a difference
+        tuple(mechanism.outside(xp, memory, loads, signals)),
+    )
     if isinstance(mechanism, AbstractMultibody):  # a slope over almost nothing is rough
         memory = memory._replace(stiffness=())
-    return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings)
+    return memory, tuple(states), tuple(tensions), tuple(seen), tuple(crossings), ledger
 
 
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:

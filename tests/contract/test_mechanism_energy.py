@@ -76,8 +76,9 @@ def test_the_energy_of_a_beam_is_that_of_its_equations(count):
     )  # fmt: skip
     for seed in range(4):
         motion = somewhere(motor, seed)
-        springs, gravity = motor.potential(floats, motion.position)
-        whole = springs + gravity + motor.kinetic(floats, motion)
+        held = motor.potential(floats, motion.position)
+        assert held is not None
+        whole = sum(held) + motor.kinetic(floats, motion)
         assert whole == pytest.approx(motor.total_energy(floats, motion), rel=1e-12)
 
 
@@ -113,6 +114,7 @@ def test_work_that_is_lost_on_the_way_is_noticed(runtime, c_compiler):
     for cls, leaks in ((BiasSpring, False), (Leaky, True)):
         system = problem_a(mechanism=cls(stiffness=1000.0, preload=5.0))
         found = simulate(system, Constant(level=2.2), 8.0, runtime=runtime, samples=41)
+        assert found.work is not None
         assert found.work.by_elements > 1e-3
         assert (found.work.residual > 1e-3) == leaks
         assert any("of the mechanical work is not" in text for text in found.warnings) == leaks

@@ -119,6 +119,19 @@ class AbstractCells(AbstractCut):
             heat_loss=self.copies() * (total(losses) + total(drained)),
         )
 
+    def heat_content(self, xp: Namespace, state: Cells) -> Scalar | None:
+        """Of all cells [J], if the latent heat is a number."""
+        if not self.law.constant_heat:
+            return None
+        m, _, temperatures = self._columns(state)
+
+        def one(length: Scalar, m: Scalar, at: Scalar) -> tuple[Scalar, ...]:
+            cell = self.cell(length)
+            return (cell.heat_capacity_total() * at - cell.latent_heat_total(xp, 0.0, at) * m,)
+
+        (held,) = xp.each(one, self.lengths(xp), m, temperatures)
+        return self.copies() * total(held)
+
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""
         return self.wire.heat_capacity_total()

@@ -156,7 +156,7 @@ class AbstractMultibody(AbstractMechanism):
         motion = Motion(tuple(position), tuple(velocity), (0.0,) * len(position))
         shares = self.transmission(xp, motion)
         arriving = [share * force for share, force in zip(shares, forces, strict=True)]
-        return self._turn(xp, position, arriving)
+        return self.turn(xp, position, arriving)
 
     def energy(
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
@@ -170,7 +170,7 @@ class AbstractMultibody(AbstractMechanism):
             return None
         forces = [element.force(state) for element, state, _ in loads]
         place, speed = motion.position, motion.velocity
-        given = inner(self._turn(xp, place, forces), speed)
+        given = inner(self.turn(xp, place, forces), speed)
         rubbed = given - inner(self.supply(xp, place, forces, speed), speed)
         taken = inner(self.demand(xp, motion, signals), speed) - self.gain(xp, motion)
         return Energy(*held, self.kinetic(xp, motion), rubbed + taken)
@@ -205,7 +205,7 @@ class AbstractMultibody(AbstractMechanism):
 
         return value_and_slope(xp, held, 0.0)[1]
 
-    def _turn(self, xp: Namespace, position: Column, forces: Column) -> list[Scalar]:
+    def turn(self, xp: Namespace, position: Column, forces: Column) -> list[Scalar]:
         """Generalised forces of tensions [N] from which friction takes nothing."""
         if not self.ports():
             return [0.0] * len(position)

@@ -4,7 +4,8 @@ A run is made twice, the second time to a local tolerance that is several times 
 two differ by, times `SURE`, bounds the error of the second; where it is above the tolerance, a
 third one follows, and so on. To it comes what the means of drives leave out of ripple, which no run
 shows. Runs may have an error in common, such as a kink that both meet with the same step: nothing
-better than half of the tolerance is claimed.
+better than half of the tolerance is claimed. Between edges of a drive that cut all steps two runs
+may take the same ones: hence all but the first split the last of them.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def march_to(march: March, plan: Plan, tolerance: float) -> tuple[Marched, float
     rows, accuracy = found.rows, math.inf
     for _ in range(MOST):
         local /= FINER
-        found = march(replace(plan, tolerance=local, ranges=found.ranges))
+        found = march(replace(plan, tolerance=local, ranges=found.ranges, parted=True))
         before, rows = rows, [found.rows[k] for k in compared if k < len(found.rows)]
         accuracy = max(bound_error(plan.compiled, before, rows, found), FLOOR * tolerance)
         if accuracy <= tolerance:

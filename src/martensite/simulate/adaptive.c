@@ -116,18 +116,25 @@ static double heat_scale(const block *b) {
     return least;
 }
 
-/* a length over which the mean of no drive leaves out too much, and what the halves bring */
+/* a length over which the mean of no drive leaves out too much, and what the halves bring; in
+   parts the last one before an edge is split */
 static void resolve_length(const march *m, block *b) {
     double length = b->length;
+    long whole = 0;
     for (long set = 0; set < SETS; set++)
         for (long i = 0; i < DRIVES; i++) {
             if (widths[i] == 1) continue;
             long count;
             const drive *d = drives_of(m, b, set) + i;
-            const double far = b->time + (1.0 - HAIR) * length;
+            const double far = b->time + (1.0 + HAIR) * length;
             const double edge = first_edge(d, b->time + SHORTEST * m->duration, far, b->cursor[set][i], &count);
             if (count && count <= FEW) length = reach_end(length, edge - b->time);
+            whole |= count && count <= FEW && length >= edge - b->time;
         }
+    if (m->parted && whole && !b->split) {
+        length *= 0.5;
+        b->split = 1;
+    }
     for (;;) {
         b->lapse = bring_halves(m, b, length);
         b->length = length;
@@ -618,6 +625,7 @@ static void accept_step(march *m, block *b) {
         }
     if (b->at_edge && b->after_edge < b->next) b->next = b->after_edge;
     if (b->at_edge) b->rough = 0.0;
+    if (b->at_edge) b->split = 0;
     b->known = !b->at_edge && !(b->lapse > 0.0);
     b->last_half = 0.5 * length;
     b->node_time[0] = b->time;

@@ -124,6 +124,8 @@ class AdaptiveMarch(AbstractMarch):
         self.owed = [0.0] * len(compiled.widths)
         self.length, self.after_edge, self.at_edge = plan.first, plan.first, True
         self.after_kink, self.at_kink = math.inf, False
+        self.split = False
+        """Whether a step before the next edge was split, in a run in parts."""
         self.power = 0.0
         """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
         self.rough = 0.0
@@ -181,10 +183,14 @@ class AdaptiveMarch(AbstractMarch):
 
     def _resolved(self, length: float) -> tuple[float, list[Row]]:
         """A length over which the mean of no drive leaves out too much, and what they bring."""
+        whole = False
         for reader in self.heating:
-            edges = reader.edges(self.time + self.hair, self.time + (1.0 - HAIR) * length)
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
             if edges and len(edges) <= FEW:
                 length = reach(length, edges[0] - self.time)
+                whole = whole or length >= edges[0] - self.time
+        if self.plan.parted and whole and not self.split:
+            length, self.split = 0.5 * length, True
         begin, allowed = self.time, self.plan.tolerance * self._scale(0)
         while True:
             middle = begin + 0.5 * length
@@ -450,7 +456,7 @@ class AdaptiveMarch(AbstractMarch):
         grown = length * min(max(self._change(trial) * self._trend(trial), LEAST_CHANGE), most)
         self.length = max(grown, planned)
         if self.at_edge:
-            self.length = min(self.length, self.after_edge)
+            self.length, self.split = min(self.length, self.after_edge), False
         if self.at_kink:
             self.length = min(self.length, max(self.after_kink, grown))
         for reader in self.readers:

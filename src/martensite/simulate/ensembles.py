@@ -78,7 +78,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
     left = np.arange(runs.count)
     for _ in range(MOST):
         local /= FINER
-        finer = replace(whole, plan=replace(plan, tolerance=local))
+        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True))
         made = march_runs(finer.choose(left, numbers[:, RANGES:]))
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])

@@ -1,4 +1,4 @@
-"""The step of runs that are to have equal ones: fits, sweeps, exported models.
+"""The step of runs that are to have equal ones: fits and exported models.
 
 Steps that are given do not change with the parameters, so that what is computed on them is as
 smooth as the model is, and differentiates exactly. They are halved until a run on them agrees with

@@ -76,7 +76,7 @@ typedef struct {
 /* the runs under way: where they are, and the step that each tries */
 typedef struct {
     long next_run, done;
-    flags_of_lanes run, live, loaded, fresh, sample, status, place, at_edge, at_kink, known;
+    flags_of_lanes run, live, loaded, fresh, sample, status, place, at_edge, at_kink, known, split;
     column time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     column coming; /* time of the next sample */
     column steps, rejected, longest, ripple, residual, error, kink;
@@ -100,7 +100,7 @@ typedef struct {
 } block;
 
 typedef struct {
-    long runs, samples, rounds, recording, recorded, capacity;
+    long runs, samples, rounds, recording, parted, recorded, capacity;
     double tolerance, duration, step;
     const double *p;      /* parameters, (PARAMETERS, runs) */
     const double *first;  /* first step of each run */
@@ -433,18 +433,23 @@ static double to_edge(const march *m, const block *b, long i) {
     return length;
 }
 
-/* a length that ends on the first of few edges */
-static double before_few_edges(const march *m, const block *b, long i) {
+/* a length that ends on the first of few edges; of a run in parts the last one before an edge is
+   split */
+static double before_few_edges(const march *m, block *b, long i) {
     double length = b->length[i];
+    long whole = 0;
     for (long k = 0; k < DRIVES; k++) {
         if (widths[k] == 1) continue;
         long count;
         const drive *d = drive_of(m, b->now + k, k, i);
-        const double far = b->time[i] + (1.0 - HAIR) * length;
+        const double far = b->time[i] + (1.0 + HAIR) * length;
         const double edge = first_edge(d, b->time[i] + SHORTEST * m->duration, far, b->now[k].cursor[i], &count);
         if (count && count <= FEW) length = reach_end(length, edge - b->time[i]);
+        whole |= count && count <= FEW && length >= edge - b->time[i];
     }
-    return length;
+    if (!m->parted || !whole || b->split[i]) return length;
+    b->split[i] = 1;
+    return 0.5 * length;
 }
 
 /* the length of the next step of lanes that begin one */
@@ -487,7 +492,7 @@ static void resolve_lengths(const march *m, block *b) {
     for (long k = 0; k < DRIVES; k++) {
         if (widths[k] == 1) continue;
         long inside = 0;
-        EVERY(i) inside |= b->now[k].following[i] < b->time[i] + b->length[i];
+        EVERY(i) inside |= b->now[k].following[i] <= b->time[i] + (1.0 + HAIR) * b->length[i];
         if (!inside) continue;
         EVERY(i) if (b->live[i]) b->length[i] = before_few_edges(m, b, i);
         break;
@@ -1086,6 +1091,7 @@ static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
         const long more = b->known[i] < 2 ? b->known[i] + 1 : 2;
         b->known[i] = t ? (at | (b->lapse[i] > 0.0) ? 0 : more) : b->known[i];
         b->older_time[i] = t ? b->node_time[1][i] : b->older_time[i];
+        b->split[i] &= !(t & at);
         b->last_half[i] = t ? 0.5 * length : b->last_half[i];
         b->node_time[0][i] = t ? b->time[i] : b->node_time[0][i];
         b->node_time[1][i] = t ? b->time[i] + 0.5 * length : b->node_time[1][i];
@@ -1132,7 +1138,7 @@ static void load_run(const march *m, block *b, long i, long run) {
     b->place[i] = -1;
     b->sample[i] = b->at_edge[i] = 1;
     b->coming[i] = m->times[1];
-    b->at_kink[i] = b->known[i] = 0;
+    b->at_kink[i] = b->known[i] = b->split[i] = 0;
     b->time[i] = b->power[i] = b->lapse[i] = b->rough[i] = b->steps[i] = b->rejected[i] = 0.0;
     b->longest[i] = b->ripple[i] = b->residual[i] = 0.0;
     b->next[i] = b->after_edge[i] = b->last_half[i] = b->length[i] = m->first[run];

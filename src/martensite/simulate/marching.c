@@ -30,7 +30,7 @@ typedef struct {
     double time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     double begin, stop, pieces, piece; /* of equal steps to a stop, in fixed.c */
     double node_time[2];
-    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, known_work;
+    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, known_work, split;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
     column status_time, ripple, residual, put_in, lost, stored, work[7];
@@ -51,7 +51,7 @@ typedef struct {
 } block;
 
 typedef struct {
-    long runs, samples, rounds, recording, recorded, capacity;
+    long runs, samples, rounds, recording, parted, recorded, capacity;
     double tolerance, duration, step;
     const double *p;      /* parameters, (PARAMETERS, runs) */
     const double *first;  /* first step of each run */

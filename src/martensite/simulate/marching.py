@@ -44,6 +44,9 @@ class Plan:
     """Whether the steps taken are kept."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
+    parted: bool = False
+    """Whether the last step before every edge of a drive is split: two runs whose steps are cut at
+    the same places would have their errors in common."""
     halves: bool = False
     """Whether all steps are made in halves, for a runtime that knows no others."""
 

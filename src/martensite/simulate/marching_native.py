@@ -61,7 +61,7 @@ class _Drive(ctypes.Structure):
 class _March(ctypes.Structure):
     _fields_ = [
         *((name, ctypes.c_long) for name in (
-            "runs", "samples", "rounds", "recording", "recorded", "capacity",
+            "runs", "samples", "rounds", "recording", "parted", "recorded", "capacity",
         )),
         *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
         *((name, ctypes.c_void_p) for name in (
@@ -229,6 +229,7 @@ class _Marching:
                 window.extend(0.0)
         self.march = _March(
             runs=runs.count, samples=len(plan.times), rounds=ROUNDS, recording=plan.recorded,
+            parted=plan.parted,
             capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
             step=plan.step or 0.0,
             p=_at(self.p), first=_at(self.first), times=_at(self.times),
