@@ -124,15 +124,21 @@ def same(shown: str, found: str) -> bool:
 
 
 def alike(one: list[str], other: list[str]) -> bool:
-    """Whether words are equal and numbers nearly."""
-    return len(one) == len(other) and all(map(_alike, one, other))
+    """Whether words are equal and numbers nearly.
+
+    How many steps a run takes follows the last digits of the mathematics library of a machine.
+    """
+    near = 0.1 if "steps" in one else 0.02
+    return len(one) == len(other) and all(
+        _alike(a, b, near) for a, b in zip(one, other, strict=True)
+    )
 
 
-def _alike(one: str, other: str) -> bool:
+def _alike(one: str, other: str, near: float) -> bool:
     if NUMBER.sub("#", one) != NUMBER.sub("#", other):
         return False
     pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
-    return all(math.isclose(float(a), float(b), rel_tol=0.02, abs_tol=1e-9) for a, b in pairs)
+    return all(math.isclose(float(a), float(b), rel_tol=near, abs_tol=1e-9) for a, b in pairs)
 
 
 def timeless(outputs: list[str]) -> list[str]:

@@ -36,6 +36,8 @@
 #define IDLE 2 /* lanes without a run from which on runs are begun */
 #define EACH(i) _Pragma("omp simd") for (long i = 0; i < LANES; i++)
 #define EVERY(i) for (long i = 0; i < LANES; i++)
+/* the lanes of a set of bits, one after another */
+#define SOME(i, bits) for (long long left_ = (long long)(bits), i; left_ && (i = __builtin_ctzll(left_), 1); left_ &= left_ - 1)
 #define BLEND(to, mask, from) EACH(i_) (to)[i_] = (mask)[i_] ? (from)[i_] : (to)[i_]
 
 enum { OK = 0, LONG_STEP = 1, UNSOLVED = 2, NOT_FINITE = 4, OUT_OF_ENVELOPE = 7 };
@@ -53,7 +55,7 @@ static const long observed[SIZE + 1] = OBSERVED; /* whether outputs depend on a 
 static const long size_of_point[POINTS + 1] = SIZES;
 
 typedef double column[LANES];
-typedef long flags_of_lanes[LANES];
+typedef long long flags_of_lanes[LANES]; /* as wide as numbers */
 
 /* the segment of a drive in which steps begin, when the next one starts, and the tones, with their
    angles where steps begin */
@@ -86,6 +88,7 @@ typedef struct {
     column points[NUMBERS + 1], earlier_points[NUMBERS + 1]; /* now, and half a step ago */
     /* start and middle of the last step, if there is no kink of a drive between them and now */
     column node_time[2], node_state[2][SIZE + 1], node_seen[2][JUDGED + 1];
+    column older_time, older_seen[JUDGED + 1]; /* half a step before these, if `known` is 2 */
     drives_of_lanes now[DRIVES + 1];
     column one[DRIVES + 1][MOMENTS], two[DRIVES + 1][MOMENTS];
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
@@ -126,9 +129,9 @@ static const drive *drive_of(const march *m, const drives_of_lanes *d, long k, l
     return m->drives + (OWN ? d->run[i] * DRIVES : 0) + k;
 }
 
-static long any(const flags_of_lanes flags) {
-    long found = 0;
-    EVERY(i) found |= flags[i];
+QUICK unsigned long long any(const flags_of_lanes flags) {
+    unsigned long long found = 0;
+    EVERY(i) found |= (unsigned long long)(flags[i] != 0) << i;
     return found;
 }
 
@@ -748,7 +751,9 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         b->next[i] = t ? next : b->next[i];
     }
     /* those that are made again */
-    EVERY(i) if (b->live[i] && !taken[i]) {
+    flags_of_lanes again;
+    EACH(i) again[i] = b->live[i] & !taken[i];
+    SOME(i, any(again)) {
         const double length = b->length[i];
         const int solved = b->error[i] < HUGE_VAL, good = b->error[i] <= 1.0;
         double shorter = solved ? length : 0.25 * length;
@@ -776,29 +781,41 @@ static long is_judged_state(long k) {
     return 1;
 }
 
-/* whether the polynomial through the last five points is good enough in each step; the inverse
-   denominators of its weights */
+/* Whether the polynomial through the last five points is good enough in each step; the inverse
+   denominators of its weights. Its own last term is small enough, or, where a sixth point is known,
+   the one that would come next. */
 static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, column *per) {
-    column reached;
+    column reached, farther, over;
+    flags_of_lanes flat, flatter;
     EACH(i) {
-        const double half = 0.5 * b->length[i], t2 = b->time[i];
+        const double half = 0.5 * b->length[i], t2 = b->time[i], tail = b->older_time[i];
         const double t[5] = {b->node_time[0][i], b->node_time[1][i], t2, t2 + half, t2 + b->length[i]};
-        reached[i] = CUBIC * half * half * half * (t[4] - t[1]);
-        smooth[i] = b->known[i] && !(b->lapse[i] > 0.0);
+        const double cubic = CUBIC * half * half * half, long_way = t[4] - tail;
+        reached[i] = cubic * (t[4] - t[1]);
+        farther[i] = cubic * (t[4] - t[1]) * (t[4] - t[0]);
         for (long j = 0; j < 5; j++) {
             double product = 1.0;
             for (long k = 0; k < 5; k++) product *= k == j ? 1.0 : t[j] - t[k];
             per[j][i] = 1.0 / product;
         }
+        over[i] = 1.0 / ((tail - t[0]) * (tail - t[1]) * (tail - t[2]) * (tail - t[3]) * -long_way);
+        flat[i] = flatter[i] = 1;
     }
     for (long k = 0; k < JUDGED; k++)
         EACH(i) {
-            const double fourth = per[0][i] * b->node_seen[0][k][i] + per[1][i] * b->node_seen[1][k][i] +
-                                  per[2][i] * b->seen[k][i] + per[3][i] * b->middle[k][i] +
-                                  per[4][i] * b->fine[k][i];
+            const double t2 = b->time[i], tail = b->older_time[i];
+            const double a = per[0][i] * b->node_seen[0][k][i], c = per[1][i] * b->node_seen[1][k][i];
+            const double d = per[2][i] * b->seen[k][i], e = per[3][i] * b->middle[k][i];
+            const double f = per[4][i] * b->fine[k][i];
+            const double fifth = a / (b->node_time[0][i] - tail) + c / (b->node_time[1][i] - tail) +
+                                 d / (t2 - tail) + e / (t2 + 0.5 * b->length[i] - tail) +
+                                 f / (t2 + b->length[i] - tail) + over[i] * b->older_seen[k][i];
             const double allowed = BETWEEN * m->tolerance * b->scale[k][i];
-            smooth[i] = smooth[i] && reached[i] * fabs(fourth) <= allowed;
+            flat[i] &= reached[i] * fabs(a + c + d + e + f) <= allowed;
+            flatter[i] &= farther[i] * fabs(fifth) <= allowed;
         }
+    EACH(i) smooth[i] = (b->known[i] > 0) & !(b->lapse[i] > 0.0) &
+                        (flat[i] | (flatter[i] & (b->known[i] > 1)));
 }
 
 /* states on it at times; those that overshoot what they go through are no longer smooth */
@@ -935,15 +952,14 @@ static void put_aside(const march *m, block *b, long i, double time, long leavin
 }
 
 /* outputs of the states in x2, for lanes that ask and are inside the envelope */
-static void keep_rows(const march *m, block *b, const column time, const flags_of_lanes asked,
-                      long leaving) {
+static void keep_rows(const march *m, block *b, const column time, unsigned long long asked, long leaving) {
     flags_of_lanes gone = {0};
     column signals[DRIVES + 1];
     if (OBSERVE_SIGNALS || (leaving && JUDGE_SIGNALS)) put_signals(m, b, time, 0, signals);
     if (leaving) find_gone(m, b->c, b->x2, signals, b->run, gone);
     if (OBSERVE_SIGNALS) memcpy(b->x2 + SIZE, signals, sizeof(column) * DRIVES);
     k_observe(LANES, *b->c, *b->x2, *b->row);
-    EVERY(i) if (asked[i] && !gone[i]) {
+    SOME(i, asked) if (!gone[i]) {
         double *row = m->rows + (b->run[i] * m->samples + b->sample[i]) * OUTPUTS;
         for (long k = 0; k < OUTPUTS; k++) row[k] = b->row[k][i];
     }
@@ -970,19 +986,19 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         memcpy(good, smooth, sizeof good);
         interpolate(b, time, per, good, b->x2, leaving);
         EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - HAIR * b->length[i]));
-        if (any(other))
-            EVERY(i) if (other[i]) {
-                const double hair = HAIR * b->length[i];
-                const int ends = time[i] >= end[i] - hair, halves = fabs(time[i] - middle[i]) <= hair;
-                if (ends || halves) {
-                    for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
-                } else {
-                    put_aside(m, b, i, time[i], leaving);
-                    good[i] = -1; /* it is kept later */
-                }
+        SOME(i, any(other)) {
+            const double hair = HAIR * b->length[i];
+            const int ends = time[i] >= end[i] - hair, halves = fabs(time[i] - middle[i]) <= hair;
+            if (ends || halves) {
+                for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
+            } else {
+                put_aside(m, b, i, time[i], leaving);
+                good[i] = -1; /* it is kept later */
             }
+        }
         EACH(i) other[i] = due[i] & (good[i] >= 0);
-        if (any(other)) keep_rows(m, b, time, other, leaving);
+        const unsigned long long shown = any(other);
+        if (shown) keep_rows(m, b, time, shown, leaving);
         EACH(i) {
             b->sample[i] += due[i];
             b->coming[i] = m->times[b->sample[i]];
@@ -1073,8 +1089,10 @@ static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
         b->next[i] = t && at ? smaller(b->next[i], after_edge) : b->next[i];
         b->rough[i] = t && at ? 0.0 : b->rough[i];
         b->at_edge[i] = t ? at : b->at_edge[i];
+        const long more = b->known[i] < 2 ? b->known[i] + 1 : 2;
+        b->known[i] = t ? (at | (b->lapse[i] > 0.0) ? 0 : more) : b->known[i];
+        b->older_time[i] = t ? b->node_time[1][i] : b->older_time[i];
         b->split[i] &= !(t & at);
-        b->known[i] = t ? !at && !(b->lapse[i] > 0.0) : b->known[i];
         b->last_half[i] = t ? 0.5 * length : b->last_half[i];
         b->node_time[0][i] = t ? b->time[i] : b->node_time[0][i];
         b->node_time[1][i] = t ? b->time[i] + 0.5 * length : b->node_time[1][i];
@@ -1088,6 +1106,7 @@ static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
         BLEND(b->state[k], taken, b->full[k]);
     }
     for (long k = 0; k < JUDGED; k++) {
+        BLEND(b->older_seen[k], taken, b->node_seen[1][k]);
         BLEND(b->node_seen[0][k], taken, b->seen[k]);
         BLEND(b->node_seen[1][k], taken, b->middle[k]);
         EACH(i) {
