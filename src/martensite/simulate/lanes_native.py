@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.c99_lanes import BLOCK, lanes_source
 from martensite.runtimes.once import once
 from martensite.simulate.compiled import Compiled
 
@@ -62,58 +63,83 @@ class NativeLanes:
 
     def __init__(self, compiled: Compiled, table: Numbers) -> None:
         self.compiled = compiled
-        size, n, outputs = compiled.size, table.shape[1], len(compiled.outputs)
-        self.n, self.library, self.table = n, _library(compiled), np.array(table, order="C")
+        size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
+        self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
+        self.library, self._table = _library(compiled, n >= BLOCK), self._filled(table)
         self.constants = self._prepared(compiled, self.library)
         self.x = np.empty((size + compiled.drives + 1, n))
-        self.y, self.worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
+        self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
         self._at_drives, self._at_rows = _at(self._drives), _at(self._rows)
-        self._held = tuple(map(_at, (self.constants, self.x, self.y, self.worst)))
+        self._held = tuple(map(_at, (self.constants, self.x, self.y, self._worst)))
+
+    @property
+    def table(self) -> Numbers:
+        """Parameters, shape (parameters, lanes)."""
+        return self._table[:, : self.n]
+
+    @property
+    def worst(self) -> Numbers:
+        """Worst reports so far, shape (2, lanes)."""
+        return self._worst[:, : self.n]
+
+    def _filled(self, given: Numbers) -> Numbers:
+        """A table of lanes, the last of which fills the block."""
+        last = given[..., -1:]
+        more = np.broadcast_to(last, (*given.shape[:-1], self._filled_to - given.shape[-1]))
+        return np.ascontiguousarray(np.concatenate([given, more], axis=-1))
+
+    def _spread(self, into: Numbers, given: Any) -> None:
+        """Write numbers that may be one for all lanes."""
+        into[..., : self.n] = given
+        into[..., self.n :] = into[..., self.n - 1 : self.n]
 
     def set_table(self, table: Numbers) -> None:
         """Other parameters, shape (parameters, lanes); what was compiled stays."""
-        self.table[...] = table
-        self.library.prepare(self.n, _at(self.table), _at(self.constants))
+        self._spread(self._table, table)
+        self.library.prepare(self._filled_to, _at(self._table), _at(self.constants))
 
     def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
-        found = np.empty((max(1, len(compiled.program.hoisted)), self.n))
-        library.prepare(self.n, _at(self.table), _at(found))
+        found = np.empty((max(1, len(compiled.program.hoisted)), self._filled_to))
+        library.prepare(self._filled_to, _at(self._table), _at(found))
         return found
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
-        found, given = np.empty((self.compiled.size, self.n)), np.ascontiguousarray(signals)
-        self.library.begin(self.n, _at(self.constants), _at(given), _at(found))
-        return found
+        found, given = np.empty((self.compiled.size, self._filled_to)), self._filled(signals)
+        self.library.begin(self._filled_to, _at(self.constants), _at(given), _at(found))
+        return found[:, : self.n].copy()
 
     def advance(
         self, state: Numbers, signals: Numbers, dt: float, shown: bool
     ) -> tuple[Numbers, Numbers]:
         """State after some steps, and outputs; signals may spread over drives and lanes."""
-        self._state[...], self._dt[...] = state, dt
-        steps, drives, rows = len(signals), self._at_drives, self._at_rows
+        self._spread(self._state, state)
+        self._dt[...] = dt
+        steps, drives, rows, n = len(signals), self._at_drives, self._at_rows, self.n
         if steps == 1:
-            self._drives[...] = signals[0]
+            self._spread(self._drives, signals[0])
             self._go(1, drives, rows if shown else None)
-            return self._state.copy(), self._rows.copy() if shown else self._rows[:0]
+            found = self._rows[..., :n].copy() if shown else self._rows[:0, :, :n]
+            return self._state[:, :n].copy(), found
         spread = np.empty((steps, *self._drives.shape))
-        spread[...] = signals
+        self._spread(spread, signals)
         found = np.empty((steps if shown else 0, *self._rows.shape[1:]))
         self._go(steps, _at(spread), _at(found) if shown else None)
-        return self._state.copy(), found
+        return self._state[:, :n].copy(), found[..., :n]
 
     def _go(self, steps: int, drives: int, rows: int | None) -> None:
         """Steps from `x` to `x`."""
-        self.library.advance(self.n, steps, *self._held, drives, rows)
+        self.library.advance(self._filled_to, steps, *self._held, drives, rows)
 
     def seen(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
-        self._state[...], self._signals[...] = state, signals
-        self.library.seen(self.n, *self._held[:2], self._at_rows)
-        return self._rows[0].copy()
+        self._spread(self._state, state)
+        self._spread(self._signals, signals)
+        self.library.seen(self._filled_to, *self._held[:2], self._at_rows)
+        return self._rows[0, :, : self.n].copy()
 
 
 def _at(array: Numbers) -> int:
@@ -122,12 +148,14 @@ def _at(array: Numbers) -> int:
 
 
 @once(64)
-def _library(compiled: Compiled) -> Any:
+def _library(compiled: Compiled, full: bool) -> Any:
+    """For any number of lanes, or for `full` blocks of them, as vectors."""
     loop = _ADVANCE.format(
         size=compiled.size, drives=compiled.drives, outputs=len(compiled.outputs)
     )
     functions = list(compiled.program.functions.values())
-    library = load_library(c_source(compiled.program, functions) + loop)
+    write = lanes_source if full else c_source
+    library = load_library(write(compiled.program, functions) + loop)
     for name, arguments in _ARGUMENTS.items():
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, None
