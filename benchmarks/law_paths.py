@@ -22,6 +22,7 @@ from martensite.laws.base import LAWS, AbstractLaw
 from martensite.materials.base import load_material
 from martensite.parameters import REQUIRED
 from martensite.runtimes.c99 import c_source, load_library
+from martensite.runtimes.c99_lanes import BLOCK, lanes_source
 from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.point import Leg, material_point
@@ -202,7 +203,8 @@ def library(compiled: CompiledLaw, lanes: int) -> Any:
         lanes=lanes, constants=max(1, len(compiled.program.hoisted)), size=size,
         inputs=max(size + 3, 4), results=size + 1,
     )  # fmt: skip
-    found = load_library(c_source(compiled.program, chosen) + loop)
+    write = c_source if lanes % BLOCK else lanes_source
+    found = load_library(write(compiled.program, chosen) + loop)
     found.ride.argtypes = [ctypes.c_long, *[ctypes.c_void_p] * 3, ctypes.c_double, ctypes.c_void_p]
     return found
 
