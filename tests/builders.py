@@ -15,9 +15,7 @@ from typing import Any
 
 from martensite.bench.faults.base import FAULTS
 from martensite.bench.supervisor import SUPERVISORS
-from martensite.bench.supervisors.checks.above import Overheat
-from martensite.bench.supervisors.checks.base import CHECKS, Checks
-from martensite.bench.supervisors.checks.sensor_lost import SensorLost
+from martensite.bench.supervisors.checks.base import CHECKS
 from martensite.electrical.base import RESISTANCES, SOURCES, AbstractSource
 from martensite.electrical.per_length import PerLengthResistance
 from martensite.electrical.power import PowerSource
@@ -26,13 +24,14 @@ from martensite.electrical.voltage import VoltageSource
 from martensite.elements.base import ELEMENTS, AbstractElement
 from martensite.elements.wire import Wire
 from martensite.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.laws.brinson import Brinson
 from martensite.laws.liang_rogers import LiangRogers
-from martensite.materials.base import load_material, material_names
+from martensite.materials.base import load_material
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.observers.base import OBSERVERS
-from martensite.parameters import REQUIRED, Declared, Keyed, Parametrised, part
+from martensite.parameters import Keyed, Parametrised, part
 from martensite.registry import Registry
 from martensite.runtimes import floats
 from martensite.runtimes.nested import Shape, flatten
@@ -40,15 +39,13 @@ from martensite.runtimes.program import Program
 from martensite.sensors.base import SENSORS
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.moments import Segment, Tone
-from martensite.signals.sine import Sine
 from martensite.system import AbstractSystem, Actuator, Group, Machine, System
+from martensite.testing.examples import build_example, label_part, list_variants
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
-from martensite.thermal.churchill_chu import ChurchillChu
 from martensite.thermal.constant import ConstantCooling
 from martensite.thermal.ends import ENDS
 from martensite.thermal.fluids.base import FLUIDS
 from martensite.thermal.polynomial import PolynomialCooling
-from martensite.thermal.radiation import Radiation
 
 ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {
@@ -277,166 +274,41 @@ def strain_of(law: Any, memory: Any) -> float:
 
 # ---------------------------------------------------------------- examples of registered things
 
-# What no rule below can guess: values that must fit each other.
-VALUES: dict[str, dict[str, Any]] = {
-    "sine": {"frequency": 0.7},
-    "triangle": {"frequency": 0.7},
-    "pwm": {"frequency": 3.0, "duty": 0.3},
-    "ramp": {"start": 0.5, "end": 1.75},
-    "step": {"at": 0.5, "until": 1.75},
-    "staircase": {"first": 1.0, "increment": 0.5, "hold": 0.4, "count": 4.0},
-    "table": {"times": (0.0, 0.5, 2.0), "values": (0.0, 2.0, 1.0)},
-    "coil-spring": {
-        "diameter": 0.75e-3,
-        "coil_diameter": 4e-3,
-        "turns": 10.0,
-        "free_length": 10e-3,
-    },
-    "carrier": {"frequency": 3.0, "duty": Sine(low=0.1, high=0.9, frequency=0.7)},
-    "axial-wire": {"cells": "5"},
-    "ribbon": {"heated": 1.0, "distance": 1e-3},
-    "combined": {"convection": ChurchillChu(), "radiation": Radiation(emissivity=0.5)},
-    "antagonistic-pulley": {
-        "radius": 8e-3, "stiffness": 0.01, "moment": 0.02, "damping": 1e-3, "inertia": 1e-4,
-    },
-    "beam-motor": {
-        "mass": 0.25, "stiffness": 541.0, "damping": 0.2, "mass_2": 0.3, "stiffness_2": 2e4,
-        "mass_3": 0.4, "stiffness_3": 2e5, "mass_4": 0.5, "stiffness_4": 1e6, "unbalance": 0.02,
-        "eccentricity": 0.02, "rotor_inertia": 8e-5, "rotor_friction": 1e-5, "dry_friction": 1e-4,
-        "friction_rate": 5.0, "torque_constant": 0.02, "back_emf": 0.02, "resistance": 4.0,
-        "inductance": 0.02, "wire_length": 0.3,
-    },
-    "finger": {
-        "offset": 4e-3, "bracket": 5e-3, "stiffness": 200.0, "arm": 8e-3, "extension": 2e-3,
-        "friction": 0.1, "friction_rate": 5.0, "damping": 2e-4, "inertia": 2e-5,
-    },
-    "hand": {
-        "offset": 4e-3, "bracket": 5e-3, "knuckle": 5e-3, "preload": 2.0, "stiffness": 2e-3,
-        "torque": 1e-3, "lowest": -0.5, "damping": 2e-4, "gravity": 9.81, "thumb": 0.9,
-        "middle": 1.1,
-    },
-    "lever": {
-        "arm": 0.02, "distance": 0.06, "wire_angle": 1.3, "mass": 0.2, "weight_arm": 0.05,
-        "weight_angle": 0.2, "stiffness": 0.05, "torque": 0.02, "damping": 1e-2, "inertia": 1e-4,
-    },
-    "parallel-platform": {
-        "side": 0.1, "height": 0.05, "mass": 0.1, "eccentricity": -0.01, "damping": 1e-3,
-    },
-    "testing-machine": {"stiffness": 1e4, "section": 5.0, "gauge_length": 0.1},
-    "ambient-step": {"by": 20.0},
-    "drift": {"bias": 0.5, "rate": 0.2},
-    "overheat": {"limit": 340.0, "band": 5.0},
-    "over-current": {"limit": 1.0, "band": 0.2},
-    "over-stress": {"limit": 1e8, "band": 1e7},
-    "over-force": {"limit": 10.0, "band": 1.0},
-    "sensor-lost": {"timeout": 0.3},
-    "mismatch": {"limit": 0.1},
-    "thermal-bound": {
-        "limit": 400.0, "band": 5.0, "power": 10.0, "capacity": 0.1, "conductance": 0.03,
-        "ambient": 300.0,
-    },
-    "guard": {
-        "checks": Checks(
-            hot=Overheat(reading="temperature", limit=340.0, band=5.0),
-            lost=SensorLost(reading="temperature", timeout=0.3, drives=("drive",)),
-        ),
-        "hold": 0.1,
-    },
-}  # fmt: skip
-# Parts inside other parts: what an example takes, where the first by name would not do.
-USUAL = {"element": "wire"}
-# Texts that must be given: names of outputs of problem A.
-TEXTS = {"reading": "temperature", "sensor": "temperature", "other": "hottest"}
 # Options that an example leaves at their default: tried in other laws, and slow in these.
-UNTRIED = {
-    "mas-polycrystal": ("heat_model", "groups"), "axial-wire": ("cells",), "ribbon": ("wires",),
-}  # fmt: skip
-SMALL = {"mas-polycrystal": {"groups": "15"}}
-"""Fewer than usual, so that what runs every example takes less."""
-# Plausible sizes by name (also instead of defaults, which are often an inert zero), then by unit.
-BY_NAME = {
-    "diameter": 0.2e-3, "length": 0.2, "latent_heat": 24e3, "r_A": 20.0, "r_M": 23.0,
-    "h1": 0.1, "h2": 1e-4, "preload": 3.0, "series_resistance": 0.5, "current_limit": 0.6,
-    "voltage_limit": 6.0, "count": 3.0, "spans": 2.0, "supply": 6.0, "reference_resistance": 4.0,
-    "low": 0.5, "high": 2.5, "level": 1.5, "waist_f": 0.8, "waist_r": 0.9, "start": 0.5, "end": 1.5,
-    "longest": 0.3, "most": 0.02, "least": 0.05,
-}  # fmt: skip
-BY_UNIT = {
-    "m": 1e-2, "kg": 0.5, "N": 3.0, "N/m": 500.0, "W/m^2/K": 80.0, "m/s": 1.0, "s": 0.5,
-    "ohm/m": 20.0, "ohm": 1.0, "drive": 1.5, "K": 300.0, "1": 0.5, "m/s^2": 9.81,
-}  # fmt: skip
+UNTRIED: dict[str, dict[str, Any]] = {
+    "mas-polycrystal": {"heat_model": "constant", "groups": "15"},
+    "axial-wire": {"cells": "5"},
+    "ribbon": {"wires": "2"},
+}
 
 
-@cache
-def materials_by_preference() -> list[dict[str, float]]:
-    """Numbers of all materials, the classical set and the benchmark set first.
-
-    Those fitted with certain options of a law are left out, as `io.laws` passes over them.
-    """
-    first = ["niti-brinson-1993", "benchmark-liang-rogers", "finger-mas"]
-    names = [*first, *(n for n in material_names() if n not in first)]
-    found = [one for one in map(load_material, names) if one.law is None]
-    return [{k: n.value for k, n in one.values.items()} for one in found]
-
-
-def guess(name: str, declared: Declared) -> float:
-    """A plausible value of a required parameter that no material has."""
-    if declared.unit in BY_UNIT and declared.low < BY_UNIT[declared.unit] < declared.high:
-        return BY_UNIT[declared.unit]
-    low, high = declared.bounds
-    return math.sqrt(low * high) if low > 0.0 and math.isfinite(high) else 0.5 * (low + high)
-
-
-def material_values(wanted: set[str]) -> dict[str, float]:
-    """Numbers of one material that has all the wanted ones, else of as few as possible."""
-    found: dict[str, float] = {}
-    for numbers in sorted(materials_by_preference(), key=lambda m: -len(wanted & set(m))):
-        found = {name: numbers[name] for name in wanted & set(numbers)} | found
-    return found
+COLD = load_material("niti-brinson-1993").values
+"""Numbers of laws in the examples: these transform at less power than typical ones."""
 
 
 def example(cls: type[Parametrised], **choices: Any) -> Any:
-    """An instance of any registered class, from material data by the names it declares."""
-    required = {
-        name: d
-        for name, d in cls.declarations.items()
-        if d.default is REQUIRED and name not in choices
-    }
-    values = dict(VALUES.get(cls.registered_name, {})) | choices
-    numbers = {name for name, d in cls.declarations.items() if d.kind == "parameter"}
-    by_name = {name: BY_NAME[name] for name in numbers & set(BY_NAME)}
-    values = material_values(numbers) | by_name | values
-    for name, declared in required.items():
-        if name in values:
-            continue
-        if declared.kind == "option":
-            values[name] = declared.choices[0]
-        elif declared.kind == "text":
-            values[name] = TEXTS[name]
-        elif name == "model":
-            values[name] = problem_a()
-        elif declared.kind == "part" and declared.registry is not None:
-            usual = USUAL.get(declared.registry.kind, declared.registry.names()[0])
-            values[name] = example(declared.registry[usual])
-        elif declared.kind == "parameter":
-            values[name] = guess(name, declared)
-    return cls(**values)
+    """An instance of any registered class, with a law that a little heat transforms."""
+    return build_example(cls, **_chosen(cls, choices))
+
+
+def _chosen(cls: type[Parametrised], choices: dict[str, Any]) -> dict[str, Any]:
+    """Choices for the examples of the tests, and those given."""
+    if issubclass(cls, AbstractLaw):
+        choices = {n: COLD[n].value for n in cls.declarations if n in COLD} | choices
+    for name, declared in cls.declarations.items():
+        if name == "model":
+            choices.setdefault(name, problem_a())
+        elif declared.registry in (LAWS, ELEMENTS) and name not in choices:
+            choices[name] = example(Brinson if declared.registry is LAWS else Wire)
+    return choices
 
 
 def variants(cls: type[Parametrised]) -> list[Any]:
     """An example of a class, and one for every other choice of each of its options."""
-    skipped = UNTRIED.get(cls.registered_name, ())
-    options = {n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in skipped}
-    usual = {n: d.choices[0] if d.default is REQUIRED else d.default for n, d in options.items()}
-    others = [usual | {n: w} for n, d in options.items() for w in d.choices if w != usual[n]]
-    small = SMALL.get(cls.registered_name, {})
-    return [example(cls, **small, **words) for words in (usual, *others)]
+    return list_variants(cls, **_chosen(cls, dict(UNTRIED.get(cls.registered_name, {}))))
 
 
-def label(thing: Parametrised) -> str:
-    """Name and options, for test ids."""
-    words = [getattr(thing, n) for n, d in thing.declarations.items() if d.kind == "option"]
-    return "-".join([type(thing).registered_name or type(thing).__name__, *words])
+label = label_part
 
 
 def registered(kind: str | None = None) -> list[type[Parametrised]]:

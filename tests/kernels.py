@@ -281,7 +281,7 @@ def observer_course(observer: Any, xp: Any, u: Any, share: Any, age: Any, dt: An
 
 def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: Any) -> Any:
     """What a fault makes of a plant, a signal, a reading and whether there is one."""
-    active, name = fault.active(xp, time), builders.TEXTS["sensor"]
+    active, name = fault.active(xp, time), "temperature"
     plant = fault.plant(xp, builders.problem_a(source=PwmVoltage(supply=6.0)), active)
     loss = plant.element.heat_loss(xp, 350.0, plant.environment)
     grown = fault.grown(xp, time)
@@ -294,6 +294,7 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
 
 KNOWN = {
     "temperature": (300.0, 380.0), "hottest": (300.0, 380.0), "temperature.age": (0.0, 0.6),
+    "current": (0.0, 0.6), "current.age": (0.0, 0.6),
 }  # fmt: skip
 """Ranges of what checks read."""
 

@@ -22,6 +22,10 @@ from martensite.registry import Registry
 REQUIRED: Any = object()
 
 
+class ByUnit(dict[str, Any]):
+    """Typical values of what has a unit that depends on its place: by that unit, in SI."""
+
+
 @dataclass(frozen=True)
 class Declared:
     """What is declared about one field; `kind` is parameter, option, text or part."""
@@ -35,6 +39,15 @@ class Declared:
     open_low: bool = False
     choices: tuple[str, ...] = ()
     registry: Registry[Any] | None = None
+    typical: Any = None
+    """A value of an ordinary size, as files write it: a form begins with it, and examples of the
+    part are made of it. `ByUnit` where the unit depends on the place. Assumed, never data."""
+
+    def typical_in(self, unit: str) -> Any:
+        """The typical value in a place where the SI unit is this one; None if there is none."""
+        if self.typical is None and self.registry is not None:
+            return self.registry.typical or None
+        return self.typical.get(unit) if isinstance(self.typical, ByUnit) else self.typical
 
     def convert(self, owner: str, name: str, value: Any) -> Any:
         """Return the checked value in SI, or raise a sentence naming owner and name."""
@@ -113,25 +126,50 @@ def param(
     high: float = math.inf,
     above: float | None = None,
     default: float = REQUIRED,
+    typical: float | str | ByUnit | None = None,
 ) -> Any:
-    """Declare a number in the SI `unit`; `above` is an excluded lower bound."""
+    """Declare a number in the SI `unit`.
+
+    Args:
+        unit: SI unit.
+        doc: what it is, in words.
+        low: lowest allowed value.
+        high: highest allowed value.
+        above: an excluded lower bound instead of `low`.
+        default: value if none is given; without one, a value must be given.
+        typical: an ordinary value, in SI or as text with a unit (`Declared.typical`).
+    """
     least = low if above is None else above
-    return Declared("parameter", doc, default, unit, least, high, above is not None)
+    return Declared(
+        "parameter", doc, default, unit, least, high, above is not None, typical=typical
+    )
 
 
 def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
     """Declare a choice between words; another choice is another program."""
-    return Declared("option", doc, default, choices=choices)
+    return Declared("option", doc, default, choices=choices, typical=choices[0])
 
 
-def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED) -> Any:
-    """Declare a free text, or several, such as names of signals; another is another program."""
-    return Declared("text", doc, default)
+def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | None = None) -> Any:
+    """Declare a free text, or several, such as names of signals; another is another program.
+
+    A typical text of `=name` is the same as the entry of that name.
+    """
+    return Declared("text", doc, default, typical=typical)
 
 
-def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED) -> Any:
-    """Declare a component, chosen by name from `registry` in files."""
-    return Declared("part", doc, default, registry=registry)
+def part(
+    doc: str,
+    registry: Registry[Any] | None = None,
+    *,
+    default: Any = REQUIRED,
+    typical: Any = None,
+) -> Any:
+    """Declare a component, chosen by name from `registry` in files.
+
+    The typical one is a name or a table, as files have it; by default that of the registry.
+    """
+    return Declared("part", doc, default, registry=registry, typical=typical)
 
 
 @dataclass(frozen=True)

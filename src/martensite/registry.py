@@ -25,9 +25,14 @@ C = TypeVar("C")
 class Registry(Generic[T]):
     """Named classes of one kind, discovered on first use."""
 
-    def __init__(self, kind: str, package: str) -> None:
+    def __init__(self, kind: str, package: str, typical: str = "") -> None:
+        """A registry of a `kind`, of all that a package holds; `typical` is the name of one of it.
+
+        The typical one is what a form begins with and what examples of other parts are made of.
+        """
         self.kind = kind
         self.package = package
+        self.typical = typical
         self._entries: dict[str, type[T]] = {}
         self._scanned = False
         self._plugged = False

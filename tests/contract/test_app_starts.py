@@ -7,7 +7,6 @@ import pytest
 
 from martensite.app.calls.form import NEW, answer
 from martensite.app.forms import documents
-from martensite.app.forms.starts import starts
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
 from martensite.files import toml_document
@@ -109,11 +108,12 @@ def test_every_registry_has_a_place() -> None:
     assert set(PLACES) == set(ALL)
 
 
-def test_start_values_are_those_of_what_there_is() -> None:
-    """A name that is gone, or misspelt, is found."""
-    own = ("parts", "material", "levels", "component")
-    for registry, kinds in starts().items():
-        for kind, values in kinds.items() if registry not in own else ():
-            declared = ALL[registry][kind].declarations
-            assert set(values) <= {*declared, "example"}, (registry, kind)
-            assert values.get("example", "new") in SCENARIOS
+def test_packaged_scenarios_to_begin_with_are_there() -> None:
+    kinds = [ALL["mechanism"][kind] for kind in ALL["mechanism"].names()]
+    assert {kind.typical_scenario or "new" for kind in kinds} <= set(SCENARIOS)
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_the_typical_one_of_a_registry_is_there(kind: str) -> None:
+    typical = ALL[kind].typical
+    assert not typical or ALL[kind][typical].registered_name == typical

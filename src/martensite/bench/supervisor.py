@@ -13,7 +13,9 @@ from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
-SUPERVISORS: Registry[AbstractSupervisor] = Registry("supervisor", "martensite.bench.supervisors")
+SUPERVISORS: Registry[AbstractSupervisor] = Registry(
+    "supervisor", "martensite.bench.supervisors", typical="guard"
+)
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 

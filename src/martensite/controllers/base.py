@@ -22,7 +22,9 @@ from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import WAVEFORMS, AbstractDrive, AbstractWaveform
 
-CONTROLLERS: Registry[AbstractController] = Registry("controller", "martensite.controllers")
+CONTROLLERS: Registry[AbstractController] = Registry(
+    "controller", "martensite.controllers", typical="pid"
+)
 Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 HAIR = 1e-9
@@ -44,7 +46,7 @@ class AbstractController(AbstractDrive):
     """False for one that is no kernel and runs as a drive only."""
     names_reading = ("measured",)
 
-    measured: str = text("name of the reading that shall follow the reference")
+    measured: str = text("name of the reading that shall follow the reference", typical="position")
     reference: AbstractWaveform = part("what it shall follow, in its SI unit", WAVEFORMS)
 
     def reads(self) -> tuple[str, ...]:

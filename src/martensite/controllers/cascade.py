@@ -46,7 +46,9 @@ class Cascade(AbstractController):
     cites = ("copaci2019",)
 
     temperature: str = text("name of the reading of the temperature", default="temperature")
-    start: Scalar = param("K", "temperature T_0 to which the outer controller adds")
+    start: Scalar = param(
+        "K", "temperature T_0 to which the outer controller adds", typical="60 degC"
+    )
     outer: PidGains = part("of the position: gains in kelvin per SI unit, limits in kelvin")
     inner: PidGains = part("of the temperature: gains in signal per kelvin, limits of the signal")
 

@@ -25,6 +25,7 @@ from martensite.controllers.base import CONTROLLERS, HAIR, AbstractController, C
 from martensite.parameters import param, text
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
+from martensite.signals.levels import HIGH
 
 
 class Latch(NamedTuple):
@@ -49,12 +50,14 @@ class LatchedOnOff(AbstractController):
 
     cites = ("kossoski2018",)
 
-    oscillation: str = text("name of the reading whose amplitude switches it off")
+    oscillation: str = text(
+        "name of the reading whose amplitude switches it off", typical="=measured"
+    )
     share: Scalar = param(
         "1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3
     )
     window: Scalar = param("s", "length of the window of an amplitude", above=0.0, default=0.25)
-    high: Scalar = param(DRIVE, "signal while it is on")
+    high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
     low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
 
     def reads(self) -> tuple[str, ...]:

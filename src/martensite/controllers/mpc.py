@@ -77,8 +77,8 @@ class Mpc(AbstractController):
     output: str = text(
         "output of the model that is measured; none: called as the reading", default=""
     )
-    period: float = param("s", "time from one sample to the next", above=0.0)
-    horizon: float = param("s", "how far plans reach", above=0.0)
+    period: float = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    horizon: float = param("s", "how far plans reach", above=0.0, typical="2 s")
     blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
     low: float = param(DRIVE, "least signal", default=0.0)
     high: float = param(DRIVE, "largest signal", default=1.0)

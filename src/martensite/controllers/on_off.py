@@ -14,6 +14,7 @@ from martensite.controllers.base import CONTROLLERS, AbstractController, Column,
 from martensite.parameters import param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN
 from martensite.units import DIFFERENCE
 
 
@@ -22,9 +23,13 @@ class OnOff(AbstractController):
     """A switch that keeps a measured quantity near its target."""
 
     band: Scalar = param(
-        DIFFERENCE, "how far below the target it is switched on again", low=0.0, default=0.0
+        DIFFERENCE,
+        "how far below the target it is switched on again",
+        low=0.0,
+        default=0.0,
+        typical=MARGIN,
     )
-    high: Scalar = param(DRIVE, "signal while it is on")
+    high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
     low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:

@@ -140,7 +140,9 @@ def sampled(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
 class PidGains(Parametrised):
     """What any PID controller is given: gains and limits."""
 
-    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured")
+    Kp: Scalar = param(
+        "1", "proportional gain, in signal per SI unit of what is measured", typical=100.0
+    )
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
     gains_are: str = option(

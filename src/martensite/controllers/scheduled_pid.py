@@ -23,6 +23,7 @@ from martensite.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, samp
 from martensite.errors import ParameterError
 from martensite.parameters import Parametrised, option, param, part, text
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.signals.levels import HIGH
 from martensite.system import Members
 from martensite.units import LEVEL
 
@@ -30,8 +31,10 @@ from martensite.units import LEVEL
 class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
-    at: Scalar = param(LEVEL, "where: value of the reference or of the reading")
-    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured")
+    at: Scalar = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
+    Kp: Scalar = param(
+        "1", "proportional gain, in signal per SI unit of what is measured", typical=100.0
+    )
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
 
@@ -86,7 +89,10 @@ class ScheduledPid(AbstractController):
     names_reading = ("over", "measured")
 
     over: str = text("name of the reading that decides; the reference if none", default="")
-    rising: Schedule = part("gains since the reference rose")
+    rising: Schedule = part(
+        "gains since the reference rose",
+        typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}},
+    )
     falling: Schedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(
         "integral and derivative gains: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",

@@ -30,6 +30,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN
 from martensite.units import RATE
 
 
@@ -52,9 +53,11 @@ class SlidingMode(AbstractController):
 
     cites = ("slotine1991", "utkin1992", "song2003")
 
-    gain: Scalar = param(DRIVE, "largest signal K of the switching part")
-    slope: Scalar = param("1/s", "slope λ of the surface", above=0.0)
-    layer: Scalar = param(RATE, "half width Φ of the boundary layer, in units of s", above=0.0)
+    gain: Scalar = param(DRIVE, "largest signal K of the switching part", typical=HIGH)
+    slope: Scalar = param("1/s", "slope λ of the surface", above=0.0, typical="2 1/s")
+    layer: Scalar = param(
+        RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN
+    )
     boundary: str = option(
         "what the switching is inside of the layer", "saturation", "tanh", default="saturation"
     )

@@ -20,6 +20,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN, NEAR
 from martensite.units import DIFFERENCE
 
 
@@ -29,9 +30,9 @@ class TwoLevel(AbstractController):
 
     cites = ("grant1997",)
 
-    far: Scalar = param(DIFFERENCE, "error φ from which it is full", above=0.0)
-    high: Scalar = param(DRIVE, "signal u_H far from the target")
-    near: Scalar = param(DRIVE, "signal u_L near it")
+    far: Scalar = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
+    high: Scalar = param(DRIVE, "signal u_H far from the target", typical=HIGH)
+    near: Scalar = param(DRIVE, "signal u_L near it", typical=NEAR)
     low: Scalar = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
     sign: str = option("sign of the errors that it acts on", "1", "-1", default="1")
 

@@ -16,8 +16,10 @@ from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.moments import Moments
 
-RESISTANCES: Registry[AbstractResistance] = Registry("resistance", "martensite.electrical")
-SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.electrical")
+RESISTANCES: Registry[AbstractResistance] = Registry(
+    "resistance", "martensite.electrical", typical="per-length"
+)
+SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.electrical", typical="current")
 STRAIGHT = 1e-9
 """Departure of a current or a power from a straight line that is none, as a share of it."""
 
@@ -127,11 +129,19 @@ class AbstractSupply(AbstractSource):
     supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
 
     series_resistance: Scalar = param(
-        "ohm", "resistance outside the element: leads, contacts, driver",
-        low=0.0, high=1e6, default=0.0,
-    )  # fmt: skip
-    current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6)
-    voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9)
+        "ohm",
+        "resistance outside the element: leads, contacts, driver",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.5 ohm",
+    )
+    current_limit: Scalar = param(
+        "A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A"
+    )
+    voltage_limit: Scalar = param(
+        "V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V"
+    )
 
     def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
@@ -149,7 +159,7 @@ class AbstractSwitch(AbstractSource):
     supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
     linear: ClassVar[str] = "power"
 
-    supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4)
+    supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
     series_resistance: Scalar = param(
         "ohm", "resistance outside the element: leads, contacts, closed switch",
         low=0.0, high=1e6, default=0.0,

@@ -34,7 +34,9 @@ class HBridge(AbstractSwitch):
     low_resistance: Scalar = param(
         "ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0
     )
-    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7)
+    frequency: Scalar = param(
+        "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
+    )
     dead_time: Scalar = param(
         "s", "time that is lost at each of the two edges of a pulse",
         low=0.0, high=1.0, default=0.0,

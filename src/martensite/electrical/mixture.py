@@ -15,8 +15,12 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class MixtureResistance(AbstractResistance):
     """Linear mixture of two resistivities; geometry at its nominal size."""
 
-    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4)
-    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4)
+    rho_A: Scalar = param(
+        "ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m"
+    )
+    rho_M: Scalar = param(
+        "ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m"
+    )
 
     def resistance(
         self,

@@ -34,7 +34,9 @@ class Mosfet(AbstractSwitch):
     on_resistance: Scalar = param(
         "ohm", "resistance of the transistor while it conducts", low=0.0, high=1e6, default=0.0
     )
-    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7)
+    frequency: Scalar = param(
+        "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
+    )
     dead_time: Scalar = param(
         "s", "time of every pulse that is lost before the transistor conducts",
         low=0.0, high=1.0, default=0.0,

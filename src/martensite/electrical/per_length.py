@@ -11,8 +11,12 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class PerLengthResistance(AbstractResistance):
     """Linear mixture of two resistances per metre; independent of the diameter."""
 
-    r_A: Scalar = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6)
-    r_M: Scalar = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6)
+    r_A: Scalar = param(
+        "ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m"
+    )
+    r_M: Scalar = param(
+        "ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m"
+    )
 
     def resistance(
         self,

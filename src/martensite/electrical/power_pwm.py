@@ -38,9 +38,12 @@ class PowerPwm(AbstractSwitch):
         default="every-period",
     )
     reference_resistance: Scalar = param(
-        "ohm", "resistance of the element when measured once",
-        above=0.0, default=math.inf,
-    )  # fmt: skip
+        "ohm",
+        "resistance of the element when measured once",
+        above=0.0,
+        default=math.inf,
+        typical="4 ohm",
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if what was measured once is not given."""

@@ -30,7 +30,7 @@ class AxialWire(AbstractCells):
     """A wire that is cooler near its clamps."""
 
     thermal_conductivity: Scalar = param(
-        "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9
+        "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, typical="15 W/m/K"
     )
     conductivity_ratio: Scalar = param(
         "1", "thermal conductivity of martensite over that of austenite",
@@ -43,7 +43,7 @@ class AxialWire(AbstractCells):
         high=1e9,
         default=1e3,
     )
-    spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0)
+    spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
     grading: Scalar = param(
         "1", "how much narrower cells get towards a clamp (the exponent γ)",
         above=0.0, high=15.0, default=4.0,

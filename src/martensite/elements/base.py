@@ -26,7 +26,7 @@ from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.signals.moments import Moments
 from martensite.thermal.base import Environment
 
-ELEMENTS: Registry[AbstractElement] = Registry("element", "martensite.elements")
+ELEMENTS: Registry[AbstractElement] = Registry("element", "martensite.elements", typical="wire")
 
 
 class Spring(NamedTuple):

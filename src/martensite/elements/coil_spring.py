@@ -88,14 +88,19 @@ class CoilSpring(AbstractRoundWire, AbstractLumped):
     passes: ClassVar[int] = 3
     straight: ClassVar[bool] = False
 
-    coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0)
+    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
+    coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
     coil_measure: str = option(
         "where the coil diameter is measured: between centres of the wire, or over all",
         "mean", "outer",
     )  # fmt: skip
-    turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5)
+    turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
     free_length: Scalar = param(
-        "m", "length of the active turns as unloaded austenite, at least N d", above=0.0, high=1e3
+        "m",
+        "length of the active turns as unloaded austenite, at least N d",
+        above=0.0,
+        high=1e3,
+        typical="10 mm",
     )
     deflection: str = option(
         "theory of the coil: flat turns, or a rod that is drawn out", "small", "large",

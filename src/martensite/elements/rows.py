@@ -21,7 +21,7 @@ from martensite.thermal.base import Environment
 class AbstractRow(AbstractLumped):
     """Equal elements; a subclass names one of them and says how they share the load."""
 
-    count: Scalar = param("1", "number of elements", low=1.0, high=1e4)
+    count: Scalar = param("1", "number of elements", low=1.0, high=1e4, typical=2.0)
     wiring: str = option("how they are wired", "series", "parallel", default="series")
 
     @property

@@ -17,7 +17,7 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class Wire(AbstractRoundWire, AbstractLumped):
     """A straight wire that transforms uniformly along its length."""
 
-    length: Scalar = param("m", "length at zero strain", above=0.0, high=1e3)
+    length: Scalar = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")
 
     def wire_length(self) -> Scalar:
         """Length of the wire [m]."""

@@ -17,7 +17,7 @@ from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
-LAWS: Registry[AbstractLaw] = Registry("law", "martensite.laws")
+LAWS: Registry[AbstractLaw] = Registry("law", "martensite.laws", typical="liang-rogers")
 
 
 class Fractions(NamedTuple):

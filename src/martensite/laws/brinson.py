@@ -41,8 +41,12 @@ class Brinson(AbstractPhaseDiagram):
     twins = True
     one_way = False
 
-    sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10)
-    sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10)
+    sigma_s: Scalar = param(
+        "Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa"
+    )
+    sigma_f: Scalar = param(
+        "Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa"
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""

@@ -21,7 +21,9 @@ from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
-MECHANISMS: Registry[AbstractMechanism] = Registry("mechanism", "martensite.mechanisms")
+MECHANISMS: Registry[AbstractMechanism] = Registry(
+    "mechanism", "martensite.mechanisms", typical="dead-weight"
+)
 
 Column = Sequence[Scalar]
 
@@ -71,6 +73,8 @@ class AbstractMechanism(Parametrised):
 
     static: ClassVar[bool] = False
     """True if it takes one element, has no signal, and offers a `load_line`."""
+    typical_scenario: ClassVar[str] = ""
+    """A packaged scenario to begin with, where it needs other elements and drives than most."""
 
     def ports(self) -> tuple[str, ...]:
         """Names of the elements that it takes."""

@@ -51,6 +51,8 @@ MOST = 4
 class BeamMotor(AbstractMultibody):
     """An unbalanced motor on a beam, and a wire at its tip if it is wanted."""
 
+    typical_scenario = "closed_loop_beam"
+
     cites = ("kossoski2018",)
 
     motion: str = option("it always moves with inertia", "dynamic", default="dynamic")
@@ -65,38 +67,84 @@ class BeamMotor(AbstractMultibody):
         "lagrange", "printed", default="lagrange",
     )  # fmt: skip
     mass: Scalar = param(
-        "kg", "moving mass M, unbalance included, of the first mode", above=0.0, high=1e4
+        "kg",
+        "moving mass M, unbalance included, of the first mode",
+        above=0.0,
+        high=1e4,
+        typical="250 g",
     )
-    stiffness: Scalar = param("N/m", "stiffness k of the first mode", above=0.0, high=1e9)
-    damping: Scalar = param("N*s/m", "damping c of the first mode", low=0.0, high=1e6)
-    mass_2: Scalar = param("kg", "mass of the second mode", above=0.0, default=math.inf)
-    stiffness_2: Scalar = param("N/m", "stiffness of the second mode", above=0.0, default=math.inf)
-    mass_3: Scalar = param("kg", "mass of the third mode", above=0.0, default=math.inf)
-    stiffness_3: Scalar = param("N/m", "stiffness of the third mode", above=0.0, default=math.inf)
-    mass_4: Scalar = param("kg", "mass of the fourth mode", above=0.0, default=math.inf)
-    stiffness_4: Scalar = param("N/m", "stiffness of the fourth mode", above=0.0, default=math.inf)
-    unbalance: Scalar = param("kg", "mass m of the unbalance", low=0.0, high=1e3)
+    stiffness: Scalar = param(
+        "N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m"
+    )
+    damping: Scalar = param(
+        "N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m"
+    )
+    mass_2: Scalar = param(
+        "kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g"
+    )
+    stiffness_2: Scalar = param(
+        "N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m"
+    )
+    mass_3: Scalar = param(
+        "kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g"
+    )
+    stiffness_3: Scalar = param(
+        "N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m"
+    )
+    mass_4: Scalar = param(
+        "kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g"
+    )
+    stiffness_4: Scalar = param(
+        "N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m"
+    )
+    unbalance: Scalar = param("kg", "mass m of the unbalance", low=0.0, high=1e3, typical="20 g")
     eccentricity: Scalar = param(
-        "m", "distance r of the unbalance from the axis", low=0.0, high=1.0
+        "m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm"
     )
     rotor_inertia: Scalar = param(
-        "kg*m^2", "inertia J of the rotor without the unbalance", above=0.0, high=1e3
+        "kg*m^2",
+        "inertia J of the rotor without the unbalance",
+        above=0.0,
+        high=1e3,
+        typical="8e-5 kg*m^2",
     )
     rotor_friction: Scalar = param(
-        "N*m*s/rad", "viscous friction b of the rotor", low=0.0, high=1e3, default=0.0
+        "N*m*s/rad",
+        "viscous friction b of the rotor",
+        low=0.0,
+        high=1e3,
+        default=0.0,
+        typical="1e-5 N*m*s/rad",
     )
     dry_friction: Scalar = param(
-        "N*m", "dry friction F_c of the rotor", low=0.0, high=1e3, default=0.0
+        "N*m", "dry friction F_c of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m"
     )
     friction_rate: Scalar = param(
-        "rad/s", "rate v₀ over which dry friction changes sign", above=0.0, high=1e3, default=0.1
+        "rad/s",
+        "rate v₀ over which dry friction changes sign",
+        above=0.0,
+        high=1e3,
+        default=0.1,
+        typical="5 rad/s",
     )
-    torque_constant: Scalar = param("N*m/A", "torque per current K_T", low=0.0, high=1e3)
-    back_emf: Scalar = param("V*s/rad", "voltage per speed K_B", low=0.0, high=1e3)
-    resistance: Scalar = param("ohm", "resistance R of the winding", above=0.0, high=1e6)
-    inductance: Scalar = param("H", "inductance L of the winding", above=0.0, high=1e3)
+    torque_constant: Scalar = param(
+        "N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A"
+    )
+    back_emf: Scalar = param(
+        "V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad"
+    )
+    resistance: Scalar = param(
+        "ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm"
+    )
+    inductance: Scalar = param(
+        "H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH"
+    )
     wire_length: Scalar = param(
-        "m", "length l_w of the path of the wire at x = 0", above=0.0, default=math.inf
+        "m",
+        "length l_w of the path of the wire at x = 0",
+        above=0.0,
+        default=math.inf,
+        typical="300 mm",
     )
     wire_angle: Scalar = param(
         "rad", "angle θ of the wire to the beam at x = 0", low=0.0, high=1.57, default=math.pi / 12

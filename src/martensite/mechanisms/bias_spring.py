@@ -19,8 +19,10 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class BiasSpring(AbstractLoadLine):
     """A linear return spring with preload."""
 
-    stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9)
-    preload: Scalar = param("N", "force at assembly", low=0.0, high=1e6, default=0.0)
+    stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
+    preload: Scalar = param(
+        "N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N"
+    )
 
     def start_force(self, xp: Namespace) -> Scalar:
         """Preload [N]."""

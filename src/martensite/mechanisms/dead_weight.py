@@ -14,7 +14,7 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class DeadWeight(AbstractLoadLine):
     """A hanging mass; inertia is left out, and the wire is never slack."""
 
-    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6)
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
     gravity: Scalar = param(
         "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
     )

@@ -63,24 +63,47 @@ SIDES = ("flexor", "extensor")
 class Hand(AbstractMultibody):
     """Three fingers of two joints, bent and stretched by twelve elements."""
 
+    typical_scenario = "hand"
+
     tendons: str = option(
         "which joints a distal flexor bends: its own, or the proximal one too (`passing`)",
         "separate", "passing", default="separate",
     )  # fmt: skip
-    offset: Scalar = param("m", "distance r of a flexor from the hinge", above=0.0, high=1.0)
+    offset: Scalar = param(
+        "m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm"
+    )
     bracket: Scalar = param(
-        "m", "distance g of a bracket from the hinge, along the phalanx", low=0.0, high=1.0
+        "m",
+        "distance g of a bracket from the hinge, along the phalanx",
+        low=0.0,
+        high=1.0,
+        typical="5 mm",
     )
-    knuckle: Scalar = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0)
-    preload: Scalar = param("N", "force in every flexor at assembly", low=0.0, high=1e6)
-    stiffness: Scalar = param("N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0)
+    knuckle: Scalar = param(
+        "m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm"
+    )
+    preload: Scalar = param(
+        "N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N"
+    )
+    stiffness: Scalar = param(
+        "N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad"
+    )
     torque: Scalar = param(
-        "N*m", "torque τ₀ of a joint spring at angle zero", low=0.0, high=1e6, default=0.0
+        "N*m",
+        "torque τ₀ of a joint spring at angle zero",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m",
     )
-    lowest: Scalar = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0)
+    lowest: Scalar = param(
+        "rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad"
+    )
     highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
-    damping: Scalar = param("N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0)
+    damping: Scalar = param(
+        "N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad"
+    )
     proximal_length: Scalar = param(
         "m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05
     )
@@ -92,11 +115,18 @@ class Hand(AbstractMultibody):
     )
     distal_mass: Scalar = param("kg", "mass of a distal phalanx", above=0.0, high=1e3, default=0.01)
     gravity: Scalar = param(
-        "m/s^2", "gravity along the straight fingers", low=0.0, high=100.0, default=0.0
+        "m/s^2",
+        "gravity along the straight fingers",
+        low=0.0,
+        high=100.0,
+        default=0.0,
+        typical="9.81 m/s^2",
     )
-    thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0)
+    thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
     index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
-    middle: Scalar = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0)
+    middle: Scalar = param(
+        "1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the extensors would have to push at assembly."""

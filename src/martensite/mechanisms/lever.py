@@ -35,35 +35,69 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class Lever(AbstractMultibody):
     """A lever about a pivot between a wire and a weight."""
 
-    arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0)
+    arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
     distance: Scalar = param(
-        "m", "distance ℓ of the fixed end of the wire from its arm", above=0.0, high=100.0
+        "m",
+        "distance ℓ of the fixed end of the wire from its arm",
+        above=0.0,
+        high=100.0,
+        typical="60 mm",
     )
     wire_angle: Scalar = param(
-        "rad", "angle γ between wire and arm as assembled",
-        above=0.0, high=3.1, default=0.5 * math.pi,
-    )  # fmt: skip
-    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0)
-    weight_arm: Scalar = param("m", "arm b of the weight", above=0.0, high=10.0)
+        "rad",
+        "angle γ between wire and arm as assembled",
+        above=0.0,
+        high=3.1,
+        default=0.5 * math.pi,
+        typical="1.3 rad",
+    )
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0, typical="200 g")
+    weight_arm: Scalar = param("m", "arm b of the weight", above=0.0, high=10.0, typical="50 mm")
     weight_angle: Scalar = param(
-        "rad", "angle φ₀ at which the arm of the weight rises as assembled",
-        low=-1.57, high=1.57, default=0.0,
-    )  # fmt: skip
+        "rad",
+        "angle φ₀ at which the arm of the weight rises as assembled",
+        low=-1.57,
+        high=1.57,
+        default=0.0,
+        typical="0.2 rad",
+    )
     gravity: Scalar = param(
         "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
     )
     stiffness: Scalar = param(
-        "N*m/rad", "rate of the return spring", low=0.0, high=1e6, default=0.0
+        "N*m/rad",
+        "rate of the return spring",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.05 N*m/rad",
     )
     torque: Scalar = param(
-        "N*m", "torque of the return spring as assembled", low=0.0, high=1e6, default=0.0
+        "N*m",
+        "torque of the return spring as assembled",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.02 N*m",
     )
     lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
     highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
-    damping: Scalar = param("N*m*s/rad", "damping of the pivot", low=0.0, high=1e6, default=0.0)
+    damping: Scalar = param(
+        "N*m*s/rad",
+        "damping of the pivot",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.01 N*m*s/rad",
+    )
     inertia: Scalar = param(
-        "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6
+        "kg*m^2",
+        "inertia of the lever without the weight",
+        above=0.0,
+        high=1e6,
+        default=1e-6,
+        typical="1e-4 kg*m^2",
     )
 
     def dead_centre(self) -> float:

@@ -46,11 +46,17 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class ParallelPlatform(AbstractMultibody):
     """A plate on a universal joint that three springs tilt about two axes."""
 
+    typical_scenario = "closed_loop_platform"
+
     cites = ("ranjith2018",)
 
-    side: Scalar = param("m", "side s of the triangular plates", above=0.0, high=10.0)
-    height: Scalar = param("m", "distance h of the plates at home", above=0.0, high=10.0)
-    mass: Scalar = param("kg", "mass M of the top plate", above=0.0, high=1e6)
+    side: Scalar = param(
+        "m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm"
+    )
+    height: Scalar = param(
+        "m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm"
+    )
+    mass: Scalar = param("kg", "mass M of the top plate", above=0.0, high=1e6, typical="100 g")
     inertia: Scalar = param(
         "kg*m^2",
         "moment of inertia about an axis in the plate through its centroid; 0 for that of a "
@@ -58,17 +64,28 @@ class ParallelPlatform(AbstractMultibody):
         low=0.0, high=1e6, default=0.0,
     )  # fmt: skip
     eccentricity: Scalar = param(
-        "m", "height e of the plate's centroid over the joint; 0 if the joint is there",
-        low=-10.0, high=10.0, default=0.0,
-    )  # fmt: skip
+        "m",
+        "height e of the plate's centroid over the joint; 0 if the joint is there",
+        low=-10.0,
+        high=10.0,
+        default=0.0,
+        typical="-10 mm",
+    )
     gravity: Scalar = param(
         "m/s^2", "acceleration of gravity towards the base; negative for a hanging platform",
         low=-100.0, high=100.0, default=9.80665,
     )  # fmt: skip
     damping: Scalar = param(
-        "N*m*s/rad", "damping b of each axis of the joint", low=0.0, high=1e6, default=0.0
+        "N*m*s/rad",
+        "damping b of each axis of the joint",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m*s/rad",
     )
-    preload: Scalar = param("N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0)
+    preload: Scalar = param(
+        "N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N"
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the joint would be below the base."""

@@ -26,14 +26,34 @@ from martensite.runtimes.namespace import Namespace, Scalar
 class AntagonisticPulley(AbstractMultibody):
     """A pulley that two elements turn against each other."""
 
-    radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0)
-    preload: Scalar = param("N", "force in both elements at assembly", low=0.0, high=1e6)
-    stiffness: Scalar = param("N*m/rad", "stiffness of the joint", low=0.0, high=1e6, default=0.0)
-    moment: Scalar = param(
-        "N*m", "weight moment of a lever that hangs down", low=0.0, high=1e6, default=0.0
+    typical_scenario = "antagonistic_wires"
+
+    radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
+    preload: Scalar = param(
+        "N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N"
     )
-    damping: Scalar = param("N*m*s/rad", "damping of the joint", low=0.0, high=1e6, default=0.0)
-    inertia: Scalar = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5)
+    stiffness: Scalar = param(
+        "N*m/rad", "stiffness of the joint", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad"
+    )
+    moment: Scalar = param(
+        "N*m",
+        "weight moment of a lever that hangs down",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.02 N*m",
+    )
+    damping: Scalar = param(
+        "N*m*s/rad",
+        "damping of the joint",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m*s/rad",
+    )
+    inertia: Scalar = param(
+        "kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2"
+    )
 
     def ports(self) -> tuple[str, ...]:
         """The one that pulls φ up, and the other."""

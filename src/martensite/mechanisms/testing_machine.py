@@ -62,22 +62,38 @@ class Mounted(NamedTuple):
 class TensileTestingMachine(AbstractMechanism):
     """A tensile testing machine whose `command` prescribes force, stress, elongation or strain."""
 
+    typical_scenario = "tensile-test"
+
     control: str = option("what the signal `command` prescribes", *UNITS)
     preload: Scalar = param(
-        "N", "force F₀ under which the element is mounted if a travel is prescribed",
-        low=0.0, high=1e6, default=0.0,
-    )  # fmt: skip
+        "N",
+        "force F₀ under which the element is mounted if a travel is prescribed",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="3 N",
+    )
     stiffness: Scalar = param(
-        "N/m", "stiffness k of frame and grips together; rigid if left out",
-        above=0.0, default=math.inf,
-    )  # fmt: skip
+        "N/m",
+        "stiffness k of frame and grips together; rigid if left out",
+        above=0.0,
+        default=math.inf,
+        typical="1e4 N/m",
+    )
     section: Scalar = param(
-        "m^2", "section A that makes a force of a prescribed stress", above=0.0, default=math.inf
+        "m^2",
+        "section A that makes a force of a prescribed stress",
+        above=0.0,
+        default=math.inf,
+        typical="5 m^2",
     )
     gauge_length: Scalar = param(
-        "m", "length l that makes an elongation of a prescribed strain",
-        above=0.0, default=math.inf,
-    )  # fmt: skip
+        "m",
+        "length l that makes an elongation of a prescribed strain",
+        above=0.0,
+        default=math.inf,
+        typical="100 mm",
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the section or length of a stress or strain is missing."""

@@ -17,7 +17,9 @@ from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.system import AbstractSystem
 
-OBSERVERS: Registry[AbstractObserver] = Registry("observer", "martensite.observers")
+OBSERVERS: Registry[AbstractObserver] = Registry(
+    "observer", "martensite.observers", typical="inverse-model"
+)
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 ESTIMATED = "estimated."

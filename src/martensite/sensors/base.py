@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-SENSORS: Registry[AbstractSensor] = Registry("sensor", "martensite.sensors")
+SENSORS: Registry[AbstractSensor] = Registry("sensor", "martensite.sensors", typical="ideal")
 DRAWN = 1024
 """Random numbers that are drawn at a time."""
 Column: TypeAlias = Sequence[Scalar]

@@ -18,7 +18,7 @@ from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.signals.moments import Moments, Segment, Shape, Tone, parabolas
 
-WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals")
+WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
 DRIVE = "drive"
 MANY = 1000
 """Times from which on arrays are quicker than numbers one by one, even if NumPy is loaded first."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
+from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
 
@@ -13,7 +14,7 @@ from martensite.signals.moments import Segment
 class Constant(AbstractWaveform):
     """The same level all the time."""
 
-    level: float = param(DRIVE, "level")
+    level: float = param(DRIVE, "level", typical=HIGH)
 
     def value(self, time: float) -> float:
         """The level, at any time."""

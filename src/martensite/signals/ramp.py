@@ -13,6 +13,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
+from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
 
@@ -21,9 +22,11 @@ class Ramp(AbstractWaveform):
     """A linear passage from `low` to `high`; downwards where `low` is above `high`."""
 
     low: float = param(DRIVE, "level up to `start`", default=0.0)
-    high: float = param(DRIVE, "level from `end` on")
-    start: float = param("s", "time at which the ramp begins", low=0.0, default=0.0)
-    end: float = param("s", "time at which the ramp ends", above=0.0)
+    high: float = param(DRIVE, "level from `end` on", typical=HIGH)
+    start: float = param(
+        "s", "time at which the ramp begins", low=0.0, default=0.0, typical="0.5 s"
+    )
+    end: float = param("s", "time at which the ramp ends", above=0.0, typical="5 s")
 
     def check(self) -> None:
         """The ramp takes a time above zero."""

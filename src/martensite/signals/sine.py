@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from martensite.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, require_order
+from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment, Tone
 
 _TURNS = {"low": 0.0, "middle": 0.25, "high": 0.5}
@@ -24,8 +25,8 @@ class Sine(AbstractWaveform):
     """A smooth oscillation between `low` and `high`; it has no edges."""
 
     low: float = param(DRIVE, "lowest level", default=0.0)
-    high: float = param(DRIVE, "highest level")
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9)
+    high: float = param(DRIVE, "highest level", typical=HIGH)
+    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
     phase: str = option(
         "where it starts: at `low`, rising through the `middle`, or at `high`",
         *_TURNS,

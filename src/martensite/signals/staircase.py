@@ -12,6 +12,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside, interval
+from martensite.signals.levels import INCREMENT
 from martensite.signals.moments import Segment
 
 
@@ -20,9 +21,9 @@ class Staircase(AbstractWaveform):
     """Equal jumps at equal times, up and if wanted down again."""
 
     first: float = param(DRIVE, "first level", default=0.0)
-    increment: float = param(DRIVE, "jump from one level to the next")
-    hold: float = param("s", "time on each level", low=1e-9, high=1e9)
-    count: float = param("1", "number of levels", low=1.0, high=1e6)
+    increment: float = param(DRIVE, "jump from one level to the next", typical=INCREMENT)
+    hold: float = param("s", "time on each level", low=1e-9, high=1e9, typical="2 s")
+    count: float = param("1", "number of levels", low=1.0, high=1e6, typical=4.0)
     direction: str = option("what follows the last level", "up", "up-down", default="up")
 
     def check(self) -> None:

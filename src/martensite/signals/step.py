@@ -9,6 +9,7 @@ from martensite.errors import ParameterError
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside
+from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
 
@@ -20,9 +21,11 @@ class Step(AbstractWaveform):
     """
 
     low: float = param(DRIVE, "level before the step, and after `until`", default=0.0)
-    high: float = param(DRIVE, "level from the step on")
-    at: float = param("s", "time of the step", low=0.0, default=0.0)
-    until: float = param("s", "time of the step back; none if left out", default=math.inf)
+    high: float = param(DRIVE, "level from the step on", typical=HIGH)
+    at: float = param("s", "time of the step", low=0.0, default=0.0, typical="0.5 s")
+    until: float = param(
+        "s", "time of the step back; none if left out", default=math.inf, typical="1.75 s"
+    )
 
     def check(self) -> None:
         """The step back comes after the step."""

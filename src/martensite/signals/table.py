@@ -12,6 +12,7 @@ from martensite.parameters import param, part
 from martensite.runtimes.namespace import Scalar
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
+from martensite.signals.levels import SAMPLES
 from martensite.signals.moments import Segment
 
 
@@ -19,8 +20,12 @@ from martensite.signals.moments import Segment
 class Table(AbstractWaveform):
     """A signal known at some times; for measured ones see `martensite.signals.records`."""
 
-    times: tuple[float, ...] = part("times of the samples [s], ascending", default=())
-    values: tuple[float, ...] = part("samples, in the unit of the source", default=())
+    times: tuple[float, ...] = part(
+        "times of the samples [s], ascending", default=(), typical=("0 s", "1 s", "4 s", "5 s")
+    )
+    values: tuple[float, ...] = part(
+        "samples, in the unit of the source", default=(), typical=SAMPLES
+    )
     factor: Scalar = param("1", "factor of all samples", default=1.0)
     stretch: Scalar = param("1", "factor of all times", above=0.0, default=1.0)
 

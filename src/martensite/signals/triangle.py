@@ -8,6 +8,7 @@ from itertools import count
 from martensite.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, inside, interval, require_countable, require_order
+from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
 
@@ -16,8 +17,8 @@ class Triangle(AbstractWaveform):
     """A linear oscillation between `low` and `high`, which starts at `low`."""
 
     low: float = param(DRIVE, "lowest level", default=0.0)
-    high: float = param(DRIVE, "highest level")
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9)
+    high: float = param(DRIVE, "highest level", typical=HIGH)
+    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
 
     def check(self) -> None:
         """The levels are in order."""

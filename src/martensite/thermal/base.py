@@ -9,7 +9,7 @@ from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.fluids.base import AbstractFluid
 
-COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.thermal")
+COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.thermal", typical="constant")
 
 
 class Cylinder(NamedTuple):

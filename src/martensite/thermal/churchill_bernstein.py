@@ -25,7 +25,9 @@ class ChurchillBernstein(AbstractCooling):
 
     cites = ("churchill1977",)
 
-    speed: Scalar = param("m/s", "speed of the stream across the wire", above=0.0, high=100.0)
+    speed: Scalar = param(
+        "m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s"
+    )
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:

@@ -15,8 +15,8 @@ from martensite.thermal.base import COOLING, AbstractCooling, Cylinder
 class CombinedCooling(AbstractCooling):
     """The sum of two heat-loss models, as convection and radiation."""
 
-    convection: AbstractCooling = part("one heat-loss model", COOLING)
-    radiation: AbstractCooling = part("the other heat-loss model", COOLING)
+    convection: AbstractCooling = part("one heat-loss model", COOLING, typical="churchill-chu")
+    radiation: AbstractCooling = part("the other heat-loss model", COOLING, typical="radiation")
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h [W/(m² K)], the sum of both."""

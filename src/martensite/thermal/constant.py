@@ -11,7 +11,7 @@ from martensite.thermal.base import COOLING, AbstractCooling, Cylinder
 class ConstantCooling(AbstractCooling):
     """A film coefficient that depends on nothing."""
 
-    h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5)
+    h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """The constant h [W/(m² K)]."""

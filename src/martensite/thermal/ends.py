@@ -47,7 +47,7 @@ class ClampedEnds(AbstractEnds):
     """Both ends in clamps at ambient temperature."""
 
     thermal_conductivity: Scalar = param(
-        "W/m/K", "thermal conductivity of the wire", above=0.0, high=1e4
+        "W/m/K", "thermal conductivity of the wire", above=0.0, high=1e4, typical="15 W/m/K"
     )
     contact: Scalar = param(
         "W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3

@@ -21,7 +21,7 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 class Radiation(AbstractCooling):
     """Radiation of a grey wire to its surroundings."""
 
-    emissivity: Scalar = param("1", "emissivity of the surface", low=0.0, high=1.0)
+    emissivity: Scalar = param("1", "emissivity of the surface", low=0.0, high=1.0, typical=0.6)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h [W/(m² K)]; the shape does not matter."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any
 
-from martensite.app.forms import documents, starts
+from martensite.app.forms import documents
 from martensite.app.forms.documents import Table
 from martensite.app.forms.filling import KIND, Filler
 from martensite.app.forms.switched import Switched
@@ -93,7 +93,7 @@ def _with_waveform(one: Switched, scenario: Scenario) -> None:
 
 
 def _begin_waveform(one: Switched, path: str, unit: str) -> None:
-    cls = WAVEFORMS[str(starts.starts()["parts"]["waveform"])]
+    cls = WAVEFORMS[WAVEFORMS.typical]
     filler = Filler(placed(unit))
     documents.put(one.document, path, filler.table(cls, WAVEFORMS, {}, path))
     one.assumed += filler.assumed
@@ -133,7 +133,7 @@ def _cooled(one: Switched) -> None:
     """A heat-loss model, where there is none."""
     path = "environment.cooling"
     if documents.entry(one.document, path) is None:
-        cls = COOLING[str(starts.starts()["parts"]["cooling"])]
+        cls = COOLING[COOLING.typical]
         filler = Filler()
         documents.put(one.document, path, filler.table(cls, COOLING, {}, path))
         one.assumed += filler.assumed

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, cast
 
-from martensite.app.forms import starts
 from martensite.errors import InputError
 from martensite.io.build import ASSUMED_KINDS, LAW
 from martensite.io.components import component_class, is_members
@@ -104,8 +103,7 @@ class Filler:
             return None
         unit = self.unit(Leaf(path, declared, None))
         owner = cls.registered_name or cls.__name__
-        kind = registry.kind if registry is not None else "component"
-        value = starts.start(kind, owner, name, declared, unit)
+        value = declared.typical_in(unit)
         if value is None:
             self.missing.append(Missing(path, name, declared, unit, owner))
         else:
@@ -153,24 +151,19 @@ class Filler:
         """A component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
-            return self._begun_row(cls, registry, name, path) if given is None else given
+            return self._begun_row(declared, path) if given is None else given
         if given is None and declared.default is not REQUIRED:
             return None
         return self.table(inner, None, cast("Table", given or {}), path) or None
 
-    def _begun_row(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, path: str
-    ) -> Any:
-        """Start value of what is no single number, such as the samples of a table."""
-        start = starts.of_kind(registry.kind if registry else "component", cls.registered_name).get(
-            name
-        )
-        if start is None:
+    def _begun_row(self, declared: Declared, path: str) -> Any:
+        """Typical value of what is no single number, such as the samples of a table."""
+        unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+        typical = declared.typical_in(unit)
+        if typical is None:
             return None
         self.assumed.append(path)
-        if start != starts.SAMPLES:
-            return start
-        return starts.samples(self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None)))
+        return list(cast("tuple[Any, ...]", typical)) if isinstance(typical, tuple) else typical
 
     def _taken_in(
         self, cls: type[Parametrised], registry: Registry[Any], name: str, old: Table, path: str,
@@ -180,7 +173,7 @@ class Filler:
         inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
         if inner is not None and inner in old:
             return old[inner]
-        start = starts.of_kind(registry.kind, cls.registered_name).get(name)
+        start = cls.declarations[name].typical_in("")
         taken = next(n for n, d in cls.declarations.items() if d.registry is registry)
         if name != taken:
             return start
@@ -196,7 +189,7 @@ class Filler:
         meant = self._meant(name, declared, full)
         if meant is None:
             if declared.default is REQUIRED:
-                full = self._begun(registry, name)
+                full = as_kind(declared.typical_in(""))
             if KIND not in full:
                 return given
             meant = full
@@ -223,15 +216,10 @@ class Filler:
             return {KIND: declared.default.registered_name}
         return None
 
-    def _begun(self, registry: Registry[Any], name: str) -> Table:
-        """What the start values have for a component."""
-        start = starts.starts()["parts"].get(name, starts.starts()["parts"].get(registry.kind))
-        return as_kind(start) if start is not None else {}
-
 
 def as_kind(value: Any) -> Table:
-    """A table; a bare text is its kind."""
-    return {KIND: value} if isinstance(value, str) else dict(cast("Table", value))
+    """A table; a bare text is its kind, and nothing is empty."""
+    return {KIND: value} if isinstance(value, str) else dict(cast("Table", value or {}))
 
 
 def _alike(one: Declared, other: Declared) -> bool:

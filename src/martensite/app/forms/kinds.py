@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from copy import deepcopy
 from typing import Any
 
-from martensite.app.forms import documents, starts
+from martensite.app.forms import documents
 from martensite.app.forms.around import followed, loosened, source_changed
 from martensite.app.forms.documents import Table
 from martensite.app.forms.filling import KIND, Filler
@@ -75,8 +75,8 @@ def _candidates(scenario: Scenario, document: Table, path: str, kind: str) -> It
     """Documents with the other kind, the one that keeps most first."""
     group = _place(scenario, path)
     registry = _registry(group["kind"]["registry"])
-    cls, example = registry[kind], starts.of_kind(registry.kind, kind).get("example")
-    if example is not None:
+    cls, example = registry[kind], getattr(registry[kind], "typical_scenario", "")
+    if example:
         note = f"`{kind}` needs more than one number, so a whole packaged scenario is on the bench."
         yield Switched(toml_document(scenarios()[example]), [note])
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 
-from martensite.app.forms import documents, starts
+from martensite.app.forms import documents
 from martensite.app.forms.documents import Table
 from martensite.app.forms.filling import KIND, Filler, as_kind, without_material
 from martensite.app.forms.switched import Switched
@@ -13,6 +13,9 @@ from martensite.elements.base import ELEMENTS
 from martensite.laws.base import LAWS
 from martensite.materials.base import Material, load_material
 from martensite.parameters import REQUIRED, Parametrised
+
+USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
+"""Laws among which one is chosen for a material that names none, the first if all fit."""
 
 
 def with_material(document: Table, name: str) -> Switched:
@@ -41,14 +44,13 @@ def _law_for(material: Material | None) -> Table:
     """The law that a material names, or of which it has most; the first of the usual ones."""
     if material is not None and material.law:
         return dict(material.law)
-    usual = list(starts.starts()["parts"]["laws"])
     known = material.values if material is not None else {}
 
     def lacks(name: str) -> int:
         needed = [n for n, d in LAWS[name].declarations.items() if d.default is REQUIRED]
         return sum(one not in known for one in needed)
 
-    return {KIND: min(usual, key=lacks)}
+    return {KIND: min(USUAL_LAWS, key=lacks)}
 
 
 def _with_law(table: Table, cls: type[Parametrised], law: Table) -> Table:

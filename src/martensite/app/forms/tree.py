@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from martensite.app.forms import controls, documents, starts, words
+from martensite.app.forms import controls, documents, words
 from martensite.app.forms.controls import Control, Spot
 from martensite.controllers.row import Row
 from martensite.io.components import is_plain
@@ -23,8 +23,6 @@ from martensite.signals.table import Table
 from martensite.system import Members
 
 Paths = Callable[[str], str]
-COMPONENT = "component"
-"""Stands for the registry of what no registry names."""
 
 
 @dataclass
@@ -45,8 +43,6 @@ class Walk:
     """Objects that stand elsewhere in the document, or not at all."""
     seen: set[str] = field(default_factory=set[str])
     """Paths in the document that have a control already."""
-    kinds: dict[int, str] = field(default_factory=dict[int, str])
-    """Identity of a component -> word for the entries of its registry."""
 
     def group(
         self, part: Parametrised, path: str, title: str, meaning: str = "",
@@ -59,7 +55,6 @@ class Walk:
             "note": "", "kind": None, "items": [],
         }  # fmt: skip
         if registry is not None and part.registered_name:
-            self.kinds[id(part)] = registry.kind
             made["kind"] = self._kind(part, place, registry, default)
             made["_spot"] = (self, path, part)
         made["items"] = list(self._items(part, path, made))
@@ -121,12 +116,10 @@ class Walk:
             return None
         self.seen.add(place)
         said = self.origins.get(noted, self.origins.get(place, "default"))
-        kind = part.registered_name or type(part).__name__
         if said == "scenario" and declared.kind == "parameter":
             raw = documents.entry(self.document, place)
-            registry = self.kinds.get(id(part), COMPONENT)
             unit = self.unit(Leaf(path, declared, None))
-            if starts.is_start(registry, kind, name, declared, unit, raw):
+            if raw is not None and raw == declared.typical_in(unit):  # nobody has changed it
                 said = "start"
         return Spot(place, name, declared, said, self.material)
 

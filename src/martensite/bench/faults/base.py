@@ -15,7 +15,7 @@ from martensite.registry import Registry
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 from martensite.system import AbstractSystem
 
-FAULTS: Registry[AbstractFault] = Registry("fault", "martensite.bench.faults")
+FAULTS: Registry[AbstractFault] = Registry("fault", "martensite.bench.faults", typical="stuck")
 HAIR = 1e-7
 """Difference of times that is rounding, for time is a sum of periods [s]."""
 
@@ -23,8 +23,8 @@ HAIR = 1e-7
 class AbstractFault(Parametrised):
     """Interface of a fault. A subclass overrides what it disturbs."""
 
-    start: Scalar = param("s", "when it begins", low=0.0, default=0.0)
-    end: Scalar = param("s", "when it is over", above=0.0, default=math.inf)
+    start: Scalar = param("s", "when it begins", low=0.0, default=0.0, typical="0.5 s")
+    end: Scalar = param("s", "when it is over", above=0.0, default=math.inf, typical="1.5 s")
 
     def check(self) -> None:
         """Raise `ParameterError` unless it ends after it begins."""

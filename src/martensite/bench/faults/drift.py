@@ -22,9 +22,9 @@ class Drift(AbstractFault):
 
     names_reading = ("sensor",)
 
-    sensor: str = text("name of the sensor")
-    bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0)
-    rate: Scalar = param(RATE, "growth of it", default=0.0)
+    sensor: str = text("name of the sensor", typical="temperature")
+    bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0, typical=0.5)
+    rate: Scalar = param(RATE, "growth of it", default=0.0, typical=0.2)
 
     def names(self) -> dict[str, str]:
         """The sensor."""

@@ -11,7 +11,7 @@ from martensite.runtimes.namespace import Flag, Namespace
 class DropOut(AbstractFault):
     """A sensor whose readings do not come; their age `NAME.age` tells."""
 
-    sensor: str = text("name of the sensor")
+    sensor: str = text("name of the sensor", typical="temperature")
 
     def names(self) -> dict[str, str]:
         """The sensor."""

@@ -11,7 +11,7 @@ from martensite.runtimes.namespace import Flag, Namespace, Scalar
 class Stuck(AbstractFault):
     """A sensor that repeats its last reading as if it were new."""
 
-    sensor: str = text("name of the sensor")
+    sensor: str = text("name of the sensor", typical="temperature")
 
     def names(self) -> dict[str, str]:
         """The sensor."""

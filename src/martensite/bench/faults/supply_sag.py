@@ -19,7 +19,7 @@ from martensite.system import AbstractSystem, Actuator
 class SupplySag(AbstractFault):
     """A supply that gives way."""
 
-    share: Scalar = param("1", "share of the voltage that is left", low=0.0, high=10.0)
+    share: Scalar = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
     drive: str = text("name of the drive; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:

@@ -29,9 +29,13 @@ OWN = 2
 class Guard(AbstractSupervisor):
     """Cuts signals when a check does not hold."""
 
-    checks: Checks = part("what is checked, by names of one's own", default=Checks())
+    checks: Checks = part(
+        "what is checked, by names of one's own",
+        default=Checks(),
+        typical={"hot": {"kind": "overheat"}, "lost": {"kind": "sensor-lost"}},
+    )
     answer: str = option("when signals come back", "latch", "resume", default="latch")
-    hold: Scalar = param("s", "shortest time of a cut", low=0.0, default=0.0)
+    hold: Scalar = param("s", "shortest time of a cut", low=0.0, default=0.0, typical="0.1 s")
     safe: Scalar = param(DRIVE, "signal of a cut", default=0.0)
 
     def check(self) -> None:

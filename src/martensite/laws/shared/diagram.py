@@ -34,15 +34,47 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
 class AbstractPhaseDiagram(AbstractLaw):
     """Strips shifted by stress, and a Young's modulus that a law chooses."""
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11)
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11)
-    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2)
-    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0)
-    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
-    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
-    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
-    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9)
-    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9)
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
+    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
+    A_s: Scalar = param(
+        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
+    )
+    A_f: Scalar = param(
+        "K",
+        "austenite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="75 degC",
+    )
+    M_s: Scalar = param(
+        "K",
+        "martensite start temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="50 degC",
+    )
+    M_f: Scalar = param(
+        "K",
+        "martensite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="40 degC",
+    )
+    C_A: Scalar = param(
+        "Pa/K",
+        "Clausius–Clapeyron slope of the reverse strip",
+        low=1e5,
+        high=1e9,
+        typical="8 MPa/K",
+    )
+    C_M: Scalar = param(
+        "Pa/K",
+        "Clausius–Clapeyron slope of the forward strip",
+        low=1e5,
+        high=1e9,
+        typical="8 MPa/K",
+    )
     Theta: Scalar = param(
         "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
     )

@@ -99,18 +99,50 @@ class Way(NamedTuple):
 class AbstractSurfaceLaw(AbstractLaw):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11)
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11)
-    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0)
-    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0)
-    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0)
-    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0)
-    C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9)
-    C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9)
-    sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9)
-    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2)
-    H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2)
-    H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5)
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
+    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    A_s: Scalar = param(
+        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
+    )
+    A_f: Scalar = param(
+        "K",
+        "austenite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="75 degC",
+    )
+    M_s: Scalar = param(
+        "K",
+        "martensite start temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="50 degC",
+    )
+    M_f: Scalar = param(
+        "K",
+        "martensite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="40 degC",
+    )
+    C_A: Scalar = param(
+        "Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
+    )
+    C_M: Scalar = param(
+        "Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
+    )
+    sigma_cal: Scalar = param(
+        "Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa"
+    )
+    H_min: Scalar = param(
+        "1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05
+    )
+    H_sat: Scalar = param(
+        "1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05
+    )
+    H_k: Scalar = param(
+        "1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa"
+    )
     sigma_crit: Scalar = param(
         "Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0
     )
@@ -131,10 +163,10 @@ class AbstractSurfaceLaw(AbstractLaw):
         "smooth", "waisted", default="smooth",
     )  # fmt: skip
     waist_f: Scalar = param(
-        "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0
+        "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8
     )
     waist_r: Scalar = param(
-        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0
+        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9
     )
 
     def check(self) -> None:

@@ -78,7 +78,9 @@ class AbstractMeasure(ABC, Parametrised):
         return self.unit(system.outputs()[self.columns(system)[0]].unit)
 
 
-MEASURES: Registry[AbstractMeasure] = Registry("measure", "martensite.simulate.measures")
+MEASURES: Registry[AbstractMeasure] = Registry(
+    "measure", "martensite.simulate.measures", typical="max"
+)
 
 
 def measure(words: str) -> AbstractMeasure:

@@ -13,7 +13,7 @@ from martensite.parameters import Parametrised
 from martensite.registry import Registry
 from martensite.runtimes.namespace import Namespace, Scalar
 
-FLUIDS: Registry[AbstractFluid] = Registry("fluid", "martensite.thermal.fluids")
+FLUIDS: Registry[AbstractFluid] = Registry("fluid", "martensite.thermal.fluids", typical="air")
 
 
 class FluidProperties(NamedTuple):

@@ -21,7 +21,7 @@ class AbstractAbove(AbstractCheck):
     band: Scalar
     """How far below the limit it is well again."""
 
-    reading: str = text("name of the reading")
+    reading: str = text("name of the reading", typical="temperature")
 
     def reads(self) -> tuple[str, ...]:
         """The reading."""
@@ -41,8 +41,12 @@ class Overheat(AbstractAbove):
 
     alarm = 1
 
-    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf)
-    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0)
+    limit: Scalar = param(
+        "K", "highest temperature", above=0.0, default=math.inf, typical="80 degC"
+    )
+    band: Scalar = param(
+        DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K"
+    )
 
 
 @CHECKS.register("over-current")
@@ -51,8 +55,10 @@ class OverCurrent(AbstractAbove):
 
     alarm = 2
 
-    limit: Scalar = param("A", "largest current", above=0.0, default=math.inf)
-    band: Scalar = param("A", "how far below it is well again", low=0.0, default=0.0)
+    limit: Scalar = param("A", "largest current", above=0.0, default=math.inf, typical="1 A")
+    band: Scalar = param(
+        "A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A"
+    )
 
 
 @CHECKS.register("over-stress")
@@ -61,8 +67,10 @@ class OverStress(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("Pa", "largest stress", above=0.0, default=math.inf)
-    band: Scalar = param("Pa", "how far below it is well again", low=0.0, default=0.0)
+    limit: Scalar = param("Pa", "largest stress", above=0.0, default=math.inf, typical="100 MPa")
+    band: Scalar = param(
+        "Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa"
+    )
 
 
 @CHECKS.register("over-force")
@@ -71,5 +79,5 @@ class OverForce(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("N", "largest force", above=0.0, default=math.inf)
-    band: Scalar = param("N", "how far below it is well again", low=0.0, default=0.0)
+    limit: Scalar = param("N", "largest force", above=0.0, default=math.inf, typical="10 N")
+    band: Scalar = param("N", "how far below it is well again", low=0.0, default=0.0, typical="1 N")

@@ -28,7 +28,9 @@ from martensite.registry import Registry
 from martensite.runtimes.namespace import Flag, Namespace, Scalar
 from martensite.system import Members
 
-CHECKS: Registry[AbstractCheck] = Registry("check", "martensite.bench.supervisors.checks")
+CHECKS: Registry[AbstractCheck] = Registry(
+    "check", "martensite.bench.supervisors.checks", typical="overheat"
+)
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 

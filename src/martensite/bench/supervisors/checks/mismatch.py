@@ -21,10 +21,14 @@ class Mismatch(AbstractCheck):
     alarm, size = 7, 1
     names_reading = ("reading",)
 
-    reading: str = text("name of a reading")
-    other: str = text("name of the other reading, or of an estimate")
-    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, default=math.inf)
-    longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0)
+    reading: str = text("name of a reading", typical="temperature")
+    other: str = text("name of the other reading, or of an estimate", typical="=reading")
+    limit: Scalar = param(
+        DIFFERENCE, "largest difference", above=0.0, default=math.inf, typical=0.1
+    )
+    longest: Scalar = param(
+        "s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s"
+    )
 
     def reads(self) -> tuple[str, ...]:
         """Both."""

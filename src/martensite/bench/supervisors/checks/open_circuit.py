@@ -21,12 +21,16 @@ class NoCurrent(AbstractCheck):
 
     alarm, size = 6, 2
 
-    reading: str = text("name of the reading of the current")
-    most: Scalar = param("A", "current that counts as none", low=0.0, default=0.0)
+    reading: str = text("name of the reading of the current", typical="current")
+    most: Scalar = param("A", "current that counts as none", low=0.0, default=0.0, typical="0.02 A")
     longest: Scalar = param(
-        "s", "time under a signal after which it is open", low=0.0, default=math.inf
+        "s",
+        "time under a signal after which it is open",
+        low=0.0,
+        default=math.inf,
+        typical="0.3 s",
     )
-    least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0)
+    least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
 
     def reads(self) -> tuple[str, ...]:
         """The current."""

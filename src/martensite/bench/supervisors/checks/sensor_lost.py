@@ -20,8 +20,10 @@ class SensorLost(AbstractCheck):
 
     alarm = 4
 
-    reading: str = text("name of the reading")
-    timeout: Scalar = param("s", "age beyond which it is lost", above=0.0, default=math.inf)
+    reading: str = text("name of the reading", typical="temperature")
+    timeout: Scalar = param(
+        "s", "age beyond which it is lost", above=0.0, default=math.inf, typical="0.3 s"
+    )
 
     def reads(self) -> tuple[str, ...]:
         """The age of the reading."""

@@ -24,12 +24,16 @@ class SensorStuck(AbstractCheck):
     alarm, size = 5, 3
     names_reading = ("reading",)
 
-    reading: str = text("name of the reading")
+    reading: str = text("name of the reading", typical="temperature")
     longest: Scalar = param(
-        "s", "time under a signal after which it is stuck", above=0.0, default=math.inf
+        "s",
+        "time under a signal after which it is stuck",
+        above=0.0,
+        default=math.inf,
+        typical="0.3 s",
     )
-    band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0)
-    least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0)
+    band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
+    least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
 
     def reads(self) -> tuple[str, ...]:
         """The reading."""

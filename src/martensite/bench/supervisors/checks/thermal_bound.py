@@ -43,17 +43,23 @@ class ThermalBound(AbstractCheck):
     alarm, size = 8, 1
 
     drive: str = text("name of the drive that heats the element", default="drive")
-    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf)
-    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0)
-    power: Scalar = param("W", "largest power in the element at the full signal", above=0.0)
+    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="400 K")
+    band: Scalar = param(
+        DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K"
+    )
+    power: Scalar = param(
+        "W", "largest power in the element at the full signal", above=0.0, typical="1 W"
+    )
     full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
     rises: str = option(
         "power with the signal: `linear` for a duty or a power, `square` for volt or ampere",
         "linear", "square", default="linear",
     )  # fmt: skip
-    capacity: Scalar = param("J/K", "heat capacity of the element, without latent heat", above=0.0)
-    conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0)
-    ambient: Scalar = param("K", "hottest surroundings", above=0.0)
+    capacity: Scalar = param(
+        "J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K"
+    )
+    conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
+    ambient: Scalar = param("K", "hottest surroundings", above=0.0, typical="30 degC")
 
     def names(self) -> tuple[str, ...]:
         """The drive that heats, and those that are cut."""

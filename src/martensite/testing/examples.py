@@ -1,0 +1,123 @@
+"""Examples of any part, made of the typical values that its declarations carry.
+
+What a part declares is enough to build one: a typical value, else the default. Nothing is known of
+a part by its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeVar, cast
+
+from martensite import units
+from martensite.errors import ParameterError
+from martensite.io.components import component_class, is_members
+from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.registry import Registry
+from martensite.signals.base import DRIVE
+from martensite.system import Members
+
+Some = TypeVar("Some", bound=Parametrised)
+LEVEL = {DRIVE: "V"}
+"""SI unit in which a level is given whose unit depends on the place; readings are in kelvin."""
+
+
+def build_example(cls: type[Some], /, **choices: Any) -> Some:
+    """An instance of a part.
+
+    Args:
+        cls: its class.
+        choices: values instead of the typical ones.
+
+    Raises:
+        ParameterError: something is required of which no typical value is declared.
+    """
+    values = dict(choices)
+    for name, declared in cls.declarations.items():
+        if name not in values:
+            values[name] = _find_value(cls, name, declared, values)
+    return cls(**values)
+
+
+def list_variants(cls: type[Some], **choices: Any) -> list[Some]:
+    """An example of a part, and one for every other choice of each of its options."""
+    options = {n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in choices}
+    usual = {n: d.typical if d.default is REQUIRED else d.default for n, d in options.items()}
+    others = [usual | {n: w} for n, d in options.items() for w in d.choices if w != usual[n]]
+    return [build_example(cls, **choices, **words) for words in (usual, *others)]
+
+
+def label_part(part: Parametrised) -> str:
+    """Name and options of a part."""
+    words = [getattr(part, n) for n, d in part.declarations.items() if d.kind == "option"]
+    return "-".join([type(part).registered_name or type(part).__name__, *words])
+
+
+def _find_value(
+    cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]
+) -> Any:
+    """The typical value of a field, or its default."""
+    unit = LEVEL.get(declared.unit, "K" if declared.unit in units.OF_READINGS else declared.unit)
+    typical = declared.typical_in("V" if declared.kind == "part" else unit)
+    if declared.kind == "part":
+        return _find_part(cls, name, declared, typical)
+    if declared.kind == "option":
+        return typical if declared.default is REQUIRED else declared.default
+    if isinstance(typical, str) and typical.startswith("="):
+        return values[typical[1:]]
+    if typical is not None:
+        return _to_number(typical, unit) if declared.kind == "parameter" else typical
+    if declared.default is not REQUIRED:
+        return declared.default
+    word, sort = ("param", "number") if declared.kind == "parameter" else ("text", "text")
+    raise ParameterError(
+        f"`{name}` of `{cls.__name__}` has neither a default nor a typical {sort}, so that no "
+        f"example can be made; declare one: {word}(..., typical=…)."
+    )
+
+
+def _to_number(typical: Any, unit: str) -> float:
+    """A typical number in SI; differences of a reading in kelvin are no temperatures."""
+    if not isinstance(typical, str):
+        return float(typical)
+    return units.parse(typical, unit)
+
+
+# ---------------------------------------------------------------- components
+
+
+def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: Any) -> Any:
+    """A component: the typical one, the default, or what its class has."""
+    inner = component_class(cls, name)
+    if declared.typical is None and declared.default is not REQUIRED:
+        return declared.default
+    if isinstance(typical, tuple):
+        return tuple(_to_number(one, _unit_of(one)) for one in cast("tuple[Any, ...]", typical))
+    if typical is not None:
+        return _build_typical(typical, declared.registry, inner)
+    if inner is None or is_members(inner):
+        raise ParameterError(
+            f"`{name}` of `{cls.__name__}` has no typical component; give one, or declare it: "
+            f'part(..., typical="…").'
+        )
+    return build_example(inner)
+
+
+def _unit_of(value: Any) -> str:
+    """Unit of a number as files have it."""
+    return value.partition(" ")[2] or "1" if isinstance(value, str) else "1"
+
+
+def _build_typical(
+    typical: Any, registry: Registry[Any] | None, inner: type[Parametrised] | None
+) -> Any:
+    """A component from a name or a table, as files have it."""
+    table: dict[str, Any] = {"kind": typical} if isinstance(typical, str) else dict(typical)
+    if registry is not None:
+        return build_example(registry[table.pop("kind")], **table)
+    if inner is None:
+        return typical
+    if not issubclass(inner, Members):
+        return build_example(inner, **table)
+    kinds = inner.registry
+    return inner(**{name: _build_typical(one, kinds, inner.kind) for name, one in table.items()})
