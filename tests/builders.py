@@ -7,10 +7,8 @@ the package (see benchmarks/problem_a.py).
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
-from functools import cache
 from typing import Any
 
 from martensite.bench.faults.base import FAULTS
@@ -23,7 +21,7 @@ from martensite.electrical.temperature import PrescribedTemperature
 from martensite.electrical.voltage import VoltageSource
 from martensite.elements.base import ELEMENTS, AbstractElement
 from martensite.elements.wire import Wire
-from martensite.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.laws.base import LAWS, AbstractLaw
 from martensite.laws.brinson import Brinson
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.materials.base import load_material
@@ -31,16 +29,14 @@ from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.mechanisms.bias_spring import BiasSpring
 from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.observers.base import OBSERVERS
-from martensite.parameters import Keyed, Parametrised, part
+from martensite.parameters import Parametrised, part
 from martensite.registry import Registry
-from martensite.runtimes import floats
-from martensite.runtimes.nested import Shape, flatten
-from martensite.runtimes.program import Program
 from martensite.sensors.base import SENSORS
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.moments import Segment, Tone
 from martensite.system import AbstractSystem, Actuator, Group, Machine, System
 from martensite.testing.examples import build_example, label_part, list_variants
+from martensite.testing.laws import find_strain, follow_path, trace_kinetics
 from martensite.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.thermal.constant import ConstantCooling
 from martensite.thermal.ends import ENDS
@@ -209,45 +205,7 @@ def through(points: list[float], seconds: float = 1.0) -> FunctionWaveform:
 # ---------------------------------------------------------------- a bare law along a path
 
 
-def stepper(law: Any) -> Callable[[Any, float, float, float], Any]:
-    """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
-    bind, shape = _traced_kinetics(Keyed(law))
-    function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
-    return lambda memory, *point: shape.rebuild(function(*flatten(memory), *point))
-
-
-@cache
-def _traced_kinetics(keyed: Keyed[Any]) -> Any:
-    program = Program()
-    law = keyed.part.rebuilt(
-        {leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()}
-    )
-    shape = Shape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
-
-    def kinetics(xp: Any, *arguments: Any) -> list[Any]:
-        *numbers, stress, temperature, dt = arguments
-        return flatten(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
-
-    names = [f"m{i}" for i in range(len(flatten(shape.example)))]
-    program.add("kinetics", [*names, "stress", "temperature", "dt"], kinetics)
-    return program.bind_floats, shape
-
-
-def along(
-    law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1, dt: float = 1.0
-) -> list[Any]:
-    """Memories of a law at the points (stress [Pa], temperature [K]), legs cut into substeps."""
-    memory = law.init(floats, Fractions(fraction, fraction), *points[0])
-    memories = [memory]
-    advance = stepper(law)
-    for (s0, t0), (s1, t1) in itertools.pairwise(points):
-        for k in range(1, substeps + 1):
-            share = k / substeps
-            stress = s1 if k == substeps else s0 + share * (s1 - s0)
-            temperature = t1 if k == substeps else t0 + share * (t1 - t0)
-            memory = advance(memory, stress, temperature, dt / substeps)
-        memories.append(memory)
-    return memories
+stepper, along, strain_of = trace_kinetics, follow_path, find_strain
 
 
 def fraction_after(
@@ -265,11 +223,6 @@ def isobar(*celsius: float, stress: float = 0.0) -> list[tuple[float, float]]:
 def isotherm(celsius: float, *mpa: float) -> list[tuple[float, float]]:
     """A path at constant temperature [degC] through stresses [MPa]."""
     return [(s * 1e6, celsius + ZERO) for s in mpa]
-
-
-def strain_of(law: Any, memory: Any) -> float:
-    """Strain [-] stored in a memory."""
-    return law.strain(floats, law.fractions(memory), memory.stress, memory.temperature)
 
 
 # ---------------------------------------------------------------- examples of registered things

@@ -146,6 +146,12 @@ def conversion(spelling: str, unit: str) -> tuple[float, float]:
     return _ask_pint(spelling, unit)
 
 
+def require_unit(unit: str) -> None:
+    """Raise `UnitError` unless a declared unit is one."""
+    if unit not in ("1", *OF_READINGS):
+        _ask_pint(unit, unit)
+
+
 def readable(unit: str) -> str:
     """The unit in which a person would rather read a quantity declared in `unit`."""
     return READABLE.get(unit, unit)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from martensite.cli import (
     check,
     cite,
+    conform,
     data,
     demo,
     design,
@@ -33,7 +34,7 @@ from martensite.cli import (
 from martensite.cli.app import app
 
 __all__ = [
-    "app", "check", "cite", "data", "demo", "design", "export", "export_c", "export_fmu",
+    "app", "check", "cite", "conform", "data", "demo", "design", "export", "export_c", "export_fmu",
     "export_mujoco", "fit", "fit_logs", "identify", "law", "listings", "main", "pareto", "run",
     "sensitivity", "serve", "size", "study", "sweep", "tune",
 ]  # fmt: skip

@@ -1,0 +1,151 @@
+"""Whether a part keeps what its interface promises: suites of checks, one for every kind of part.
+
+A check is a function of a part that raises `ConformanceError` with a sentence. Parts are tried as
+made of their typical values, once for every choice of every option.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from martensite.errors import InputError, MartensiteError, UnknownNameError
+from martensite.io.catalogue import registries
+from martensite.parameters import Parametrised
+from martensite.registry import import_modules
+from martensite.testing.examples import label_part, list_variants
+
+Check = Callable[[Any], None]
+SUITES = {
+    "law": "laws",
+    "cooling": "heat_losses",
+    "resistance": "circuits",
+    "drive": "circuits",
+    "element": "elements",
+    "mechanism": "mechanisms",
+    "waveform": "waveforms",
+}
+"""Kind of a part -> module of this package that has its suite in `CHECKS`, by kind."""
+
+
+class ConformanceError(MartensiteError):
+    """A part does not do what its interface promises."""
+
+
+def require(condition: object, sentence: str) -> None:
+    """Raise `ConformanceError` unless a condition holds."""
+    if not condition:
+        raise ConformanceError(sentence)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one check said of one part."""
+
+    part: str
+    """Name and options."""
+    check: str
+    """Name of the check."""
+    promise: str
+    """What is promised, in words."""
+    fault: str = ""
+    """What is wrong, in a sentence; empty if nothing is."""
+
+
+@dataclass(frozen=True)
+class Conformance:
+    """What a suite found of a part."""
+
+    name: str
+    kind: str
+    findings: tuple[Finding, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether all checks passed."""
+        return not self.faults
+
+    @property
+    def faults(self) -> list[Finding]:
+        """What did not pass."""
+        return [one for one in self.findings if one.fault]
+
+    def __str__(self) -> str:
+        """In a line."""
+        checks = len({one.check for one in self.findings})
+        if self.holds:
+            return f"{self.kind} `{self.name}` conforms: {checks} checks passed"
+        failed = len({one.check for one in self.faults})
+        return f"{self.kind} `{self.name}` does not conform: {failed} of {checks} checks failed"
+
+
+def find_checks(kind: str) -> list[Check]:
+    """The suite of a kind of part, such as `law`; empty if there is none."""
+    if kind not in SUITES:
+        return []
+    return list(import_module(f"martensite.testing.{SUITES[kind]}").CHECKS[kind])
+
+
+def check_conformance(
+    cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()
+) -> Conformance:
+    """Run the suite of a kind on a part.
+
+    Args:
+        cls: its class.
+        kind: word for an entry of its registry, such as `law`.
+        parts: examples of it; by default made of typical values, one for every choice of options.
+
+    Raises:
+        InputError: there is no suite for this kind.
+        ParameterError: no example can be made of what it declares.
+    """
+    if kind not in SUITES:
+        raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
+    found = [
+        check_part(part, check)
+        for part in (list(parts) or list_variants(cls))
+        for check in find_checks(kind)
+    ]
+    return Conformance(cls.registered_name or cls.__name__, kind, tuple(found))
+
+
+def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
+    """Kind and class of the parts that a name stands for, or that a file registers.
+
+    Raises:
+        InputError: there is no such part, the file registers none, or it cannot be imported.
+    """
+    known = registries(blocks=True)
+    if target.endswith(".py"):
+        import_modules([target])
+        module = Path(target).stem
+        found = [(k, r[n]) for k, r in known.items() for n in r.names()]
+        own = [(kind, cls) for kind, cls in found if cls.__module__ == module]
+        if not own:
+            raise InputError(
+                f"`{target}` registers no part; write, for example, "
+                '`@LAWS.register("my-law")` above a class of it.'
+            )
+        return own
+    own = [(kind, r[target]) for kind, r in known.items() if target in r.names()]
+    if not own:
+        raise UnknownNameError("part", target, [n for r in known.values() for n in r.names()])
+    return own
+
+
+def check_part(part: Parametrised, check: Check) -> Finding:
+    """What one check says of one part; an error in the part's own code is a fault too."""
+    promise = (check.__doc__ or "").partition("\n")[0]
+    try:
+        check(part)
+    except ConformanceError as error:
+        fault = str(error)
+    except Exception as error:  # whatever a user's code raises
+        fault = f"it raised {type(error).__name__}: {error}"
+    else:
+        fault = ""
+    return Finding(label_part(part), check.__name__, promise, fault)

@@ -1,0 +1,311 @@
+"""What every law promises: bounds, independence of cuts, monotony, dissipation, finite answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from martensite.laws.base import AbstractLaw, Fractions
+from martensite.parameters import Keyed
+from martensite.runtimes import floats
+from martensite.runtimes.arrays import ArrayNamespace
+from martensite.runtimes.nested import Shape, flatten
+from martensite.runtimes.once import once
+from martensite.runtimes.program import Program
+from martensite.testing.conformance import Check, require
+
+Point = tuple[float, float]
+"""Stress [Pa], temperature [K]."""
+PATHS = 40
+CELSIUS = 273.15
+TAIL = 0.01
+"""Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
+
+
+# ---------------------------------------------------------------- a bare law along a path
+
+
+def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any]:
+    """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
+    bind, shape = _trace_kinetics(Keyed(law))
+    function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
+    return lambda memory, *point: shape.rebuild(function(*flatten(memory), *point))
+
+
+@once(64)
+def _trace_kinetics(keyed: Keyed[Any]) -> Any:
+    program = Program()
+    law = keyed.part.rebuilt(
+        {leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()}
+    )
+    shape = Shape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
+
+    def kinetics(xp: Any, *arguments: Any) -> list[Any]:
+        *numbers, stress, temperature, dt = arguments
+        return flatten(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
+
+    names = [f"m{i}" for i in range(len(flatten(shape.example)))]
+    program.add("kinetics", [*names, "stress", "temperature", "dt"], kinetics)
+    return program.bind_floats, shape
+
+
+def follow_path(
+    law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
+) -> list[Any]:
+    """Memories of a law at points of (stress [Pa], temperature [K]).
+
+    Args:
+        law: the law.
+        points: straight legs lead from each to the next.
+        fraction: martensite at the first point, all of it oriented.
+        substeps: pieces of equal length into which every leg is cut.
+        dt: duration of a leg [s].
+    """
+    memory = law.init(floats, Fractions(fraction, fraction), *points[0])
+    memories = [memory]
+    advance = trace_kinetics(law)
+    for (s0, t0), (s1, t1) in pairwise(points):
+        for k in range(1, substeps + 1):
+            share = k / substeps
+            stress = s1 if k == substeps else s0 + share * (s1 - s0)
+            temperature = t1 if k == substeps else t0 + share * (t1 - t0)
+            memory = advance(memory, stress, temperature, dt / substeps)
+        memories.append(memory)
+    return memories
+
+
+def find_end(
+    law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
+) -> Fractions:
+    """Fractions at the end of a path."""
+    return law.fractions(follow_path(law, points, fraction, substeps, dt)[-1])
+
+
+def find_strain(law: AbstractLaw, memory: Any) -> float:
+    """Strain [-] stored in a memory."""
+    return law.strain(floats, law.fractions(memory), memory.stress, memory.temperature)
+
+
+def depends_on_time(law: AbstractLaw) -> bool:
+    """True for laws with rates; those with a history rule must never be."""
+    legs = [(0.0, 290.0), (0.0, 360.0), (300e6, 330.0), (50e6, 330.0)]
+    slow, fast = (find_end(law, legs, 0.5, dt=dt) for dt in (1e3, 1e-3))
+    return slow != fast
+
+
+def _draw_paths() -> list[tuple[list[Point], float]]:
+    """Random legs through stress and temperature, and fractions to begin with."""
+    rng = np.random.default_rng(7)
+    found: list[tuple[list[Point], float]] = []
+    for _ in range(PATHS):
+        count = int(rng.integers(2, 6))
+        stress, kelvin = rng.uniform(0.0, 500e6, count), rng.uniform(270.0, 420.0, count)
+        start = float(rng.integers(0, 2)) if rng.random() < 0.5 else float(rng.random())
+        found.append((list(zip(stress.tolist(), kelvin.tolist(), strict=True)), start))
+    return found
+
+
+def _tell(points: Sequence[Point]) -> str:
+    """A path in words."""
+    return ", ".join(f"({s / 1e6:.1f} MPa, {t - CELSIUS:.1f} °C)" for s, t in points)
+
+
+# ---------------------------------------------------------------- checks
+
+
+def check_memory(law: AbstractLaw) -> None:
+    """A memory starts with the fractions, the stress and the temperature that it is told."""
+    memory = law.init(floats, Fractions(0.4, 0.4), 30e6, 310.0)
+    found = law.fractions(memory)
+    near = abs(found.martensite - 0.4) < 1e-12 and abs(found.oriented - 0.4) < 1e-12
+    require(near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}.")
+    there = (memory.stress, memory.temperature)
+    require(there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}.")
+
+
+def check_affine_strain(law: AbstractLaw) -> None:
+    """At fixed fractions the strain is affine in stress, with a compliance above zero."""
+    for fraction in (0.0, 0.5, 1.0):
+        frozen = Fractions(fraction, fraction)
+        strains = [law.strain(floats, frozen, s, 310.0) for s in (0.0, 100e6, 200e6)]
+        slope = law.compliance(floats, frozen)
+        require(slope > 0.0, f"The compliance at a fraction of {fraction} is {slope}.")
+        free = law.free_strain(floats, frozen, 310.0)
+        expected = [free + s * slope for s in (0.0, 100e6, 200e6)]
+        near = np.allclose(strains, expected, rtol=1e-9, atol=1e-14)
+        require(near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ.")
+
+
+def check_bounds(law: AbstractLaw) -> None:
+    """Fractions stay between 0 and 1, and no more is oriented than there is."""
+    for points, start in _draw_paths():
+        for memory in follow_path(law, points, start):
+            found = law.fractions(memory)
+            held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (
+                found.martensite + 1e-12
+            )
+            require(held, f"On the path {_tell(points)} the fractions are {found}.")
+
+
+def check_standstill(law: AbstractLaw) -> None:
+    """A move to the same point in no time changes nothing."""
+    for points, start in _draw_paths():
+        memory = follow_path(law, points, start)[-1]
+        again, found = law.kinetics(floats, memory, *points[-1], 0.0)
+        same = again == memory and found == law.fractions(memory)
+        require(same, f"At the end of {_tell(points)} standing still changes the memory.")
+
+
+def check_clock(law: AbstractLaw) -> None:
+    """A law with a history rule does not read the clock."""
+    both = depends_on_time(law) and "history" in law.declarations
+    require(not both, "The law has a history rule, but depends on how long a move takes.")
+
+
+def check_cuts(law: AbstractLaw) -> None:
+    """How a path is cut into steps changes nothing, where time does not matter."""
+    if depends_on_time(law):
+        return
+    for points, start in _draw_paths():
+        whole = find_end(law, points, start)
+        for substeps in (7, 100):
+            cut = find_end(law, points, start, substeps)
+            apart = max(abs(whole.martensite - cut.martensite), abs(whole.oriented - cut.oriented))
+            require(
+                apart < 1e-11,
+                f"The path {_tell(points)} in {substeps} steps a leg ends {apart:.1e} away from "
+                "where it ends in one.",
+            )
+
+
+def check_direction(law: AbstractLaw) -> None:
+    """Without stress, heating takes martensite away and cooling brings it."""
+    up = [(0.0, float(t)) for t in range(250, 481)]
+    for way, start, sign in ((up, 1.0, -1.0), (up[::-1], 0.0, 1.0)):
+        memories = follow_path(law, way, start, dt=1e3)
+        found = [law.fractions(memory).martensite for memory in memories]
+        steps = sign * np.diff(found)
+        words = "heating" if sign < 0.0 else "cooling"
+        worst = int(np.argmin(steps))
+        require(
+            steps.min() >= -1e-6,
+            f"On {words} from {way[0][1] - CELSIUS:.0f} °C the martensite fraction goes the wrong "
+            f"way at {way[worst][1] - CELSIUS:.0f} °C.",
+        )
+        require(
+            abs(found[-1] - (1.0 - start)) <= TAIL,
+            f"On {words} to {way[-1][1] - CELSIUS:.0f} °C the martensite fraction ends at "
+            f"{found[-1]:.3g} instead of {1.0 - start:.0f}.",
+        )
+
+
+def check_stiffness(law: AbstractLaw) -> None:
+    """The strain after a move does not fall with its stress."""
+    advance = trace_kinetics(law)
+    stresses = np.linspace(0.0, 500e6, 101).tolist()
+    rng = np.random.default_rng(8)
+    for points, start in _draw_paths():
+        memory = follow_path(law, points, start)[-1]
+        for kelvin in (memory.temperature, float(rng.uniform(270.0, 420.0))):
+            ends = [advance(memory, sigma, kelvin, 1.0) for sigma in stresses]
+            falls = np.diff([find_strain(law, end) for end in ends]) < -1e-14
+            require(
+                not falls.any(),
+                f"After {_tell(points)}, at {kelvin - CELSIUS:.1f} °C, the strain falls near "
+                f"{stresses[int(np.argmax(falls))] / 1e6:.0f} MPa as the stress grows.",
+            )
+
+
+def find_austenite(law: AbstractLaw) -> float:
+    """The lowest whole temperature [K] at which unloaded martensite is gone.
+
+    Raises:
+        ConformanceError: it is not gone below 480 K.
+    """
+    for kelvin in range(280, 480):
+        legs = [(0.0, 250.0), (0.0, float(kelvin))]
+        if find_end(law, legs, 1.0, dt=1e3).martensite <= TAIL:
+            return float(kelvin)
+    require(False, "Martensite without stress is still there at 207 °C.")
+    return 480.0
+
+
+def find_work(law: AbstractLaw, kelvin: float, stresses: Sequence[float]) -> tuple[float, float]:
+    """∮ σ dε [J/m³] along an isotherm, in steps of about 2 MPa, and the fraction at its end."""
+    memory, advance = (
+        law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin),
+        trace_kinetics(law),
+    )
+    total, last_stress, last_strain = 0.0, stresses[0], find_strain(law, memory)
+    for a, b in pairwise(stresses):
+        for sigma in np.linspace(a, b, 2 + int(abs(b - a) / 2e6)).tolist()[1:]:
+            memory = advance(memory, sigma, kelvin, 1.0)
+            strain = find_strain(law, memory)
+            total += 0.5 * (sigma + last_stress) * (strain - last_strain)
+            last_stress, last_strain = sigma, strain
+    return total, law.fractions(memory).martensite
+
+
+def check_dissipation(law: AbstractLaw) -> None:
+    """A closed cycle at constant temperature above A_f takes work, and a large one some."""
+    rng, hot = np.random.default_rng(9), find_austenite(law) + 1.0
+    for _ in range(10):
+        turns = rng.uniform(0.0, 500e6, int(rng.integers(1, 7))).tolist()
+        kelvin = hot + float(rng.uniform(0.0, 5.0))
+        total, left = find_work(law, kelvin, [0.0, *turns, 0.0])
+        require(left <= TAIL, f"At {kelvin - CELSIUS:.1f} °C martensite is left without stress.")
+        require(total >= -50.0, f"A cycle at {kelvin - CELSIUS:.1f} °C gives {-total:.3g} J/m³.")
+    large, _ = find_work(law, hot + 1.0, [0.0, 600e6, 0.0])
+    require(large > 1e5, f"A cycle to 600 MPa above A_f takes {large:.3g} J/m³ only.")
+
+
+def check_extremes(law: AbstractLaw) -> None:
+    """Whatever stress, temperature and time a move is given, answers are finite."""
+    count = 4_000
+    rng, xp = np.random.default_rng(1), ArrayNamespace(np)
+    xi: Any = np.where(rng.random(count) < 0.3, rng.integers(0, 2, count), rng.random(count))
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        memory = law.init(xp, Fractions(xi, xi), *_draw_extremes(law, rng, count))
+        for dt in (1e-3, 0.0, 10.0, 1e-9):
+            s, t = _draw_extremes(law, rng, count)
+            still = rng.random(count) < 0.1
+            s, t = np.where(still, memory.stress, s), np.where(still, memory.temperature, t)
+            memory, fractions = law.kinetics(xp, memory, s, t, dt)
+            for number in (*flatten(memory), *fractions, law.strain(xp, fractions, s, t)):
+                lost = ~np.isfinite(np.broadcast_to(number, count))
+                place = int(np.argmax(lost))
+                require(
+                    not lost.any(),
+                    f"A move to {s[place]:.3g} Pa and {t[place]:.3g} K gives no finite number.",
+                )
+
+
+def _draw_extremes(law: AbstractLaw, rng: Any, count: int) -> tuple[Any, Any]:
+    """Stresses and temperatures, a third of them absurd or on the law's own numbers."""
+    own = {"K": [0.0, 1e-300, CELSIUS, 1e5], "Pa": [0.0, -1e9, 1e12, 1e-300, -1e-300]}
+    for leaf in law.leaves():
+        if leaf.declared.unit in own:
+            own[leaf.declared.unit].append(leaf.value)
+    absurd = rng.random((2, count)) < 1 / 3
+    s = np.where(absurd[0], rng.choice(own["Pa"], count), rng.uniform(0.0, 500e6, count))
+    t = np.where(absurd[1], rng.choice(own["K"], count), rng.uniform(250.0, 450.0, count))
+    return s, t
+
+
+CHECKS: dict[str, list[Check]] = {
+    "law": [
+        check_memory,
+        check_affine_strain,
+        check_bounds,
+        check_standstill,
+        check_clock,
+        check_cuts,
+        check_direction,
+        check_stiffness,
+        check_dissipation,
+        check_extremes,
+    ]
+}

@@ -1,0 +1,285 @@
+"""What every mechanism promises, at one moment: equilibrium, levers, an energy, an inertia.
+
+A load line is asked for its force and position, a mechanism with coordinates for what a motion
+demands. Sources of truth are differences of what it says itself, and mechanics.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.elements.base import Spring
+from martensite.mechanisms.base import AbstractMechanism, Column
+from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.mechanisms.multibody import AbstractMultibody
+from martensite.mechanisms.shared.motion import Motion
+from martensite.runtimes import floats
+from martensite.runtimes.dual import jacobian
+from martensite.runtimes.namespace import Namespace
+from martensite.testing.conformance import Check, require
+
+Numbers: TypeAlias = tuple[float, ...]
+Array: TypeAlias = NDArray[np.float64]
+FREE = np.linspace(-0.05, 0.05, 101).tolist()
+"""Elongations without force of the element that a load line meets [m]."""
+
+
+def is_consistent(mechanism: AbstractMultibody) -> bool:
+    """False for what is kept for comparison though it is known to be wrong."""
+    return getattr(mechanism, "coupling", "lagrange") == "lagrange"
+
+
+def choose_places(mechanism: AbstractMultibody, share: float = 0.2) -> list[Numbers]:
+    """Some positions near home."""
+    rng = np.random.default_rng(3)
+    sizes = np.array([c.size for c in mechanism.coordinates()])
+    home = np.array(mechanism.home(floats))
+    return [tuple(home + share * sizes * rng.uniform(-1, 1, len(sizes))) for _ in range(4)]
+
+
+def choose_rates(mechanism: AbstractMultibody) -> list[Numbers]:
+    """Some velocities."""
+    sizes = [c.size for c in mechanism.coordinates()]
+    return [tuple(s * math.sin(1 + i + 3 * k) for k, s in enumerate(sizes)) for i in range(4)]
+
+
+def find_demand(mechanism: AbstractMultibody, *motion: Column) -> Array:
+    """Demand for position, velocity, acceleration (zero if not given), without signals."""
+    rest = (0.0,) * len(mechanism.coordinates())
+    numbers = (tuple(motion[k]) if k < len(motion) else rest for k in range(3))
+    signals = [0.0] * len(mechanism.signals())
+    return np.array(mechanism.demand(floats, Motion(*numbers), signals))
+
+
+def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
+    """Slope of the demand in the acceleration."""
+    rest = find_demand(mechanism, position)
+    still, unit = [0.0] * len(rest), np.eye(len(rest)).tolist()
+    return np.array([find_demand(mechanism, position, still, e) - rest for e in unit]).T
+
+
+# ---------------------------------------------------------------- load lines
+
+
+def check_pull(mechanism: AbstractMechanism) -> None:
+    """A load line never pushes, and its force does not grow as the element gets longer."""
+    if not isinstance(mechanism, AbstractLoadLine):
+        return
+    for compliance in (1e-6, 1e-4, 1e-2):
+        assembly = Assembly(0.004)
+        forces = [mechanism.force(floats, assembly, Spring(free, compliance)) for free in FREE]
+        require(min(forces) >= 0.0, f"The force falls to {min(forces):.4g} N: it pushes.")
+        grows = np.diff(forces) > 1e-12
+        there = 1e3 * FREE[int(np.argmax(grows))]
+        require(not grows.any(), f"The force grows as the element gets longer, at {there:.1f} mm.")
+
+
+def check_assembly(mechanism: AbstractMechanism) -> None:
+    """Under its start force a load line is in equilibrium, at position zero."""
+    if not isinstance(mechanism, AbstractLoadLine):
+        return
+    force = mechanism.start_force(floats)
+    spring = Spring(0.003, 2e-4)
+    elongation = spring.free + spring.compliance * force
+    found = mechanism.force(floats, Assembly(elongation), spring)
+    near = abs(found - force) <= 1e-9 * (1.0 + abs(force))
+    require(near, f"Assembled with {force:.6g} N, it holds {found:.6g} N.")
+    zero = mechanism.position(floats, Assembly(elongation), found, elongation)
+    require(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
+
+
+def check_position(mechanism: AbstractMechanism) -> None:
+    """The position of a load line grows as the element shortens."""
+    if not isinstance(mechanism, AbstractLoadLine):
+        return
+    assembly, positions = Assembly(0.01), list[float]()
+    for free in np.linspace(0.009, 0.001, 50).tolist():
+        force = mechanism.force(floats, assembly, Spring(free, 2e-4))
+        positions.append(mechanism.position(floats, assembly, force, free + 2e-4 * force))
+    require((np.diff(positions) > 0.0).all(), "The position falls as the element shortens.")
+
+
+# ---------------------------------------------------------------- coordinates
+
+
+def check_names(mechanism: AbstractMechanism) -> None:
+    """A mechanism has as many numbers as it has names for them, and judges what it shows."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+    coordinates, ports = mechanism.coordinates(), mechanism.ports()
+    home = mechanism.home(floats)
+    rest = Motion(tuple(home), (0.0,) * len(home), (0.0,) * len(home))
+    names = {c.name for c in coordinates}
+    require(len(home) == len(names), f"{len(home)} numbers at home, but {len(names)} coordinates.")
+    paths = mechanism.contraction(floats, home)
+    require(len(paths) == len(set(ports)), f"{len(paths)} paths, but {len(ports)} ports.")
+    require(max(map(abs, paths), default=0.0) < 1e-12, "At home a path is shortened already.")
+    forces = len(mechanism.start_forces(floats))
+    asked = len(mechanism.transmission(floats, rest))
+    require(forces == asked, f"{forces} start forces, but {asked} in `transmission`.")
+    unknown = set(mechanism.judged()) - set(mechanism.outputs())
+    require(not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show.")
+    require(all(c.size > 0.0 for c in coordinates), "The size of a coordinate is not above zero.")
+    dotted = [n for n in (*ports, *mechanism.outputs(), *mechanism.signals()) if "." in n]
+    require(not dotted, f"A name must have no dot, but {', '.join(dotted)} has.")
+
+
+def check_equilibrium(mechanism: AbstractMechanism) -> None:
+    """At home, under the start forces, nothing is missing."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+    home, forces = mechanism.home(floats), mechanism.start_forces(floats)
+    require(min(forces, default=0.0) >= 0.0, "A start force is below zero.")
+    supplied = np.array(mechanism.supply(floats, home, forces, [0.0] * len(home)))
+    demand = find_demand(mechanism, home)
+    near = np.allclose(demand, supplied, rtol=1e-9, atol=1e-15)
+    require(near, f"At home it demands {demand}, but the start forces supply {supplied}.")
+
+
+def check_levers(mechanism: AbstractMechanism) -> None:
+    """The slopes of the paths, by which forces act, are those of their differences."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+    for place in choose_places(mechanism):
+        paths, exact = jacobian(floats, mechanism.contraction, place)
+        require(paths == mechanism.contraction(floats, place), "A path depends on who asks.")
+        for k, coordinate in enumerate(mechanism.coordinates()):
+            h = 1e-5 * coordinate.size
+            moved = ([*place[:k], place[k] + s * h, *place[k + 1 :]] for s in (1.0, -1.0))
+            up, down = (np.array(mechanism.contraction(floats, q)) for q in moved)
+            slopes = np.array([row[k] for row in exact])
+            near = np.allclose(slopes, (up - down) / (2.0 * h), rtol=1e-7, atol=1e-9)
+            require(near, f"A path has a wrong slope in `{coordinate.name}`.")
+
+
+def check_potential(mechanism: AbstractMechanism) -> None:
+    """At rest its forces come from an energy: ∂D_i/∂q_k is symmetric."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+
+    def held(xp: Namespace, position: Column) -> Column:
+        rest = (0.0,) * len(position)
+        signals = [0.0] * len(mechanism.signals())
+        return mechanism.demand(xp, Motion(tuple(position), rest, rest), signals)
+
+    for place in choose_places(mechanism):
+        stiffness = np.array(jacobian(floats, held, place)[1])
+        apart = np.abs(stiffness - stiffness.T).max()
+        near = apart <= 1e-12 * np.abs(stiffness).max()
+        require(near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}.")
+
+
+def check_inertia(mechanism: AbstractMechanism) -> None:
+    """Whatever accelerates needs a force, and its inertia is symmetric."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+    if not mechanism.moves and not find_inertia(mechanism, choose_places(mechanism)[0]).any():
+        return
+    for place in choose_places(mechanism):
+        found = find_inertia(mechanism, place)
+        least = np.linalg.eigvalsh(found + found.T).min()
+        require(least > 0.0, "It accelerates in some direction without a force.")
+        if is_consistent(mechanism):
+            apart = np.abs(found - found.T).max()
+            require(apart <= 1e-12 * np.abs(found).max(), "Its inertia is not symmetric.")
+
+
+def check_gyration(mechanism: AbstractMechanism) -> None:
+    """What grows with the square of a velocity moves energy only: v·c = ½ v·(dM/dt) v."""
+    if not isinstance(mechanism, AbstractMultibody) or not is_consistent(mechanism):
+        return
+    rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
+    for place, rate in rows:
+        back = [-v for v in rate]
+        both = find_demand(mechanism, place, rate) + find_demand(mechanism, place, back)
+        even = 0.5 * both - find_demand(mechanism, place)
+        ahead, behind = (
+            find_inertia(mechanism, [q + s * v for q, v in zip(place, rate, strict=True)])
+            for s in (1e-5, -1e-5)
+        )
+        v = np.array(rate)
+        change = 0.5 * v @ ((ahead - behind) / 2e-5) @ v
+        size = np.abs(v) @ np.abs(find_inertia(mechanism, place)) @ np.abs(v)
+        rounding = np.abs(v) @ np.abs(find_demand(mechanism, place))
+        missing = abs(v @ even - change)
+        held = missing <= 1e-8 * size + 1e-12 * rounding
+        require(held, f"Motion at a constant rate makes {missing:.3g} W of its own.")
+
+
+def check_damping(mechanism: AbstractMechanism) -> None:
+    """What changes its sign with the velocity never drives the motion."""
+    if not isinstance(mechanism, AbstractMultibody):
+        return
+    rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
+    for place, rate in rows:
+        back = [-v for v in rate]
+        odd = 0.5 * (find_demand(mechanism, place, rate) - find_demand(mechanism, place, back))
+        power = float(np.array(rate) @ odd)
+        rounding = 1e-12 * float(np.abs(rate) @ np.abs(find_demand(mechanism, place)))
+        require(power >= -rounding, f"Friction drives the motion with {-power:.3g} W.")
+
+
+def check_power(mechanism: AbstractMechanism) -> None:
+    """What a motion demands changes its energy, is dissipated, or comes from outside."""
+    if not isinstance(mechanism, AbstractMultibody) or not is_consistent(mechanism):
+        return
+    signals = [3.0 + k for k in range(len(mechanism.signals()))]
+    places = [*choose_places(mechanism), *choose_places(mechanism, 3.3)]  # beyond end stops too
+    for place, rate in zip(places, 2 * choose_rates(mechanism), strict=True):
+        gain = [1.7 * v + 0.3 * c.size for v, c in zip(rate, mechanism.coordinates(), strict=True)]
+        motion = Motion(place, rate, tuple(gain if mechanism.moves else [0.0] * len(rate)))
+        change = find_energy_rate(mechanism, motion)
+        if change is None:
+            return
+        taken = np.array(mechanism.dissipative(floats, motion))
+        given = np.array(mechanism.imposed(floats, motion, signals))
+        needs = np.array(mechanism.demand(floats, motion, signals))
+        size = float(np.abs(rate) @ np.abs(needs))
+        missing = float(np.array(rate) @ (needs - taken + given)) - change
+        require(
+            abs(missing) <= 1e-9 * size,
+            f"Of {size:.3g} W that a motion demands, {missing:.3g} W are not in its energy.",
+        )
+        require(np.array(rate) @ taken >= 0.0, "What is said to be dissipated drives the motion.")
+
+
+def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | None:
+    """Change of what it holds [W]; without inertia, kinetic energy does not count.
+
+    None if it does not say what it holds.
+    """
+    if mechanism.energy(floats, motion) is None:
+        return None
+
+    def held(xp: Namespace, time: Column) -> Column:
+        (q, v, a), (t,) = motion, time
+        place = tuple(x + t * (y + 0.5 * t * z) for x, y, z in zip(q, v, a, strict=True))
+        speed = tuple(y + t * z for y, z in zip(v, a, strict=True))
+        energy = mechanism.energy(xp, Motion(place, speed, a))
+        if energy is None:
+            return [0.0]
+        kinetic = energy.kinetic if mechanism.moves else 0.0
+        return [energy.springs + energy.gravity + energy.magnetic + kinetic]
+
+    return float(jacobian(floats, held, [0.0])[1][0][0])
+
+
+CHECKS: dict[str, list[Check]] = {
+    "mechanism": [
+        check_pull,
+        check_assembly,
+        check_position,
+        check_names,
+        check_equilibrium,
+        check_levers,
+        check_potential,
+        check_inertia,
+        check_gyration,
+        check_damping,
+        check_power,
+    ]
+}
