@@ -6,6 +6,7 @@ Each suite is shown to fail: on parts that are wrong on purpose.
 from __future__ import annotations
 
 import json
+import sys
 from typing import Any
 
 import builders
@@ -257,21 +258,76 @@ class WrongWay(LiangRogers):
 """
 
 
+OWN_LAW = """
+from martensite.laws.base import LAWS
+from martensite.laws.liang_rogers import LiangRogers
+
+
+@LAWS.register("own-law")
+class OwnLaw(LiangRogers):
+    '''Liang-Rogers, by another name.'''
+"""
+
+
 @pytest.fixture
-def wrong_law(tmp_path: Any) -> Any:
+def folder(tmp_path: Any, monkeypatch: Any) -> Any:
+    """With two laws of somebody's own, and a cache of its own."""
     from martensite.laws.base import LAWS
 
-    path = tmp_path / "wrong_way_law.py"
-    path.write_text(WRONG_LAW)
-    yield path
-    LAWS._entries.pop("wrong-way", None)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    files = {"wrong-way": ("wrong_way_law", WRONG_LAW), "own-law": ("an_own_law", OWN_LAW)}
+    for module, text in files.values():
+        (tmp_path / f"{module}.py").write_text(text)
+    yield tmp_path
+    for name, (module, _) in files.items():
+        LAWS._entries.pop(name, None)
+        sys.modules.pop(module, None)
 
 
-def test_a_law_whose_fraction_moves_the_wrong_way_is_refused(wrong_law: Any) -> None:
-    found = Command("conform", str(wrong_law))()
+def test_a_law_whose_fraction_moves_the_wrong_way_is_refused(folder: Any) -> None:
+    found = Command("conform", str(folder / "wrong_way_law.py"))()
     assert found.exit_code == 1
     assert "law `wrong-way` does not conform" in found.stdout
     assert "the martensite fraction goes the wrong way at" in " ".join(found.stdout.split())
+
+
+SCENARIO = """
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = { kind = "own-law", modulus = "mixture" }
+diameter = "0.25 mm"
+length = "200 mm"
+
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "70 W/m^2/K" }
+
+[mechanism]
+kind = "dead-weight"
+mass = "500 g"
+
+[drive]
+kind = "current"
+waveform = { kind = "step", high = "0.1 A" }
+
+[run]
+duration = "1 s"
+"""
+
+
+def test_a_run_says_whether_a_foreign_part_was_tried(folder: Any) -> None:
+    scenario, law = folder / "own.toml", str(folder / "an_own_law.py")
+    scenario.write_text(SCENARIO)
+    out = ["--json", "--force", "--no-figure", "--out", str(folder / "own.nc")]
+    call = Command("run", str(scenario), "--import", law, *out)
+    assert json.loads(call().stdout)["conformance"] == {"own-law": "not tried"}
+    assert Command("conform", law)().exit_code == 0
+    assert json.loads(call().stdout)["conformance"] == {"own-law": "conforms"}
+    (folder / "an_own_law.py").write_text(OWN_LAW + "# another\n")
+    assert json.loads(call().stdout)["conformance"] == {"own-law": "not tried"}
+    plain = json.loads(Command("run", "examples/pwm_bias_spring.toml", *out)().stdout)
+    assert plain["conformance"] == {}
 
 
 def test_conformance_is_there_as_json() -> None:

@@ -81,6 +81,7 @@ class Executed:
             "heat": None if result.heat is None else result.heat.as_dict(),
             "work": None if result.work is None else result.work.as_dict(),
             "unbalanced": list(result.unbalanced),
+            "conformance": result.conformance,
             "status": result.status.name,
             "status_time": result.status_time,
             "stroke": result.stroke,
@@ -103,7 +104,7 @@ class Executed:
         first, *_ = str(self.result).partition("\n")
         show.text(f"{first}; {_stroke(self.result)}")
         show.table(("quantity", "lowest", "highest"), self._rows(), right="lowest,highest")
-        for line in self.result.balances():
+        for line in (*self.result.balances(), *self.result.remarks()):
             show.text(line)
         if self.agreements:
             rows = [self._agreement(agreement) for agreement in self.agreements]

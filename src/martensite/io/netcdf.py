@@ -228,6 +228,7 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         **_numbers("heat", {} if result.heat is None else result.heat.as_dict()),
         **_numbers("work", {} if result.work is None else result.work.as_dict()),
         "unbalanced": "\n".join(result.unbalanced) or None,
+        "conformance": json.dumps(result.conformance) if result.conformance else None,
         "warnings": "\n".join(result.warnings),
         "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
         "martensite_version": _version("martensite"),

@@ -12,6 +12,7 @@ from martensite.errors import SolveError
 from martensite.mechanisms.base import Output
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.balance import HeatBalance, WorkBalance
+from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 from martensite.status import Status
 from martensite.system import PROFILES
 
@@ -105,7 +106,24 @@ class Result:
             f"accuracy {accuracy}",
             *(line for name in self.system.judged() for line in [self._line(name)]),
         ]
-        return "\n".join([*lines, *self.balances(), *self.warnings])
+        return "\n".join([*lines, *self.balances(), *self.remarks(), *self.warnings])
+
+    @property
+    def conformance(self) -> dict[str, str]:
+        """Parts that are none of this package's -> whether they keep what is promised of them.
+
+        `conforms`, `does not conform`, or `not tried` (`martensite conform FILE` does).
+        """
+        return tell_conformance([self.system, self.waveform])
+
+    def remarks(self) -> list[str]:
+        """What is to be known of parts that are none of this package's, in sentences."""
+        remedies = {"conforms": ".", NOT_TRIED: "; `martensite conform FILE` does."}
+        return [
+            f"Part `{name}` is none of this package's; its promises: {found}"
+            f"{remedies.get(found, '; what it computes cannot be trusted.')}"
+            for name, found in self.conformance.items()
+        ]
 
     def balances(self) -> list[str]:
         """Those of heat and work, in a line each, and why one is missing."""

@@ -16,6 +16,7 @@ from martensite.errors import InputError, MartensiteError, UnknownNameError
 from martensite.io.catalogue import registries
 from martensite.parameters import Parametrised
 from martensite.registry import import_modules
+from martensite.simulate.provenance import keep_record
 from martensite.testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
@@ -92,7 +93,7 @@ def find_checks(kind: str) -> list[Check]:
 def check_conformance(
     cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()
 ) -> Conformance:
-    """Run the suite of a kind on a part.
+    """Run the suite of a kind on a part, and keep what is found for the results of later runs.
 
     Args:
         cls: its class.
@@ -105,12 +106,13 @@ def check_conformance(
     """
     if kind not in SUITES:
         raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
+    checks = find_checks(kind)
     found = [
-        check_part(part, check)
-        for part in (list(parts) or list_variants(cls))
-        for check in find_checks(kind)
+        check_part(part, check) for part in (list(parts) or list_variants(cls)) for check in checks
     ]
-    return Conformance(cls.registered_name or cls.__name__, kind, tuple(found))
+    report = Conformance(cls.registered_name or cls.__name__, kind, tuple(found))
+    keep_record(cls, report.holds, len(checks))
+    return report
 
 
 def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:

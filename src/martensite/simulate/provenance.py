@@ -1,0 +1,71 @@
+"""Parts of a run that are none of this package's, and whether their promises were tried.
+
+What `martensite conform` finds of a part is kept in the cache of this machine, under what its file
+holds: whoever changes the file has a part that was not tried.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from martensite.files import cache_folder
+from martensite.parameters import Parametrised
+
+OWN = "martensite."
+"""What the modules of this package begin with."""
+NOT_TRIED = "not tried"
+
+
+def tell_conformance(things: Iterable[Any]) -> dict[str, str]:
+    """Name of every foreign part -> `conforms`, `does not conform`, or `not tried`.
+
+    Args:
+        things: systems, waveforms, controllers, or mappings of them.
+    """
+    return {_name(cls): find_record(cls) for cls in dict.fromkeys(_foreign(things))}
+
+
+def _foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
+    """Classes of foreign parts, at any depth."""
+    for thing in things:
+        if isinstance(thing, Mapping):
+            yield from _foreign(cast("Mapping[str, Any]", thing).values())
+        elif isinstance(thing, Parametrised):
+            classes = (type(part) for part in thing.tree())
+            yield from (cls for cls in classes if not cls.__module__.startswith(OWN))
+
+
+def _name(cls: type[Parametrised]) -> str:
+    """What a foreign part is called."""
+    return cls.registered_name or cls.__name__
+
+
+def find_record(cls: type[Parametrised]) -> str:
+    """What was found of a part as its file is now."""
+    path = _place(cls)
+    if path is None or not path.exists():
+        return NOT_TRIED
+    return "conforms" if json.loads(path.read_text("utf-8"))["holds"] else "does not conform"
+
+
+def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
+    """Keep what was found of a part; nothing of one without a file, or of this package."""
+    path = None if cls.__module__.startswith(OWN) else _place(cls)
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"holds": holds, "checks": checks}), "utf-8")
+
+
+def _place(cls: type[Parametrised]) -> Path | None:
+    """Where a finding is kept; None if the class has no file, as in a notebook."""
+    try:
+        source = Path(inspect.getsourcefile(cls) or "").read_bytes()
+    except (OSError, TypeError):
+        return None
+    key = hashlib.sha256(source + cls.__qualname__.encode()).hexdigest()[:24]
+    return cache_folder() / "conformance" / f"{key}.json"
