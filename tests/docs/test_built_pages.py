@@ -22,7 +22,7 @@ PAGE = """\
 $$ x^2 $$
 
 ```{code-cell} ipython3
-!martensite laws --json
+!martensite list law --json
 ```
 
 ```{code-cell} ipython3
@@ -90,7 +90,7 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "html" / "page.html").read_text("utf-8")
     words = unescape(re.sub(r"<[^>]+>", "", page))
-    assert "\nmartensite laws --json" in words
+    assert "\nmartensite list law --json" in words
     assert "%%writefile" not in words
     assert 'code-block-caption"><span class="caption-text"><code' in page
     assert 'alt="Figure: A page"' in page

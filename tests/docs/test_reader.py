@@ -178,7 +178,7 @@ def test_what_a_page_hides_the_reader_has_not(reader: Reader) -> None:
 
 def test_a_readme_that_shows_another_output_is_noticed(reader: Reader) -> None:
     page = reader.folder / "README.md"
-    text = "```bash\nmartensite laws\n```\n\n```text\n…\n{}\n…\n```\n"
+    text = "```bash\nmartensite list law\n```\n\n```text\n…\n{}\n…\n```\n"
     page.write_text(text.format("no law at all"), encoding="utf-8")
     with pytest.raises(AssertionError, match="no law at all"):
         reader.follow(page)

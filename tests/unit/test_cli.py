@@ -307,22 +307,42 @@ def test_params_of_a_scenario_are_the_paths_that_set_takes(folder: Path) -> None
 def test_params_of_a_part_come_from_every_registry() -> None:
     kinds = {part["kind"] for part in parsed("params", "constant")}
     assert kinds == {"cooling", "waveform"}
-    assert {"law", "mechanism", "drive"} <= parsed("params").keys()
+    assert {"law", "mechanism", "drive"} <= parsed("list").keys()
     assert "Did you mean `dead-weight`" in refused("params", "dead-weigth")
     assert "film coefficient" in fine("params", "polynomial")
 
 
-@pytest.mark.parametrize("command, name", [("laws", "liang-rogers"), ("mechanisms", "bias-spring")])
-def test_listing_and_description(command: str, name: str) -> None:
-    listed = parsed(command)
+@pytest.mark.parametrize("kind, name", [("law", "liang-rogers"), ("mechanism", "bias-spring")])
+def test_listing_and_description(kind: str, name: str) -> None:
+    command = "list", kind
+    listed = parsed(*command)
     assert name in [entry["name"] for entry in listed]
     assert all(entry["summary"] for entry in listed)
-    part = parsed(command, name)
+    part = parsed(*command, name)
     assert all(entry["meaning"] and entry["allowed"] for entry in part["parameters"])
-    printed = fine(command, name)
+    printed = fine(*command, name)
     assert all(entry["name"] in printed for entry in part["parameters"])
-    assert name in fine(command)
-    assert f"named `{name}x`" in refused(command, name + "x")
+    assert name in fine(*command)
+    assert f"named `{name}x`" in refused(*command, name + "x")
+
+
+def test_kinds_are_listed_and_known_in_the_plural() -> None:
+    assert parsed("list", "laws") == parsed("list", "law")
+    assert "Did you mean `law`" in refused("list", "lew")
+    assert "tanaka" in fine("list")
+
+
+def test_studies_are_listed_and_none_is_computed() -> None:
+    assert {"migaone", "finger"} <= {one["key"] for one in parsed("study")}
+    assert "what is rebuilt" in fine("study")
+
+
+@pytest.mark.parametrize("columns", ["80"])
+def test_help_fits_a_terminal(columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    text = fine("--help")
+    assert max(map(len, text.splitlines())) <= 80
+    assert "..." not in text.partition("Simulate:")[2]
 
 
 def test_materials_mark_what_is_not_measured() -> None:
@@ -408,7 +428,7 @@ def test_usage_errors_exit_with_2_and_unknown_commands_too() -> None:
     assert call("run", "x.toml", "--tolerance", "small").exit_code == 2
 
 
-@pytest.mark.parametrize("order", [("--debug", "laws", "x"), ("laws", "x", "--debug")])
+@pytest.mark.parametrize("order", [("--debug", "list", "x"), ("list", "x", "--debug")])
 def test_debug_shows_the_error_itself(order: tuple[str, ...]) -> None:
     done = call(*order)
     assert done.exit_code == 1

@@ -173,24 +173,24 @@ def test_cite_names_the_works_behind_the_controller(folder: Path) -> None:
 # ---------------------------------------------------------------- lists
 
 
-@pytest.mark.parametrize("command", LISTS)
-def test_lists_hold_the_registry(command: str) -> None:
-    registry = registries()[command.removesuffix("s")]
-    found = json.loads(fine(command, "--json"))
+@pytest.mark.parametrize("kind", LISTS)
+def test_lists_hold_the_registry(kind: str) -> None:
+    registry = registries()[kind.removesuffix("s")]
+    found = json.loads(fine("list", kind, "--json"))
     assert [row["name"] for row in found] == registry.names()
     assert all(row["summary"] for row in found)
     name = registry.names()[0]
-    described = json.loads(fine(command, name, "--json"))
+    described = json.loads(fine("list", kind, name, "--json"))
     assert {row["name"] for row in described["parameters"]} == set(registry[name].declarations)
-    assert name in fine(command)
+    assert name in fine("list", kind)
 
 
 def test_unknown_kinds_are_answered_with_the_nearest_name() -> None:
-    assert "Did you mean `pid`?" in refused("controllers", "pit")
+    assert "Did you mean `pid`?" in refused("list", "controller", "pit")
 
 
 def test_free_texts_are_described_as_such() -> None:
-    rows: list[Any] = json.loads(fine("controllers", "pid", "--json"))["parameters"]
+    rows: list[Any] = json.loads(fine("list", "controller", "pid", "--json"))["parameters"]
     (measured,) = [row for row in rows if row["name"] == "measured"]
     assert measured["allowed"] == "text"
 

@@ -1,4 +1,4 @@
-"""`martensite identify` and `martensite blocks`: what is read, printed and written; bad input.
+"""`martensite identify` and `martensite list block`: what is read, printed and written; bad input.
 
 Source of truth: the system that the logs were computed with (`first_order`), and the same
 estimation in Python.
@@ -185,12 +185,12 @@ def test_the_anchor_is_on_where_a_record_begins_at_rest() -> None:
 
 
 def test_blocks_are_listed_and_described() -> None:
-    text = Command("blocks").fine()
+    text = Command("list", "block").fine()
     for name in BLOCKS.names():
         assert name in text
     assert "oe(nb,nf,nk)" in text
-    listed = Command("blocks").report()
+    listed = Command("list", "block").report()
     assert {row["name"] for row in listed} == set(BLOCKS.names())  # type: ignore[index]
     for name in ("transfer-function", "oe"):
-        assert "number of poles" in Command("blocks").fine(name)
-    assert "Did you mean `polynomial`" in Command("blocks").refused("polynomal")
+        assert "number of poles" in Command("list", "block").fine(name)
+    assert "Did you mean `polynomial`" in Command("list", "block").refused("polynomal")

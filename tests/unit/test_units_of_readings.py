@@ -329,9 +329,9 @@ def test_set_and_params_speak_of_the_everyday_unit() -> None:
 
 
 def test_descriptions_say_that_the_unit_is_that_of_the_reading() -> None:
-    rows = {r["name"]: r for r in json.loads(call("controllers", "on-off", "--json").stdout)[
+    rows = {r["name"]: r for r in json.loads(call("list", "controller", "on-off", "--json").stdout)[
         "parameters"
     ]}  # fmt: skip
     assert rows["band"]["unit"] == units.DIFFERENCE
     assert rows["band"]["allowed"] == "at least 0, in the unit of the reading"
-    assert "1e-06 in SI" in call("controllers", "feedforward").stdout
+    assert "1e-06 in SI" in call("list", "controller", "feedforward").stdout

@@ -9,21 +9,39 @@ from typer.core import TyperGroup
 
 from martensite.errors import MartensiteError
 
-ORDER = (
-    "run", "app", "law", "demo", "study", "size", "design", "sweep", "sensitivity", "pareto", "fit",
-    "identify", "tune", "export", "check", "params", "laws", "mechanisms", "drives", "sensors",
-    "observers", "controllers", "supervisors", "faults", "blocks", "materials",
-)  # fmt: skip
-"""Commands in the order of the help text; others follow."""
+GROUPS = {
+    "Simulate": ("run", "check", "law", "demo", "study"),
+    "From logs": ("fit", "identify"),
+    "Design": ("size", "design", "tune", "sweep", "sensitivity", "pareto"),
+    "Take along": ("export", "app"),
+    "Look up": ("list", "params", "materials", "data", "cite", "conform"),
+}
+"""Commands of the help text, the most used first."""
 
 
 class Commands(TyperGroup):
     """Commands that answer errors made on purpose with a sentence, not a traceback."""
 
     def list_commands(self, ctx: typer.Context) -> list[str]:
-        """The commands, the most used first."""
-        found = super().list_commands(ctx)
-        return [*(n for n in ORDER if n in found), *(n for n in found if n not in ORDER)]
+        """The commands by groups; others follow."""
+        known = super().list_commands(ctx)
+        grouped = [name for names in GROUPS.values() for name in names]
+        return [*grouped, *(name for name in known if name not in grouped)]
+
+    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:
+        """The commands of the help text, each group under its title."""
+        left = self.list_commands(ctx)
+        for title, names in {**GROUPS, "Others": tuple(left)}.items():
+            found = {name: self.get_command(ctx, name) for name in names if name in left}
+            rows = [
+                (name, one.get_short_help_str(66))
+                for name, one in found.items()
+                if one is not None and not one.hidden
+            ]
+            left = [name for name in left if name not in found]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
 
     def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
         """Accept `--debug` before or after the name of the command."""
@@ -44,7 +62,6 @@ class Commands(TyperGroup):
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # importing rich for a help text takes longer than all the rest
     context_settings={"help_option_names": ["-h", "--help"]},

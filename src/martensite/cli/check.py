@@ -30,7 +30,7 @@ HAIR = 1e-9
 def check(
     scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None
 ) -> None:
-    """Build a scenario, report what is doubtful about it, and where its drives lead if held.
+    """Build a scenario, and say where its drives lead if held.
 
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
     refused.
@@ -149,8 +149,8 @@ def _report(scenario: Scenario) -> dict[str, Any]:
 @app.command()
 def params(
     name: Annotated[
-        str | None, typer.Argument(metavar="[NAME|SCENARIO]", help="A part, or a scenario file.")
-    ] = None,
+        str, typer.Argument(metavar="NAME|SCENARIO", help="A part, or a scenario file.")
+    ],
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,
@@ -159,9 +159,7 @@ def params(
     import_modules(modules)
     from martensite.cli import describe, show
 
-    if name is None:
-        _print_parts(json)
-    elif name.endswith(".toml"):
+    if name.endswith(".toml"):
         _print_values(Path(name), settings, json)
     else:
         found = describe.anywhere(name)
@@ -170,17 +168,6 @@ def params(
         else:
             for part in found:
                 describe.print_part(part)
-
-
-def _print_parts(json: bool) -> None:
-    from martensite.cli import show
-    from martensite.io import catalogue
-
-    found = {kind: registry.names() for kind, registry in catalogue.registries().items()}
-    if json:
-        show.as_json(found)
-    else:
-        show.table(("kind of part", "names"), [(k, ", ".join(v)) for k, v in found.items()])
 
 
 def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:

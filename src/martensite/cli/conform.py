@@ -21,10 +21,11 @@ def conform(
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Try whether parts of your own, or any others, keep what their interface promises.
+    """Try whether parts of your own keep what they promise.
 
-    Parts are made of the typical values of their declarations, once for every choice of an
-    option. Ends with 1 if a check fails.
+    A law, for example, must not depend on how a path is cut into steps. Parts of this package can
+    be tried as well. They are made of the typical values of their declarations, once for every
+    choice of an option. Ends with 1 if a check fails.
     """
     import_modules(modules)
     from martensite.cli import show

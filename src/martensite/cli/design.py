@@ -71,7 +71,7 @@ def design(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Find the numbers of a scenario for which a goal is best and all limits are kept.
+    """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
     at(position, time=2 s). The search follows derivatives through the simulation.

@@ -94,9 +94,10 @@ def identify(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Find a model of blocks that repeats logs in free run, such as a Hammerstein-Wiener model.
+    """Find a model of blocks that repeats logs in free run.
 
-    Blocks: see `martensite blocks`. All scores are of free runs: no measured output is fed back.
+    Blocks: see `martensite list block`. All scores are of free runs: no measured output is fed
+    back.
     --input and --output may be left out where the log leaves no choice, as with two columns
     beside the time. A fit on the logs that it was found from proves little; give --validate a log
     of another cadence. Ctrl-C ends a search and keeps the best so far; the exit code is 1 then.

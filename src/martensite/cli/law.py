@@ -77,7 +77,7 @@ def law(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Drive laws along a path without a scenario: a summary, a figure, a table."""
+    """Drive laws along a path: a summary, a figure, a table."""
     import_modules(modules)
     from martensite.cli.outputs import Outputs, parts
     from martensite.io.laws import dressed_laws

@@ -1,8 +1,8 @@
-"""`laws`, `mechanisms`, `drives`, `sensors`, …: what there is, and what is known of one."""
+"""`list` and `materials`: what there is, and what is known of one."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,80 +12,90 @@ from martensite.cli.options import Imports, Json, import_modules
 if TYPE_CHECKING:
     from martensite.identify.blocks.base import AbstractBlock
     from martensite.materials.base import Material
-
-Name = Annotated[str | None, typer.Argument(metavar="[NAME]", help="One of them, in detail.")]
-
-
-@app.command()
-def laws(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List the stress-strain-temperature laws, or describe one."""
-    import_modules(modules)
-    _list_or_describe("law", name, json)
+    from martensite.registry import Registry
 
 
-@app.command()
-def mechanisms(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List what an element can pull on, or describe one."""
-    import_modules(modules)
-    _list_or_describe("mechanism", name, json)
-
-
-@app.command()
-def drives(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List the sources that drive an element, or describe one."""
-    import_modules(modules)
-    _list_or_describe("drive", name, json)
-
-
-@app.command()
-def sensors(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List the sensors of a bench, or describe one."""
-    import_modules(modules)
-    _list_or_describe("sensor", name, json)
-
-
-@app.command()
-def observers(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List what estimates from readings what no sensor sees, or describe one."""
-    import_modules(modules)
-    _list_or_describe("observer", name, json)
-
-
-@app.command()
-def controllers(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List the controllers, or describe one."""
-    import_modules(modules)
-    _list_or_describe("controller", name, json)
-
-
-@app.command()
-def supervisors(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List who may have the last word on a bench, or describe one."""
-    import_modules(modules)
-    _list_or_describe("supervisor", name, json)
-
-
-@app.command()
-def faults(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List what can go wrong on a bench, or describe one."""
-    import_modules(modules)
-    _list_or_describe("fault", name, json)
-
-
-@app.command()
-def blocks(name: Name = None, json: Json = False, modules: Imports = None) -> None:
-    """List the blocks that models are identified with, or describe one."""
-    import_modules(modules)
-    from martensite.cli import describe, show
+def complete_kind(incomplete: str) -> list[str]:
+    """Kinds of parts that begin as what is typed in a shell."""
     from martensite.io import catalogue
 
-    registry = catalogue.registries(blocks=True)["block"]
-    if name is not None:
-        short = {registry[n].short: n for n in registry.names()}
-        _list_or_describe("block", short.get(name, name), json)
+    return [kind for kind in catalogue.registries(blocks=True) if kind.startswith(incomplete)]
+
+
+def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Parts of the kind before it that begin as what is typed in a shell."""
+    from martensite.io import catalogue
+
+    registry = catalogue.registries(blocks=True).get(ctx.params.get("kind") or "")
+    names = registry.names() if registry is not None else []
+    return [name for name in names if name.startswith(incomplete)]
+
+
+@app.command(name="list")
+def list_parts(
+    kind: Annotated[
+        str | None,
+        typer.Argument(metavar="[KIND]", help="A kind of parts.", autocompletion=complete_kind),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]", help="One of them, in detail.", autocompletion=complete_name
+        ),
+    ] = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """List the kinds of parts, the parts of a kind, or describe one.
+
+    For example `martensite list law`, and `martensite list law brinson`.
+    """
+    import_modules(modules)
+    if kind is None:
+        _list_kinds(json)
         return
-    found = [{"written": _written(registry[n]), **row} for n, row in
-             zip(registry.names(), describe.listed(registry), strict=True)]  # fmt: skip
+    from martensite.io import catalogue
+
+    registry = catalogue.find_registry(kind)
+    if name is not None:
+        _describe(registry, name, json)
+    elif registry.kind == "block":
+        _list_blocks(registry, json)
+    else:
+        from martensite.cli import describe, show
+
+        show.as_json(describe.listed(registry)) if json else describe.print_list(registry)
+
+
+def _list_kinds(json: bool) -> None:
+    """All kinds of parts, with what there is of each."""
+    from martensite.cli import show
+    from martensite.io import catalogue
+
+    found = {kind: r.names() for kind, r in catalogue.registries(blocks=True).items()}
+    if json:
+        show.as_json(found)
+    else:
+        show.table(("kind of part", "names"), [(k, ", ".join(v)) for k, v in found.items()])
+
+
+def _describe(registry: Registry[Any], name: str, json: bool) -> None:
+    """One part; a block by its short name too."""
+    from martensite.cli import describe, show
+
+    short = {getattr(registry[n], "short", ""): n for n in registry.names()}
+    part = describe.one(registry, short.get(name, name))
+    show.as_json(part) if json else describe.print_part(part)
+
+
+def _list_blocks(registry: Registry[Any], json: bool) -> None:
+    """All blocks, with how they are written in a chain."""
+    from martensite.cli import describe, show
+
+    found = [
+        {"written": _written(registry[n]), **row}
+        for n, row in zip(registry.names(), describe.listed(registry), strict=True)
+    ]
     if json:
         show.as_json(found)
     else:
@@ -121,18 +131,6 @@ def materials(
         show.as_json(asdict(material))
     else:
         _print_material(material)
-
-
-def _list_or_describe(kind: str, name: str | None, json: bool) -> None:
-    from martensite.cli import describe, show
-    from martensite.io import catalogue
-
-    registry = catalogue.registries(blocks=kind == "block")[kind]
-    if name is None:
-        show.as_json(describe.listed(registry)) if json else describe.print_list(registry)
-        return
-    part = describe.one(registry, name)
-    show.as_json(part) if json else describe.print_part(part)
 
 
 def _list_materials(json: bool) -> None:

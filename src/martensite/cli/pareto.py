@@ -36,7 +36,7 @@ def pareto(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Find the runs of a sweep that no other beats: as good in every goal and better in one."""
+    """Find the runs of a sweep that no other beats."""
     from martensite.cli import show
     from martensite.cli.outputs import Outputs
     from martensite.io.sweeps.reading import read_sweep

@@ -33,7 +33,7 @@ def sensitivity(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing figure.")] = False,
     json: Json = False,
 ) -> None:
-    """Say how much of the variance of each measure every varied number of a sweep explains.
+    """Say which numbers of a sweep explain its variance.
 
     A sweep with `--sample saltelli:1024` gives first and total order with intervals, a whole grid
     both without, any other sample first order, delta and slopes.

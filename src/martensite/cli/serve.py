@@ -32,7 +32,7 @@ def bench_app(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Open the web bench: sliders, live loops, mechanisms in motion, fits of your own logs.
+    """Open the web bench: sliders, loops, motion, your own logs.
 
     It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
     """

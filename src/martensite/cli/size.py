@@ -55,7 +55,7 @@ def size(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Find the wire, its length, current and return for a force, a stroke and a rate."""
+    """Find the wire and its current for a force and a stroke."""
     given = {
         "force": force, "stroke": stroke, "rate": rate, "supply": supply, "ambient": ambient,
         "strain": strain, "stress": stress, "current_limit": current_limit,

@@ -20,7 +20,8 @@ COLOURS = {"reproduced": "green", "not reproduced": "red", "calibrated": "yellow
 @app.command()
 def study(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME]...", help="Studies [default: all].")
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed."),
     ] = None,
     figures: Annotated[
         Path | None,
@@ -29,11 +30,14 @@ def study(
     force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
     json: Json = False,
 ) -> None:
-    """Rebuild published results: claims, numbers, verdicts."""
+    """List the studies, or rebuild one: claims, numbers, verdicts."""
     from martensite.cli import show
     from martensite.studies.base import load_study, study_names
 
-    found = [load_study(name) for name in names or study_names()]
+    if not names:
+        _list_studies(json)
+        return
+    found = [load_study(name) for name in (study_names() if names == ["all"] else names)]
     drawn = _figures(found, figures, force)
     reports: list[dict[str, Any]] = []
     for one in found:
@@ -49,6 +53,19 @@ def study(
                 show.text(f"wrote {drawn[one.key]}")
     if json:
         show.as_json(reports)
+
+
+def _list_studies(json: bool) -> None:
+    """All studies with a line each; none is computed."""
+    from martensite.cli import show
+    from martensite.studies.base import load_study, study_names
+
+    found = [load_study(name) for name in study_names()]
+    if json:
+        show.as_json([{"key": one.key, "title": one.title} for one in found])
+        return
+    show.table(("study", "what is rebuilt"), [(one.key, one.title) for one in found])
+    show.text("martensite study NAME computes its claims; `all` takes all of them.")
 
 
 def _figures(studies: list[AbstractStudy], folder: Path | None, force: bool) -> dict[str, Path]:

@@ -74,7 +74,7 @@ def sweep(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing store.")] = False,
     json: Json = False,
 ) -> None:
-    """Run many variants of a scenario; the same command goes on where it was stopped."""
+    """Run many variants of a scenario; go on where it stopped."""
     import_modules(modules)
     from martensite.cli.outputs import Outputs
     from martensite.cli.sweep_run import swept

@@ -80,7 +80,7 @@ def tune(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Tune the controller of a scenario, and show what its loop does before and after.
+    """Tune the controller of a scenario, and show its loop.
 
     The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
     of the mean over many plants, and the result is judged on as many others.

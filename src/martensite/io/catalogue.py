@@ -11,6 +11,7 @@ import math
 import sys
 from typing import Any
 
+from martensite.errors import UnknownNameError
 from martensite.parameters import REQUIRED, Declared, Parametrised
 from martensite.registry import Registry
 from martensite.signals.base import DRIVE
@@ -47,6 +48,19 @@ def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
 
         found.append(BLOCKS)
     return {registry.kind: registry for registry in found}
+
+
+def find_registry(kind: str) -> Registry[Any]:
+    """The registry of a kind of parts, by its word or the plural of it.
+
+    Raises:
+        UnknownNameError: there is no such kind.
+    """
+    known = registries(blocks=True)
+    for one in (kind, kind.removesuffix("s")):
+        if one in known:
+            return known[one]
+    raise UnknownNameError("kind of part", kind, known)
 
 
 def summary(cls: type[Any]) -> str:
