@@ -18,6 +18,7 @@ from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar, cast
 
 from martensite.errors import InputError, UnknownNameError
+from martensite.interfaces import require_methods
 
 T = TypeVar("T")
 C = TypeVar("C")
@@ -37,10 +38,12 @@ class Registry(Generic[T]):
         """Return a decorator that files a class under `name`.
 
         With `replace` it takes the place of the class that has the name. The decorator raises
-        `InputError` where that is another class and it may not.
+        `InputError` where that is another class and it may not, and `MissingMethodError` for a
+        class that is not complete.
         """
 
         def file_under(cls: type[C]) -> type[C]:
+            require_methods(cls)
             holder = self._holder(name, cls)
             if holder is not None and not replace and not _is_redefined(holder, cls):
                 raise InputError(
