@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transf
 
 from martensite import units
 from martensite.errors import ParameterError, UnitError, suggestion
+from martensite.interfaces import require_methods
 from martensite.registry import Registry
 
 REQUIRED: Any = object()
@@ -221,6 +222,7 @@ class Parametrised:
             delattr(cls, name)
 
     def __init__(self, **values: Any) -> None:
+        require_methods(type(self))
         owner = type(self).registered_name or type(self).__name__
         unknown = next((name for name in values if name not in self.declarations), None)
         if unknown is not None:

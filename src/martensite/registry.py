@@ -2,7 +2,8 @@
 
 A registry scans its package, so a new file is a new entry with no list to edit. Packages
 from elsewhere add entries through the entry-point group `martensite.<package>`, and a
-user's own module does so simply by being imported.
+user's own module does so simply by being imported. A name belongs to one class: another that asks
+for it is refused, also while the first has not been imported yet.
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
-from typing import Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
 from martensite.errors import InputError, UnknownNameError
+from martensite.interfaces import require_methods
 
 T = TypeVar("T")
 C = TypeVar("C")
@@ -37,10 +39,23 @@ class Registry(Generic[T]):
         self._scanned = False
         self._plugged = False
 
-    def register(self, name: str) -> Callable[[type[C]], type[C]]:
-        """Return a decorator that files a class under `name`."""
+    def register(self, name: str, *, replace: bool = False) -> Callable[[type[C]], type[C]]:
+        """Return a decorator that files a class under `name`.
+
+        With `replace` it takes the place of the class that has the name. The decorator raises
+        `InputError` where that is another class and it may not, and `MissingMethodError` for a
+        class that is not complete.
+        """
 
         def file_under(cls: type[C]) -> type[C]:
+            require_methods(cls)
+            holder = self._holder(name, cls)
+            if holder is not None and not replace and not _is_redefined(holder, cls):
+                raise InputError(
+                    f"The {self.kind} name `{name}` belongs to {_describe_place(holder)}, so "
+                    f"{_describe_place(cls)} cannot have it; choose another name, or write "
+                    f'`register("{name}", replace=True)` to replace the first.'
+                )
             self._entries[name] = cast("type[T]", cls)
             cls.registered_name = name  # type: ignore[attr-defined]
             return cls
@@ -63,6 +78,16 @@ class Registry(Generic[T]):
         self._plug()
         return sorted(self._entries)
 
+    def _holder(self, name: str, cls: type[Any]) -> type[T] | None:
+        """The class that has a name which another asks for."""
+        # two files of this package meet when both are imported; looking further for each of them
+        # would import all of a folder at the start of every run
+        if name not in self._entries and not _is_own(cls):
+            self._find(name)
+            self._scan()
+            self._load_plug_in(name, cls)
+        return self._entries.get(name)
+
     def _find(self, name: str) -> None:
         """Import the file that is called like an entry, if there is one: others may be heavy."""
         module = name.replace("-", "_")
@@ -79,9 +104,37 @@ class Registry(Generic[T]):
 
     def _plug(self) -> None:
         if not self._plugged:
-            self._plugged = True
             for point in entry_points(group=self.package):
                 point.load()
+            self._plugged = True  # not before: a plug-in that is refused is refused every time
+
+    def _load_plug_in(self, name: str, cls: type[Any]) -> None:
+        """Load the plug-in that is called like a name, unless `cls` is part of it."""
+        package = cls.__module__.partition(".")[0]
+        for point in entry_points(group=self.package, name=name):
+            if point.module.partition(".")[0] != package:
+                point.load()
+
+
+def _is_own(cls: type[Any]) -> bool:
+    """Whether a class belongs to this package."""
+    return cls.__module__.partition(".")[0] == __name__.partition(".")[0]
+
+
+def _is_redefined(old: type[Any], new: type[Any]) -> bool:
+    """Whether a class of a user is the same one again: its cell or its file is executed anew."""
+    same_place = old.__module__ == new.__module__ or _file_of(old) == _file_of(new) is not None
+    return same_place and old.__qualname__ == new.__qualname__ and not _is_own(new)
+
+
+def _file_of(cls: type[Any]) -> str | None:
+    """The file in which a class is defined; None if it is not defined in one."""
+    return getattr(sys.modules.get(cls.__module__), "__file__", None)
+
+
+def _describe_place(cls: type[Any]) -> str:
+    """A class and where it is defined."""
+    return f"`{cls.__qualname__}` in {_file_of(cls) or f'`{cls.__module__}`'}"
 
 
 def import_modules(names: Sequence[str]) -> None:

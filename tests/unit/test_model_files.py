@@ -10,6 +10,7 @@ from command import Command
 from martensite.errors import DataError, InputError, ParameterError
 from martensite.export.control_systems import to_control, to_state_space
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic
+from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.linearise import linearise, operating_point
@@ -128,11 +129,12 @@ def test_damaged_files_are_refused_in_a_sentence(chain, tmp_path):
 
 
 def test_what_no_file_can_hold_is_refused(chain, tmp_path):
-    class Own(AbstractStatic):
+    class Own(Polynomial):
         short = "own"
+        registered_name = ""
 
     with pytest.raises(InputError, match="no registered name"):
-        model_text(Chain((Own(),), np.zeros(0), DT))
+        model_text(Chain((Own(),), np.zeros(3), DT))
     with pytest.raises(InputError, match="plain values"):
         model_text(chain, {"when": object()})
     with pytest.raises(InputError, match="not finite"):

@@ -18,7 +18,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-from builders import plain_law, plain_system
+from builders import example, plain_law, plain_system
 from drawn_texts import check_apart, visible_texts
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -29,6 +29,7 @@ from martensite.electrical.temperature import PrescribedTemperature
 from martensite.errors import DataError
 from martensite.laws.base import AbstractLaw
 from martensite.laws.liang_rogers import LiangRogers
+from martensite.laws.mas import MullerAchenbachSeelecke
 from martensite.parameters import param
 from martensite.plot.hysteresis import senses, strips
 from martensite.plot.overview import plot_result, save_figure
@@ -76,10 +77,6 @@ class Critical(LiangRogers):
     """A law whose forward strip does not simply shift with stress."""
 
     sigma_s: float = param("Pa", "critical stress", default=1e8)
-
-
-class Bare(AbstractLaw):
-    """A law without strips."""
 
 
 @dataclass
@@ -237,7 +234,7 @@ def test_strips_lie_at_the_mean_stress() -> None:
     assert any("mean stress of 100 MPa" in name for name in names)
 
 
-@pytest.mark.parametrize("law", [plain_law(Critical), Bare()])
+@pytest.mark.parametrize("law", [plain_law(Critical), example(MullerAchenbachSeelecke)])
 def test_no_strips_for_laws_that_do_not_shift_them(law: AbstractLaw) -> None:
     figure = plot_result(make_result(law))
     assert not any(axes.patches for axes in loops(figure))

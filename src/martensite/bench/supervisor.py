@@ -6,6 +6,7 @@ answers with the signals that are allowed and a number for its alarm, 0 if all i
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
@@ -45,6 +46,7 @@ class AbstractSupervisor(Parametrised):
         """What it remembers before the first sample."""
         return ()
 
+    @abstractmethod
     def judge(
         self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
     ) -> Verdict:
@@ -57,4 +59,3 @@ class AbstractSupervisor(Parametrised):
             readings: by name, in SI, and the age of each, `NAME.age` [s].
             dt: length of the period [s].
         """
-        raise NotImplementedError

@@ -8,6 +8,7 @@ heats it; leads and series resistance do not.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
 from martensite.parameters import Parametrised, param
@@ -54,6 +55,7 @@ class Heat(NamedTuple):
 class AbstractResistance(Parametrised):
     """Interface of a resistance model."""
 
+    @abstractmethod
     def resistance(
         self,
         xp: Namespace,
@@ -63,7 +65,6 @@ class AbstractResistance(Parametrised):
         shape: Conductor,
     ) -> Scalar:
         """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
-        raise NotImplementedError
 
 
 class AbstractSource(Parametrised):
@@ -77,9 +78,9 @@ class AbstractSource(Parametrised):
     linear: ClassVar[str] = "current"
     """What goes straight with the drive, within limits: `current` or `power`."""
 
+    @abstractmethod
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
-        raise NotImplementedError
 
     def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
         """Power in an element of `resistance` [ohm] under a drive with these moments.

@@ -11,6 +11,7 @@ is all a mechanism ever sees of it, whatever the law, the shape or the number of
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -18,6 +19,7 @@ from typing import Any, ClassVar, NamedTuple
 from martensite.electrical.base import AbstractSource, Heat
 from martensite.elements.limits import Limits
 from martensite.errors import ParameterError
+from martensite.interfaces import missing_methods_error
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
@@ -148,19 +150,19 @@ class AbstractElement(Parametrised):
     limits: Limits = NotImplemented
     """What a run warns about."""
 
+    @abstractmethod
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def advance(
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Any, Report]:
         """The state after a step of dt [s], and how well the step was solved."""
-        raise NotImplementedError
 
     @property
     def exchanges(self) -> bool:
@@ -171,7 +173,7 @@ class AbstractElement(Parametrised):
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Any, Any, Any]:
         """States after a step of dt [s], in its middle, and after it to a lower order."""
-        raise NotImplementedError
+        raise missing_methods_error(type(self), ["advance_rosenbrock"])
 
     def warm_start(self, state: Any, found: Any) -> Any:
         """The state, with what `found`, where a step from it ended before, tells its solve."""
@@ -181,9 +183,9 @@ class AbstractElement(Parametrised):
         """Numbers of a state that only tell a solve where to look: rates of the last step."""
         return []
 
+    @abstractmethod
     def force(self, state: Any) -> Scalar:
         """Force at the end of the last step [N]."""
-        raise NotImplementedError
 
     def in_state(
         self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar
@@ -203,11 +205,11 @@ class AbstractElement(Parametrised):
         spring = self.tangent(xp, state, force)
         return spring.free + spring.compliance * force
 
+    @abstractmethod
     def condition(
         self, xp: Namespace, state: Any, force: Scalar, environment: Environment
     ) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
-        raise NotImplementedError
 
     def profile(self, state: Any) -> Profile:
         """Temperature and martensite fraction along the element; nothing where it has no along."""
@@ -236,13 +238,13 @@ class AbstractElement(Parametrised):
         """
         return None
 
+    @abstractmethod
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """Heat flow to the environment [W] of an element that is equally hot everywhere."""
-        raise NotImplementedError
 
 
 def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[Point]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from martensite.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.elements.columns import Cells, Links
 from martensite.elements.limits import Limits
@@ -51,13 +53,13 @@ class AbstractCut(AbstractElement):
         """How many equal rows of cells the element has, end to end."""
         return 1.0
 
+    @abstractmethod
     def lengths(self, xp: Namespace) -> Column:
         """Lengths of the cells of one row [m]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def links(self, xp: Namespace, fractions: Column) -> Links:
         """What conducts heat at given martensite fractions."""
-        raise NotImplementedError
 
     def cell(self, length: Scalar) -> Wire:
         """A piece of the wire."""

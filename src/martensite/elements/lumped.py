@@ -20,6 +20,7 @@ an error control takes by a method of higher order (`laws.rosenbrock`).
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, cast
 
@@ -104,31 +105,31 @@ def lateness(xp: Namespace, z: Scalar) -> Scalar:
 class AbstractLumped(AbstractElement):
     """An element that is the same all over; a subclass answers for its shape."""
 
+    @abstractmethod
     def initial_fractions(self) -> Fractions:
         """Phase state at the start."""
-        raise NotImplementedError
 
+    @abstractmethod
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
         """Heat released by the whole forward transformation [J] at (stress, temperature)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def spring(
         self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
         """Stress [Pa] that drives the law, from the force [N]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
         """Strain [-] of the law, from the elongation [m]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
         """Resistance [ohm]."""
-        raise NotImplementedError
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""

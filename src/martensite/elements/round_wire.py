@@ -8,6 +8,7 @@ they are clamped.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 
 from martensite.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.elements.base import AbstractElement
@@ -47,9 +48,9 @@ class AbstractRoundWire(AbstractElement):
     ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
     limits: Limits = part("safety limits", default=Limits())
 
+    @abstractmethod
     def wire_length(self) -> Scalar:
         """Length of the wire [m]."""
-        raise NotImplementedError
 
     def check(self) -> None:
         """Raise `ParameterError` if the law cannot hold the initial state."""

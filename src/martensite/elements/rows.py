@@ -8,6 +8,8 @@ twice and is electrically one.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from martensite.elements.base import AbstractElement, Spring
 from martensite.elements.limits import Limits
 from martensite.elements.lumped import AbstractLumped
@@ -25,9 +27,9 @@ class AbstractRow(AbstractLumped):
     wiring: str = option("how they are wired", "series", "parallel", default="series")
 
     @property
+    @abstractmethod
     def one(self) -> AbstractElement:
         """One of them."""
-        raise NotImplementedError
 
     def beside(self) -> Scalar:
         """How many share the force."""

@@ -11,6 +11,7 @@ the reference temperature.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.parameters import Parametrised
@@ -64,13 +65,13 @@ class AbstractLaw(Parametrised):
         """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
         return None
 
+    @abstractmethod
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""
-        raise NotImplementedError
 
+    @abstractmethod
     def fractions(self, memory: Any) -> Fractions:
         """The phase state stored in a memory."""
-        raise NotImplementedError
 
     def moved(
         self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar,
@@ -84,10 +85,11 @@ class AbstractLaw(Parametrised):
         """
         return self.init(xp, fractions, stress, temperature)
 
+    @abstractmethod
     def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
         """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
-        raise NotImplementedError
 
+    @abstractmethod
     def follow(
         self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
@@ -95,8 +97,8 @@ class AbstractLaw(Parametrised):
 
         The oriented fraction must not fall with stress, nor the total rise with temperature.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def commit(
         self,
         xp: Namespace,
@@ -108,7 +110,6 @@ class AbstractLaw(Parametrised):
         dt: Scalar,
     ) -> Any:
         """The memory after the accepted move."""
-        raise NotImplementedError
 
     def kinetics(
         self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -118,13 +119,13 @@ class AbstractLaw(Parametrised):
         fractions = self.follow(xp, move, stress, temperature, dt)
         return self.commit(xp, memory, move, fractions, stress, temperature, dt), fractions
 
+    @abstractmethod
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """Strain [-] at zero stress: transformation + thermal."""
-        raise NotImplementedError
 
+    @abstractmethod
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """Elastic strain per stress [1/Pa]."""
-        raise NotImplementedError
 
     def strain(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
@@ -158,8 +159,8 @@ class AbstractLaw(Parametrised):
         """
         return []
 
+    @abstractmethod
     def crossing(
         self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of a transformation strip that a move crosses [-]: for the step control."""
-        raise NotImplementedError

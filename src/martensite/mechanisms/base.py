@@ -11,10 +11,12 @@ Every mechanism is assembled with its elements in their initial state.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.elements.base import AbstractElement, Effort, Heating, Pull
+from martensite.interfaces import missing_methods_error, required_where
 from martensite.laws.coupling import Report
 from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
@@ -84,13 +86,13 @@ class AbstractMechanism(Parametrised):
         """Names of its own drive signals, with their units."""
         return {}
 
+    @abstractmethod
     def outputs(self) -> dict[str, Output]:
         """What can be observed on the mechanism itself; the first is its stroke."""
-        raise NotImplementedError
 
+    @abstractmethod
     def judged(self) -> dict[str, float]:
         """Outputs whose convergence is judged, with the least range that counts."""
-        raise NotImplementedError
 
     def first_step(self) -> float:
         """Longest step [s] with which a run may begin, for the sake of the mechanism."""
@@ -100,36 +102,37 @@ class AbstractMechanism(Parametrised):
         """Time from sample to sample [s], if it is known at samples alone; else 0."""
         return 0.0
 
+    @abstractmethod
     def start_forces(self, xp: Namespace) -> Column:
         """Force [N] on each element when it is assembled."""
-        raise NotImplementedError
 
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
         """The same under the first signals, where these prescribe forces."""
         return self.start_forces(xp)
 
+    @abstractmethod
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
         signals: Column,
     ) -> Any:  # fmt: skip
         """The memory at the start, from the elongations [m] that the start forces give."""
-        raise NotImplementedError
 
+    @abstractmethod
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
-        raise NotImplementedError
 
+    @required_where("static")
     def load_line(self, memory: Any) -> Pull:
         """What the element of a `static` mechanism meets, at any time."""
-        raise NotImplementedError
+        raise missing_methods_error(type(self), ["load_line"])
 
+    @abstractmethod
     def observe(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
         """Force [N] in each element, and the `outputs` in order."""
-        raise NotImplementedError
 
     def mechanics(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column

@@ -8,6 +8,7 @@ shortens. Inertia is left out.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -29,19 +30,19 @@ class AbstractLoadLine(AbstractMechanism):
 
     static = True
 
+    @abstractmethod
     def start_force(self, xp: Namespace) -> Scalar:
         """Force [N] on the element when it is assembled."""
-        raise NotImplementedError
 
+    @abstractmethod
     def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
         """Force [N] at which element and mechanism fit; never below zero."""
-        raise NotImplementedError
 
+    @abstractmethod
     def position(
         self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
     ) -> Scalar:
         """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
-        raise NotImplementedError
 
     def energy(self, xp: Namespace, shortening: Scalar) -> Energy | None:
         """What it holds if the path of the element is shorter by so much than at assembly [m].

@@ -20,6 +20,7 @@ its coordinate up. Angles in rad.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -72,17 +73,17 @@ class AbstractMultibody(AbstractMechanism):
 
     # ---------------------------------------------------------------- a subclass answers
 
+    @abstractmethod
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Its coordinates."""
-        raise NotImplementedError
 
+    @abstractmethod
     def contraction(self, xp: Namespace, position: Column) -> Column:
         """Shortening of the path of each element from home [m]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Generalised forces [N] or [N m] that the elements must supply for a motion."""
-        raise NotImplementedError
 
     def home(self, xp: Namespace) -> Column:
         """The coordinates as assembled."""

@@ -8,6 +8,7 @@ called `estimated.NAME`, which a controller may follow: control without the sens
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
@@ -31,18 +32,19 @@ class AbstractObserver(Parametrised):
 
     model: AbstractSystem = part("the system as it is believed to be")
 
+    @abstractmethod
     def reads(self) -> tuple[str, ...]:
         """Names of the readings that it needs."""
-        raise NotImplementedError
 
+    @abstractmethod
     def estimates(self) -> dict[str, Output]:
         """What it estimates, by name."""
-        raise NotImplementedError
 
+    @abstractmethod
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """Estimates and memory at the first sample, with the plant at rest."""
-        raise NotImplementedError
 
+    @abstractmethod
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar,
         turns: int,
@@ -57,4 +59,3 @@ class AbstractObserver(Parametrised):
             dt: time since then [s].
             turns: in how many steps the model shall go.
         """
-        raise NotImplementedError

@@ -22,6 +22,7 @@ first, and the normalised innovation squared `nis`, 0 without a reading.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -147,9 +148,9 @@ class AbstractFilter(AbstractObserver):
 
     # ---------------------------------------------------------------- kernels
 
+    @abstractmethod
     def forecast(self, xp: Namespace, before: Believed, going: Going) -> Forecast:
         """What is expected a period later."""
-        raise NotImplementedError
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest under the signals, as sure as the first deviations say."""

@@ -13,6 +13,7 @@ the same numbers.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -58,6 +59,7 @@ class AbstractSensor(Parametrised):
         """What it remembers if the truth has been as it is for long."""
         return ()
 
+    @abstractmethod
     def step(
         self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
     ) -> tuple[Scalar, Column]:
@@ -70,7 +72,6 @@ class AbstractSensor(Parametrised):
             noise: a standard normal number.
             dt: time since the reading before [s]; 0 for the first one.
         """
-        raise NotImplementedError
 
     def reading(
         self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar

@@ -10,6 +10,7 @@ plain number, whatever the source takes.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Any, ClassVar
@@ -27,15 +28,15 @@ MANY = 1000
 class AbstractDrive(Parametrised):
     """Interface of everything that drives a source."""
 
+    @abstractmethod
     def init(self) -> Any:
         """Memory before the first call."""
-        raise NotImplementedError
 
+    @abstractmethod
     def __call__(
         self, time: float, measurement: Mapping[str, float], memory: Any
     ) -> tuple[float, Any]:
         """Signal at `time` [s] and the new memory."""
-        raise NotImplementedError
 
 
 class AbstractWaveform(AbstractDrive):
@@ -53,9 +54,9 @@ class AbstractWaveform(AbstractDrive):
         """The value at `time` [s], whatever is measured."""
         return self.value(time), memory
 
+    @abstractmethod
     def value(self, time: float) -> float:
         """Signal at `time` [s], in the unit of the source; right-continuous at jumps."""
-        raise NotImplementedError
 
     def signals(self, times: Sequence[float]) -> list[float]:
         """Signals at many times, the same numbers as one by one."""

@@ -5,6 +5,7 @@ On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with f the frequency and D_k the 
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator
 from itertools import count
 
@@ -18,9 +19,9 @@ class AbstractPulses(AbstractWaveform):
 
     frequency: float
 
+    @abstractmethod
     def share(self, k: int) -> float:
         """Share of period k that is on."""
-        raise NotImplementedError
 
     def levels(self) -> tuple[float, float]:
         """Signal while a pulse is on, and while it is off."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -105,9 +106,9 @@ class AbstractMarch:
         self.found = Marched([functions["observe"](*self.state, *signals)])
         self.check_envelope()
 
+    @abstractmethod
     def advance(self) -> None:
         """Take one step, or some."""
-        raise NotImplementedError
 
     def run(self, watch: Callable[[float], None] | None = None) -> Marched:
         """To the end, or to where it cannot go on; `watch` is told the share that is done."""

@@ -14,12 +14,14 @@ from __future__ import annotations
 
 import sys
 import tomllib
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from martensite.errors import ParameterError
+from martensite.interfaces import missing_methods_error
 from martensite.registry import Registry
 
 Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
@@ -123,7 +125,7 @@ class AbstractStudy:
     def parts(self) -> dict[str, Callable[[], list[Claim]]]:
         """What computes the claims, part by part, each with words for what it is about."""
         if type(self).claims is AbstractStudy.claims:
-            raise NotImplementedError
+            raise missing_methods_error(type(self), ["claims"])
         return {"all claims": self.claims}
 
     def claims(self) -> list[Claim]:
@@ -136,9 +138,9 @@ class AbstractStudy:
         texts = [(folder / name).read_text("utf-8") for name in self.scenario_files]
         return {str(tomllib.loads(text)["title"]): text for text in texts}
 
+    @abstractmethod
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the paper recognises (png, svg or pdf)."""
-        raise NotImplementedError
 
     def to_dict(self) -> dict[str, Any]:
         """Key, title, citations and claims, for JSON."""

@@ -6,10 +6,12 @@ does so: it knows how its elements depend on each other.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
+from martensite.interfaces import missing_methods_error
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
@@ -47,29 +49,29 @@ class AbstractSystem(Parametrised, init=False):
     mechanism: AbstractMechanism
     """What the elements pull on."""
 
+    @abstractmethod
     def actuators(self) -> dict[str, Actuator]:
         """The actuator at every port."""
-        raise NotImplementedError
 
+    @abstractmethod
     def drives(self) -> list[Drive]:
         """The signals that drive it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def label(self, port: str, name: str) -> str:
         """What an output of the actuator at a port is called."""
-        raise NotImplementedError
 
+    @abstractmethod
     def drive_at(self, port: str) -> str:
         """What the drive of the actuator at a port is called."""
-        raise NotImplementedError
 
+    @abstractmethod
     def outputs(self) -> dict[str, Output]:
         """What can be observed, by name; rows of `observe` come in this order."""
-        raise NotImplementedError
 
+    @abstractmethod
     def described(self) -> str:
         """What it is made of, in words."""
-        raise NotImplementedError
 
     def sample_time(self) -> float:
         """Time from sample to sample [s] of a system in discrete time; else 0."""
@@ -79,19 +81,19 @@ class AbstractSystem(Parametrised, init=False):
         """What differs along the element of a system that has but one."""
         return []
 
+    @abstractmethod
     def judged(self) -> dict[str, float]:
         """Outputs whose convergence is judged, with the least range that counts."""
-        raise NotImplementedError
 
+    @abstractmethod
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """The state at rest, at ambient temperature, under the first drive signals."""
-        raise NotImplementedError
 
+    @abstractmethod
     def step(
         self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[Any, Report]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
-        raise NotImplementedError
 
     def exchanges(self) -> bool:
         """Whether it offers `step_rosenbrock`."""
@@ -101,11 +103,11 @@ class AbstractSystem(Parametrised, init=False):
         self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[Any, Any, Any]:
         """States after a step of `dt` [s], in its middle, and after it to a lower order."""
-        raise NotImplementedError
+        raise missing_methods_error(type(self), ["step_rosenbrock"])
 
+    @abstractmethod
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
-        raise NotImplementedError
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
@@ -147,9 +149,9 @@ class AbstractAssembly(AbstractSystem):
         driven = {name: Output(unit, f"signal {name}", "u") for name, unit in signals.items()}
         return self.mechanism.outputs() | driven
 
+    @abstractmethod
     def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
         """Numbers in the order of `outputs`."""
-        raise NotImplementedError
 
     def judged(self) -> dict[str, float]:
         """Temperatures, fractions, and what the mechanism names."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import NamedTuple
 
 from martensite.parameters import Parametrised, param, part
@@ -24,9 +25,9 @@ class Cylinder(NamedTuple):
 class AbstractCooling(Parametrised):
     """Interface of a heat-loss model."""
 
+    @abstractmethod
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
-        raise NotImplementedError
 
 
 class Environment(Parametrised):

@@ -10,6 +10,8 @@ Nothing is registered here.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from martensite.parameters import param, part
 from martensite.runtimes.namespace import Namespace, Scalar
 from martensite.thermal.base import AbstractCooling, Cylinder
@@ -51,6 +53,6 @@ class AbstractFreeConvection(AbstractCooling):
         """The size s [m] on which Nu and Ra are built."""
         return shape.diameter
 
+    @abstractmethod
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
         """Mean Nusselt number h s/k [-]."""
-        raise NotImplementedError

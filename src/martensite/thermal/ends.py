@@ -13,6 +13,7 @@ so that the whole loses G = h S/(1 - φ) per kelvin of mean overtemperature. The
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 
 from martensite.parameters import Parametrised, param
 from martensite.registry import Registry
@@ -28,9 +29,9 @@ LEAST = 0.01
 class AbstractEnds(Parametrised):
     """Interface of a model of the ends."""
 
+    @abstractmethod
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
         """Heat flow per mean overtemperature [W/K] of a cylinder with a film [W/(m² K)]."""
-        raise NotImplementedError
 
 
 @ENDS.register("adiabatic")

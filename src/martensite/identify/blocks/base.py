@@ -11,6 +11,7 @@ A block is one file: what it computes, its free numbers, and values to start fro
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar, Self, TypeAlias
 
@@ -61,11 +62,11 @@ class AbstractBlock(Parametrised):
         """The state at rest under a constant input."""
         return ()
 
+    @abstractmethod
     def step(
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
     ) -> tuple[Column, Column]:
         """Outputs of this sample and the state for the next, `dt` [s] later."""
-        raise NotImplementedError
 
     def adapted(self, x: Numbers, dt: float) -> Self:
         """The block with its fixed numbers set for an input of shape (samples, inputs)."""
@@ -166,13 +167,13 @@ class AbstractStatic(AbstractRanged):
         "whether the output at zero input is free; else it is 0", "yes", "no", default="yes"
     )
 
+    @abstractmethod
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
         """The output."""
-        raise NotImplementedError
 
+    @abstractmethod
     def line(self, slope: float, offset: float) -> Numbers:
         """Free numbers that make it a straight line, as well as it can be one."""
-        raise NotImplementedError
 
     def scaled(self, departure: Numbers, factor: float) -> Numbers:
         """A departure from a line with its outputs times a factor.

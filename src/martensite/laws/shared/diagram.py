@@ -10,6 +10,8 @@ shrinks on heating.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from martensite.errors import ParameterError
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.parameters import Parametrised, option, param
@@ -85,9 +87,9 @@ class AbstractPhaseDiagram(AbstractLaw):
         "what happens to an interrupted transformation", "resume", "restart", default="resume"
     )
 
+    @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:
         """Young's modulus [Pa]."""
-        raise NotImplementedError
 
     def mixture(self, fractions: Fractions) -> Scalar:
         """E_A + ξ (E_M - E_A) [Pa]."""

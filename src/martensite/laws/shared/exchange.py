@@ -11,6 +11,7 @@ determinant, no growing exponential, and nothing changes where all rates vanish.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -32,22 +33,22 @@ class AbstractExchange(AbstractLayers):
         """What tells the groups from each other."""
         return (0.0,)
 
+    @abstractmethod
     def populations(self, memory: Any) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
         """x₊ and x₋ of every group."""
-        raise NotImplementedError
 
+    @abstractmethod
     def remember(
         self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
         temperature: Scalar,
     ) -> Any:  # fmt: skip
         """The memory with these populations of every group."""
-        raise NotImplementedError
 
+    @abstractmethod
     def jumps(
         self, xp: Namespace, stress: Scalar, temperature: Scalar
     ) -> Callable[[Scalar], Flows]:
         """Rates [1/s] of the four processes, by the quantile of a group."""
-        raise NotImplementedError
 
 
 class Flows(NamedTuple):

@@ -13,6 +13,7 @@ positive; all martensite counts as oriented. Θ > 0 means that a free bar shrink
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import ClassVar
 
 from martensite.laws.base import Doubt, Fractions
@@ -36,13 +37,13 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     # ---------------------------------------------------------------- what a law adds
 
+    @abstractmethod
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """What a process leaves at a distance from its finish line, as a share of all [-].
 
         The distance is 1 on the start line and 0 on the finish line. Endless processes are
         asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
         """
-        raise NotImplementedError
 
     # ---------------------------------------------------------------- values
 

@@ -11,7 +11,7 @@ march. What lies between samples is not seen.
 from __future__ import annotations
 
 import re
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
@@ -29,7 +29,7 @@ FIRST = ""
 _CALL = re.compile(r"^\s*([A-Za-z][\w-]*)\s*(?:\(\s*([^()]*?)\s*\))?\s*$")
 
 
-class AbstractMeasure(ABC, Parametrised):
+class AbstractMeasure(Parametrised):
     """One number per run."""
 
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)

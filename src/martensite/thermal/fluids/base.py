@@ -7,6 +7,7 @@ try any temperature.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import NamedTuple
 
 from martensite.parameters import Parametrised
@@ -37,14 +38,14 @@ class FluidProperties(NamedTuple):
 class AbstractFluid(Parametrised):
     """Interface of a fluid."""
 
+    @abstractmethod
     def span(self) -> tuple[float, float]:
         """Lowest and highest film temperature at which the properties are known [K]."""
-        raise NotImplementedError
 
     def properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """Properties at the film temperature [K], held beyond the span."""
         return self.known(xp, xp.clip(temperature, *self.span()))
 
+    @abstractmethod
     def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """Properties at a temperature [K] within the span."""
-        raise NotImplementedError

@@ -20,6 +20,7 @@ possible.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, NamedTuple, TypeAlias
 
@@ -71,6 +72,7 @@ class AbstractCheck(Parametrised):
         """What it remembers before the first sample, `size` numbers."""
         return ()
 
+    @abstractmethod
     def look(
         self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
     ) -> Looked:
@@ -83,7 +85,6 @@ class AbstractCheck(Parametrised):
             readings: by name, and the age of each, `NAME.age` [s].
             dt: length of a period [s].
         """
-        raise NotImplementedError
 
     def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """What it remembers once it is decided which signals pass for the next period."""

@@ -10,6 +10,8 @@ something happens, and how wide it is.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from martensite.identify.blocks.base import AbstractStatic, Column, Numbers
 from martensite.runtimes import floats
 from martensite.runtimes.namespace import Namespace, Scalar
@@ -26,9 +28,9 @@ class AbstractCurve(AbstractStatic):
         """Names of the numbers of positions and widths."""
         return ()
 
+    @abstractmethod
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
         """c(r)."""
-        raise NotImplementedError
 
     @property
     def first(self) -> int:

@@ -6,6 +6,7 @@ lower one is below the upper one whatever the free numbers are.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import ClassVar
 
 import numpy as np
@@ -29,9 +30,9 @@ class AbstractInterval(AbstractCurve):
     begun: ClassVar[tuple[float, float]]
     """Between which h is drawn; a fit begins in their middle, where it can move both limits."""
 
+    @abstractmethod
     def shaped(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
         """The shape, of slope 1 where it is a line."""
-        raise NotImplementedError
 
     def heights(self) -> tuple[str, ...]:
         """The rise over half the range, if the gain is free."""

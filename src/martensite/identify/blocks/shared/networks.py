@@ -8,6 +8,8 @@ are limited to |q| ≤ 40, where the shapes in use have long reached what they t
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 import numpy as np
 
 from martensite.identify.blocks.base import Column, Numbers
@@ -40,17 +42,17 @@ class AbstractNetwork(AbstractCurve):
         """Units are whole."""
         check_whole(self)
 
+    @abstractmethod
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
         """g(q) and its slope, which must be 0 at the limit of |q|."""
-        raise NotImplementedError
 
     def argument(self, xp: Namespace, first: Scalar, second: Scalar, r: Scalar) -> Scalar:
         """q of a unit from its two numbers: its steepness and its centre."""
         return xp.exp(xp.clip(first, -STEEPEST, STEEPEST)) * (r - second)
 
+    @abstractmethod
     def frame(self) -> tuple[Numbers, Numbers]:
         """The two numbers of all units to start with: log b and centres."""
-        raise NotImplementedError
 
     def spread(self, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
         """The same at random: around the frame."""
