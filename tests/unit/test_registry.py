@@ -58,7 +58,7 @@ def plug_in(folder: Path, name: str, module: str) -> None:
 
 def test_the_name_of_a_part_that_nobody_has_imported_is_taken(folder: Path) -> None:
     write_law(folder, "mine.py", '"tanaka"')
-    done = python("-m", "martensite", "laws", "--import", "mine.py")
+    done = python("-m", "martensite", "list", "law", "--import", "mine.py")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith("error: The law name `tanaka` belongs to `Tanaka` in ")
     for words in ("tanaka.py", "`Mine` in ", "mine.py", 'register("tanaka", replace=True)'):
@@ -69,7 +69,7 @@ def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> No
     part = {"module": "observers.base", "registry": "OBSERVERS", "source": "observers.base"}
     text = MINE.format(**part, base="AbstractObserver", arguments='"inverse-model", replace=False')
     (folder / "mine.py").write_text(text, encoding="utf-8")
-    done = python("-m", "martensite", "observers", "--import", "mine.py")
+    done = python("-m", "martensite", "list", "observer", "--import", "mine.py")
     assert done.returncode == 2
     assert "The observer name `inverse-model` belongs to `InverseModel` in " in done.stderr
 
@@ -77,9 +77,9 @@ def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> No
 def test_the_name_of_a_plug_in_is_taken(folder: Path) -> None:
     plug_in(folder, "bought", "vendor")
     write_law(folder, "vendor.py", '"bought"')
-    assert "bought" in python("-m", "martensite", "laws").stdout
+    assert "bought" in python("-m", "martensite", "list", "law").stdout
     write_law(folder, "own.py", '"bought"')
-    done = python("-m", "martensite", "laws", "--import", "own.py")
+    done = python("-m", "martensite", "list", "law", "--import", "own.py")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert "vendor.py" in done.stderr
     assert "own.py" in done.stderr
