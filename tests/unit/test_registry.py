@@ -66,12 +66,13 @@ def test_the_name_of_a_part_that_nobody_has_imported_is_taken(folder: Path) -> N
 
 
 def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> None:
-    part = {"module": "observers.base", "registry": "OBSERVERS", "source": "observers.base"}
-    text = MINE.format(**part, base="AbstractObserver", arguments='"inverse-model", replace=False')
+    part = {"module": "mechanisms.base", "registry": "MECHANISMS", "base": "DeadWeight"}
+    words = '"antagonistic-pulley", replace=False'
+    text = MINE.format(**part, source="mechanisms.dead_weight", arguments=words)
     (folder / "mine.py").write_text(text, encoding="utf-8")
-    done = python("-m", "martensite", "list", "observer", "--import", "mine.py")
+    done = python("-m", "martensite", "list", "mechanism", "--import", "mine.py")
     assert done.returncode == 2
-    assert "The observer name `inverse-model` belongs to `InverseModel` in " in done.stderr
+    assert "The mechanism name `antagonistic-pulley` belongs to `AntagonisticPulley` in " in done.stderr
 
 
 def test_the_name_of_a_plug_in_is_taken(folder: Path) -> None:
