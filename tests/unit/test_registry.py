@@ -72,7 +72,8 @@ def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> No
     (folder / "mine.py").write_text(text, encoding="utf-8")
     done = python("-m", "martensite", "list", "mechanism", "--import", "mine.py")
     assert done.returncode == 2
-    assert "The mechanism name `antagonistic-pulley` belongs to `AntagonisticPulley` in " in done.stderr
+    taken = "The mechanism name `antagonistic-pulley` belongs to `AntagonisticPulley` in "
+    assert taken in done.stderr
 
 
 def test_the_name_of_a_plug_in_is_taken(folder: Path) -> None:
