@@ -261,7 +261,7 @@ def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
                 assert apart <= 1e-12 * meant.range(name)
         single = simulate_batch(
             system, SINE_A, 30.0, {"heat_capacity": [400.0]}, step=0.02, samples=101,
-            precision="float32",
+            precision="float32", runtime="jax",
         )  # fmt: skip
         apart = np.abs(single.columns["position"][0] - np.array(meant["position"])).max()
         assert apart < 1e-2 * meant.range("position")

@@ -86,7 +86,7 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
         assert (highest < stops).all()
         assert highest[0] < highest[1] < highest[2]
     with pytest.raises(InputError, match="cannot be varied on JAX"):
-        ms.simulate_batch(problem_a(), LEVELS, 20.0, over, step=0.02)
+        ms.simulate_batch(problem_a(), LEVELS, 20.0, over, step=0.02, runtime="jax")
 
 
 PWM = ms.PulseWidthModulation(high=5.0, frequency=20.0, duty=0.2)

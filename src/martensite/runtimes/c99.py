@@ -13,10 +13,12 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -272,8 +274,32 @@ def _polynomial(coefficients: list[float]) -> str:
 
 
 def compiler() -> str | None:
-    """The C compiler that would be used, or None."""
-    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc")
+    """The C compiler that would be used, or None.
+
+    That of the machine: the one that `CC` names, `cc` or `gcc`; else the one of the package
+    `ziglang`, which the extra `cc` installs.
+    """
+    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or _find_zig()
+
+
+_ZIG = """#!/bin/sh
+for word; do shift; [ "$word" = -fno-tree-pre ] || set -- "$@" "$word"; done
+exec "{python}" -m ziglang cc "$@"
+"""
+
+
+@cache
+def _find_zig() -> str | None:
+    """A program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
+    if find_spec("ziglang") is None or os.name != "posix":
+        return None
+    text = _ZIG.format(python=sys.executable)
+    path = cache_folder() / "c" / f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+    return str(path)
 
 
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:

@@ -6,8 +6,10 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
+from martensite.errors import MartensiteError
 from martensite.files import cache_folder
 from martensite.runtimes.arrays import ArrayNamespace
 
@@ -89,14 +91,28 @@ def _solved(jax: Any) -> Any:
     return solved
 
 
+def has_jax() -> bool:
+    """Whether JAX is installed; it is not imported."""
+    return find_spec("jax") is not None
+
+
 @cache
 def jax_namespace() -> JaxNamespace:
     """The kernel operations over JAX arrays; configures JAX on first use.
 
     The compile cache lies in the user's cache folder; `MARTENSITE_JAX_CACHE` moves it, and
     an empty value switches it off.
+
+    Raises:
+        MartensiteError: JAX is not installed.
     """
-    jax: Any = import_module("jax")
+    try:
+        jax: Any = import_module("jax")
+    except ImportError:
+        raise MartensiteError(
+            "JAX is not installed; install it with `pip install martensite[jax]`, or take the "
+            "runtime `c` or `floats`."
+        ) from None
     jax.config.update("jax_enable_x64", True)
     folder = os.environ.get("MARTENSITE_JAX_CACHE", str(cache_folder() / "jax"))
     if folder:

@@ -1,4 +1,4 @@
-"""Batches of variants, and exact derivatives of any output on JAX."""
+"""Batches of variants, and exact derivatives of any output."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError, suggestion
 from martensite.runtimes.c99 import compiler
+from martensite.runtimes.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
-from martensite.simulate.arrays import Schedule, jitted_jacobian, jitted_march, schedule
+from martensite.simulate.arrays import jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, by_name, grid_of
@@ -20,6 +21,7 @@ from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track_of
 from martensite.simulate.marching import Limits
+from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.variants import Course, Ran
 from martensite.status import Status
 from martensite.system import AbstractSystem
@@ -94,8 +96,8 @@ def simulate_batch(
         step: longest of equal steps [s]; if given, nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
-        runtime: `c`, `floats`, `jax`, or `auto`: C if there is a compiler, else floats; JAX for
-            runs on given steps.
+        runtime: `c`, `floats`, `jax`, or `auto`: C if there is a compiler, else floats, or JAX
+            for runs on given steps if it is installed.
         chunk: variants marched together on JAX; by default 256 on a processor, which keeps the
             state in its cache, and many more on a GPU.
         precision: float64, or float32 for sweeps on JAX (never for finite differences).
@@ -128,9 +130,9 @@ def _runtime(asked: str, step: float | None) -> str:
     """What is meant by `auto`."""
     if asked != "auto":
         return asked
-    if step is not None:
-        return "jax"
-    return "c" if compiler() is not None else "floats"
+    if compiler() is not None:
+        return "c"
+    return "jax" if step is not None and has_jax() else "floats"
 
 
 def _check(
@@ -150,7 +152,9 @@ def _check(
             "A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`."
         )
     if precision != "float64" and _runtime(runtime, step) != "jax":
-        raise InputError("Argument `precision` may be float32 on JAX only, with a `step`.")
+        raise InputError(
+            "Argument `precision` may be float32 on JAX only: give a `step` and `runtime=\"jax\"`."
+        )
 
 
 def _on_jax(
@@ -195,29 +199,63 @@ def sensitivity(
     step: float,
     output: str = "position",
     samples: int = 1001,
+    runtime: str = "auto",
 ) -> Sensitivity:
     """Exact derivatives of an output over time with respect to parameters.
 
     Forward-mode differentiation through the march, latent heat and mechanism included.
 
+    Args:
+        system: the system at its nominal parameters.
+        waveform: drive signal.
+        duration: length of the run [s].
+        wrt: parameter paths (or unique endings).
+        step: longest of equal steps [s].
+        output: name of the column whose derivatives are wanted.
+        samples: number of equidistant samples, both ends included.
+        runtime: `c`, `jax`, or `auto`: C if there is a compiler, else JAX.
+
     Raises:
-        InputError: unknown parameter or output.
+        InputError: unknown parameter, output or runtime.
+        MartensiteError: there is neither a compiler nor JAX.
         SolveError: the run at the nominal parameters failed.
     """
+    if runtime not in ("auto", "c", "jax"):
+        raise InputError(f"Derivatives are computed by `c` or `jax`, not by `{runtime}`.")
+    if not step > 0.0:
+        raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
-    paths = tuple(system.resolve(name) for name in wrt)
-    plan, padded = _plan(system, waveform, duration, samples, step, "float64")
-    run = jitted_jacobian(
-        compiled, _indices(compiled, [output]),
-        tuple(compiled.paths.index(path) for path in paths), padded,
-    )  # fmt: skip
-    values = np.asarray(compiled.values(system))
-    column, slopes, residual = (np.asarray(a) for a in run(values, plan))
-    status = classify(float(residual), 0.0)
+    (place,) = _indices(compiled, [output])
+    rows = [compiled.paths.index(path) for path in (system.resolve(name) for name in wrt)]
+    grid = grid_of(system, waveform, duration, samples, step)
+    in_c = runtime == "c" or (runtime == "auto" and compiler() is not None)
+    differentiate = _differentiate_in_c if in_c else _differentiate_on_jax
+    column, slopes, residual = differentiate(compiled, compiled.values(system), rows, grid, place)
+    status = classify(residual, 0.0)
     if status.failed or not np.isfinite(slopes).all():
         raise SolveError(f"The run to be differentiated failed. {status.sentence}")
-    named = {path: slopes[:, i] for i, path in enumerate(paths)}
+    named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
     return Sensitivity(np.linspace(0.0, duration, samples), column, named)
+
+
+def _differentiate_in_c(
+    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: Grid, place: int
+) -> tuple[Any, Any, float]:
+    """A column, its derivatives by some parameters, and the worst residual, in C."""
+    seeds = np.zeros((len(values), len(rows)))
+    seeds[rows, range(len(rows))] = 1.0
+    found = march_slopes(compiled, values, seeds, grid, [place])
+    return found.rows[:, 0], found.slopes[:, 0, :], found.residual
+
+
+def _differentiate_on_jax(
+    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: Grid, place: int
+) -> tuple[Any, Any, float]:
+    """The same on JAX."""
+    plan, padded = schedule(grid, "float64")
+    run = jitted_jacobian(compiled, (place,), tuple(rows), padded)
+    column, slopes, residual = (np.asarray(a) for a in run(np.asarray(values), plan))
+    return column, slopes, float(residual)
 
 
 def march_jax(
@@ -228,15 +266,6 @@ def march_jax(
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
     return track_of(table, *map(float, rows.reports), left=float(rows.left))
-
-
-def _plan(
-    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float,
-    precision: str,
-) -> tuple[Schedule, bool]:  # fmt: skip
-    if not step > 0.0:
-        raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
-    return schedule(grid_of(system, waveform, duration, samples, step), precision)
 
 
 def _indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
