@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
+from martensite.confidence import student_quantile, two_sided_probability
 from martensite.errors import DataError, ParameterError, SolveError
 from martensite.identify import film_sensitivity
 from martensite.identify.film import FORMS, fit_film
@@ -26,7 +27,6 @@ from martensite.identify.film_points import (
 from martensite.identify.film_report import judge_film
 from martensite.identify.linear import LinearFit, fit_powers
 from martensite.identify.nonlinear import least_squares
-from martensite.identify.student import central, quantile, two_sided
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
@@ -43,24 +43,25 @@ def kossoski(ohms: float = 1.3, ambient: float = 22.0) -> FilmPoints:
 
 @pytest.mark.parametrize("freedom", [1, 2, 3, 4, 5, 8, 17, 40, 401])
 def test_student(freedom: int) -> None:
+    """The level is split between both tails, and the square of t has the F distribution."""
     for level in (0.5, 0.9, 0.95, 0.999):
         expected = float(stats.t.ppf(0.5 + 0.5 * level, freedom))
-        assert quantile(level, freedom) == pytest.approx(expected, rel=1e-10)
+        assert student_quantile(level, freedom) == pytest.approx(expected, rel=1e-10)
     for t in (0.0, 0.3, -2.2, 9.0):
         expected = float(2.0 * stats.t.sf(abs(t), freedom))
-        assert two_sided(t, freedom) == pytest.approx(expected, abs=1e-14)
-    assert two_sided(2.2, freedom) == pytest.approx(
+        assert two_sided_probability(t, freedom) == pytest.approx(expected, abs=1e-14)
+    assert two_sided_probability(2.2, freedom) == pytest.approx(
         float(stats.f.sf(2.2**2, 1, freedom)), abs=1e-14
     )  # the F-test of one term
 
 
 def test_student_by_hand_and_its_limits() -> None:
-    assert quantile(0.95, 2) == pytest.approx(1.9 / math.sqrt(2.0 * 0.975 * 0.025) / 2.0)
-    assert quantile(0.5, 1) == pytest.approx(1.0)
+    assert student_quantile(0.95, 2) == pytest.approx(1.9 / math.sqrt(2.0 * 0.975 * 0.025) / 2.0)
+    assert student_quantile(0.5, 1) == pytest.approx(1.0)
     with pytest.raises(ParameterError, match="at least 1"):
-        central(1.0, 0)
+        two_sided_probability(1.0, 0)
     with pytest.raises(ParameterError, match="between 0 and 1"):
-        quantile(1.0, 3)
+        student_quantile(1.0, 3)
 
 
 # ---------------------------------------------------------------- linear least squares

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.confidence import Interval, interval_contains
 from martensite.identify.film import FORMS, fit_film
 from martensite.identify.film_ambient import free_ambient
 from martensite.identify.film_points import FilmPoints
 from martensite.identify.film_report import judge_film
-from martensite.identify.linear import Interval, contains
 
 REPETITIONS = 200
 AT = np.linspace(45.0, 95.0, 7)
@@ -27,7 +27,7 @@ ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
 
 def share_held(interval_of: Callable[[int], Interval], truth: float) -> int:
     """In how many repetitions the interval holds the truth."""
-    return sum(contains(interval_of(seed), truth) for seed in range(REPETITIONS))
+    return sum(interval_contains(interval_of(seed), truth) for seed in range(REPETITIONS))
 
 
 def film(seed: int, noise: float = 0.8, h2: float = H2) -> np.ndarray:

@@ -16,7 +16,7 @@ import pytest
 from isobaric_cases import Bent, chord, edited, isobar, record
 from scipy import stats
 
-from martensite.identify.linear import Interval, contains
+from martensite.confidence import Interval, interval_contains
 from martensite.identify.tangent_fit import TangentFit, tangent_fit
 from martensite.identify.tangent_lines import CORE
 from martensite.identify.tangents import TangentPoints, tangent_points
@@ -278,7 +278,7 @@ def held(
     for fit in fits:
         low, high = interval(fit)
         middle, half = 0.5 * (low + high), 0.5 * factor * (high - low)
-        count += contains((middle - half, middle + half), truth)
+        count += interval_contains((middle - half, middle + half), truth)
     return count
 
 
@@ -360,5 +360,5 @@ def test_intervals_of_the_saturating_form_hold_the_truth() -> None:
         noise = np.random.default_rng(seed).normal(0.0, 4e-4, clean.size)
         fit = fit_transformation_strain(MANY, (clean + noise).tolist())
         for name, value in truth.items():
-            count[name] += contains(getattr(fit, name).interval(), value)
+            count[name] += interval_contains(getattr(fit, name).interval(), value)
     assert all(ALLOWED[0] <= share <= ALLOWED[1] for share in count.values()), count

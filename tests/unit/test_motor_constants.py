@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.confidence import Interval, interval_contains
 from martensite.errors import DataError, ParameterError
 from martensite.identify.estimate import Estimate
-from martensite.identify.linear import Interval, contains
 from martensite.identify.motor import LONG, UNITS, MotorConstants, motor_constants
 from martensite.identify.motor_tests import (
     SteadyRunning,
@@ -86,7 +86,7 @@ def made(seed: int) -> MotorConstants:
 def held(interval_of: Callable[[Estimate], Interval], name: str) -> int:
     """In how many of the repetitions the interval holds the truth."""
     found = (getattr(made(seed), name) for seed in range(REPETITIONS))
-    return sum(contains(interval_of(one), TRUTH[name]) for one in found)
+    return sum(interval_contains(interval_of(one), TRUTH[name]) for one in found)
 
 
 def half_as_wide(found: Estimate) -> Interval:

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.confidence import Interval, interval_contains
 from martensite.errors import DataError, ParameterError
 from martensite.identify.estimate import Estimate, propagated
-from martensite.identify.linear import Interval, contains
 from martensite.identify.smoothing import moving_average, moving_average_gain
 from martensite.identify.spectrum import natural_frequency
 from martensite.identify.strain_gauge import bending_strain, half_bridge, ina129_gain
@@ -62,7 +62,7 @@ def half_as_wide(found: Estimate) -> Interval:
 
 def held(interval_of: Callable[[LogDecrement], Interval], truth: float) -> int:
     """In how many of the repetitions the interval holds the truth."""
-    return sum(contains(interval_of(noisy(seed)), truth) for seed in range(REPETITIONS))
+    return sum(interval_contains(interval_of(noisy(seed)), truth) for seed in range(REPETITIONS))
 
 
 # ---------------------------------------------------------------- spectrum

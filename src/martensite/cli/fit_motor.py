@@ -111,7 +111,7 @@ def _positive(name: str, text: str, unit: str) -> float:
 def print_motor(found: MotorConstants, states: int) -> None:
     """Print the constants, and what is doubtful."""
     from martensite.cli import show
-    from martensite.identify.linear import LEVEL
+    from martensite.confidence import LEVEL
     from martensite.identify.motor import UNITS
 
     show.text(f"DC motor from {states} steady states", "bold")

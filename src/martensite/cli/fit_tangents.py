@@ -11,8 +11,8 @@ from martensite.cli.options import quantity
 from martensite.errors import InputError
 
 if TYPE_CHECKING:
+    from martensite.confidence import Interval
     from martensite.identify.estimate import Estimate
-    from martensite.identify.linear import Interval
     from martensite.identify.tangent_fit import TangentFit
     from martensite.identify.tangents import TangentPoints
 

@@ -128,7 +128,7 @@ def print_vibration(
 ) -> None:
     """Print frequency, decay and what follows for a given stiffness or mass."""
     from martensite.cli import show
-    from martensite.identify.linear import LEVEL
+    from martensite.confidence import LEVEL
 
     show.text(f"Free vibration of {label}, {rows} rows, {fit.cycles:g} cycles used", "bold")
     show.text(

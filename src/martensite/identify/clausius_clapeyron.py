@@ -25,8 +25,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import EVERYTHING, LEVEL, Interval
 from martensite.identify.estimate import Estimate, coefficient
-from martensite.identify.linear import EVERYTHING, LEVEL, Interval, LinearFit, fit_powers
+from martensite.identify.linear import LinearFit, fit_powers
 from martensite.identify.tangents import TangentPoints
 
 

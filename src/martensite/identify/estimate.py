@@ -16,9 +16,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.identify.linear import EVERYTHING, LEVEL, Interval, LinearFit
+from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
+from martensite.identify.linear import LinearFit
 from martensite.identify.nonlinear import Residuals, Solution, jacobian
-from martensite.identify.student import quantile
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Estimate:
             return self.value, self.value
         if self.freedom < 1 or math.isnan(self.error):
             return EVERYTHING
-        half = quantile(level, int(self.freedom)) * self.error
+        half = student_quantile(level, int(self.freedom)) * self.error
         return self.value - half, self.value + half
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:

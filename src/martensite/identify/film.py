@@ -18,8 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL, Interval
 from martensite.errors import DataError
-from martensite.identify.linear import LEVEL, Interval, LinearFit, check_points, fit_powers
+from martensite.identify.linear import LinearFit, check_points, fit_powers
 
 FORMS: dict[str, tuple[int, ...]] = {
     "constant": (0,),

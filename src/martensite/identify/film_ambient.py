@@ -23,9 +23,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from martensite.confidence import LEVEL, Interval, student_quantile
 from martensite.identify.film_points import ABSOLUTE_ZERO, FilmPoints
-from martensite.identify.linear import LEVEL, Interval, LinearFit, fit_powers
-from martensite.identify.student import quantile
+from martensite.identify.linear import LinearFit, fit_powers
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class FreeAmbient:
             return ABSOLUTE_ZERO, self.coldest
         c = np.asarray(self.flux.values)
         covariance = np.asarray(self.flux.covariance)
-        allowed = quantile(level, self.flux.freedom) ** 2 * _antidiagonal_sums(covariance)
+        allowed = student_quantile(level, self.flux.freedom) ** 2 * _antidiagonal_sums(covariance)
         outside = np.convolve(c, c) - allowed
         edges = [e for e in _real(np.roots(outside[::-1])) if self._possible(e)]
         ends = sorted({ABSOLUTE_ZERO, self.coldest, *edges})

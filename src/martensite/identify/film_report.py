@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL
 from martensite.identify.film import FORMS, FilmFit, fit_film
 from martensite.identify.film_ambient import FreeAmbient, free_ambient
 from martensite.identify.film_points import FilmPoints
@@ -29,7 +30,6 @@ from martensite.identify.film_sensitivity import (
     slope_per_kelvin,
 )
 from martensite.identify.film_verdicts import Verdict, ambient_verdict, curvature, slope
-from martensite.identify.linear import LEVEL
 
 
 @dataclass(frozen=True)

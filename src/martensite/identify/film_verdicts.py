@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL, Interval, interval_contains
 from martensite.identify.film import FilmFit
 from martensite.identify.film_ambient import FreeAmbient
 from martensite.identify.film_points import ABSOLUTE_ZERO, FilmPoints
 from martensite.identify.film_sensitivity import Confounding
-from martensite.identify.linear import LEVEL, Interval, contains
 
 UNITS = ("W/m²/K", "W/m²/K²", "W/m²/K³")
 """Units of h₀, h₁, h₂."""
@@ -49,7 +49,7 @@ def curvature(
     number = f"beside a linear term {_number(2, fit.coefficients[2], given, level)}"
     change = "falls" if fit.adjusted < line.adjusted else "rises"
     compared = f"adjusted R² {change} from {line.adjusted:.3f} to {fit.adjusted:.3f}"
-    if contains(given):
+    if interval_contains(given):
         return Verdict(
             "curvature", False,
             f"Curvature is not supported: {number}, includes 0; {compared}.",
@@ -60,7 +60,7 @@ def curvature(
         return Verdict(
             "curvature", False, f"Curvature is supported only {NOT_GIVEN}: {number}; {compared}."
         )
-    if beside is not None and contains(interval := beside.leading_interval(level)):
+    if beside is not None and interval_contains(interval := beside.leading_interval(level)):
         return Verdict(
             "curvature", False,
             f"Curvature rests on the ambient temperature: {at}{number}, {compared}, but with the "
@@ -87,7 +87,7 @@ def slope(
         )
     if not line.linear.freedom:
         return Verdict("slope", False, "A slope of h is not tested: that takes three points.")
-    if contains(given):
+    if interval_contains(given):
         return Verdict("slope", False, f"A slope of h is not supported: {at}{number}, includes 0.")
     if points.ambient_degC is None:
         return Verdict("slope", False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
@@ -135,7 +135,7 @@ def _against(free: FreeAmbient, given: float, level: float) -> str:
     """What a fit with the ambient free has against a slope; empty if nothing."""
     interval = free.leading_interval(level)
     number = _number(1, free.leading, interval, level)
-    if contains(interval):
+    if interval_contains(interval):
         return f"{number}, and includes 0"
     if free.leading * given < 0.0:
         return f"{number}, of the other sign"

@@ -16,13 +16,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import (
+    EVERYTHING,
+    LEVEL,
+    Interval,
+    student_quantile,
+    two_sided_probability,
+)
 from martensite.errors import DataError, ParameterError
-from martensite.identify.student import quantile, two_sided
-
-LEVEL = 0.95
-"""Level of all intervals unless another one is asked for."""
-Interval = tuple[float, float]
-EVERYTHING: Interval = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class LinearFit:
         value = self.values[self._place(term)]
         if not self.freedom:
             return EVERYTHING
-        half = quantile(level, self.freedom) * self.error(term)
+        half = student_quantile(level, self.freedom) * self.error(term)
         return value - half, value + half
 
     def p_value(self, term: int) -> float:
@@ -71,7 +72,9 @@ class LinearFit:
         if not self.freedom:
             return math.nan
         value = self.values[self._place(term)]
-        return two_sided(value / error, self.freedom) if error > 0.0 else float(value == 0.0)
+        if not error > 0.0:
+            return float(value == 0.0)
+        return two_sided_probability(value / error, self.freedom)
 
     def value(self, x: float) -> float:
         """The fitted polynomial at x."""
@@ -87,7 +90,7 @@ class LinearFit:
             for i, a in enumerate(powers)
             for j, b in enumerate(powers)
         )
-        return quantile(level, self.freedom) * math.sqrt(max(variance, 0.0))
+        return student_quantile(level, self.freedom) * math.sqrt(max(variance, 0.0))
 
     def _place(self, term: int) -> int:
         if term not in self.terms:
@@ -136,11 +139,6 @@ def check_points(x: Sequence[float], y: Sequence[float]) -> None:
         raise DataError(f"A fit needs at least 2 points, but has {len(y)}.")
     if not all(math.isfinite(number) for number in (*x, *y)):
         raise DataError("Temperatures and film coefficients must be finite, but are not all.")
-
-
-def contains(interval: Interval, value: float = 0.0) -> bool:
-    """Whether a value lies in an interval."""
-    return interval[0] <= value <= interval[1]
 
 
 def _tuple(numbers: Any) -> tuple[float, ...]:

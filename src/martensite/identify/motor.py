@@ -25,9 +25,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from martensite.confidence import LEVEL, interval_contains
 from martensite.errors import DataError, ParameterError
 from martensite.identify.estimate import Estimate, coefficient, propagated
-from martensite.identify.linear import LEVEL, contains
 from martensite.identify.motor_tests import SteadyRunning, Winding
 from martensite.identify.rise import Rise
 
@@ -176,7 +176,7 @@ def _remarks(
             f"R J/(K_T K_B) = {time:.3g} s is long for a small motor: doubt J and R before "
             "anything is built on them."
         )
-    if offset is not None and not contains(offset.interval()):
+    if offset is not None and not interval_contains(offset.interval()):
         yield (
             f"The line through the held rotor has {offset.value:.3g} V at no current (brushes or "
             "supply): R, which takes it to go through zero, is wrong by that."

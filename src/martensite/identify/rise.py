@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from martensite.confidence import LEVEL
 from martensite.errors import DataError, SolveError
 from martensite.identify.estimate import Estimate, parameters, propagated
-from martensite.identify.linear import LEVEL
 from martensite.identify.nonlinear import least_squares
 
 FEWEST = 6

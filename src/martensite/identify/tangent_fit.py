@@ -14,10 +14,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError, suggestion
 from martensite.identify.clausius_clapeyron import Direction, over_stress
 from martensite.identify.estimate import Estimate
-from martensite.identify.linear import LEVEL
 from martensite.identify.tangent_lines import COSINE
 from martensite.identify.tangents import TangentPoints, tangent_points
 from martensite.identify.transformation_strain import StrainFit, fit_transformation_strain

@@ -22,11 +22,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL, two_sided_probability
 from martensite.errors import DataError, SolveError
 from martensite.identify.estimate import Estimate, parameters, propagated
-from martensite.identify.linear import LEVEL
 from martensite.identify.nonlinear import least_squares
-from martensite.identify.student import two_sided
 
 FEWEST = 4
 """Different stresses from which on the saturating form is tried."""
@@ -143,7 +142,7 @@ def _with_crit(
     if critical.squares == 0.0:
         return critical if shape.squares > 0.0 else shape
     t = math.sqrt(max(shape.squares / critical.squares - 1.0, 0.0) * spare)
-    return critical if two_sided(t, spare) < 1.0 - LEVEL else shape
+    return critical if two_sided_probability(t, spare) < 1.0 - LEVEL else shape
 
 
 def _begin(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:

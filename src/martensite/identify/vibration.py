@@ -24,10 +24,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError
 from martensite.identify.estimate import Estimate, parameters, propagated
 from martensite.identify.extremes import Extremes, find_extremes
-from martensite.identify.linear import LEVEL
 from martensite.identify.nonlinear import least_squares
 
 LEAST_SHARE = 0.05
