@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from martensite.confidence import student_quantile, two_sided_probability
-from martensite.errors import DataError, ParameterError, SolveError
-from martensite.identify import film_sensitivity
-from martensite.identify.film import FORMS, fit_film
-from martensite.identify.film_ambient import free_ambient
-from martensite.identify.film_points import (
+from martensite.characterise import film_sensitivity
+from martensite.characterise.film_ambient import free_ambient
+from martensite.characterise.film_coefficient import FORMS, fit_film
+from martensite.characterise.film_points import (
     ABSOLUTE_ZERO,
     FilmPoints,
     points_from_power,
     powers_from_voltage,
 )
-from martensite.identify.film_report import judge_film
-from martensite.identify.linear import LinearFit, fit_powers
-from martensite.identify.nonlinear import least_squares
+from martensite.characterise.film_report import judge_film
+from martensite.characterise.nonlinear_regression import least_squares
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
+from martensite.confidence import student_quantile, two_sided_probability
+from martensite.errors import DataError, ParameterError, SolveError
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)

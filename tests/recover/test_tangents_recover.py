@@ -16,11 +16,11 @@ import pytest
 from isobaric_cases import Bent, chord, edited, isobar, record
 from scipy import stats
 
+from martensite.characterise.tangent_fit import TangentFit, tangent_fit
+from martensite.characterise.tangent_lines import CORE
+from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.transformation_strain import fit_transformation_strain, saturating
 from martensite.confidence import Interval, interval_contains
-from martensite.identify.tangent_fit import TangentFit, tangent_fit
-from martensite.identify.tangent_lines import CORE
-from martensite.identify.tangents import TangentPoints, tangent_points
-from martensite.identify.transformation_strain import fit_transformation_strain, saturating
 from martensite.laws.brinson import Brinson
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.signals.records import Record

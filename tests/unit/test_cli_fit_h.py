@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from command import Command
 
-from martensite.identify.film import FORMS
-from martensite.identify.film_points import FilmPoints
-from martensite.identify.film_report import judge_film
+from martensite.characterise.film_coefficient import FORMS
+from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_report import judge_film
 from martensite.io.scenario import read
 from martensite.plot.film_fit import plot_film
 from martensite.system import System

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from isobaric_cases import Bent, edited, record
 
+from martensite.characterise.isobaric_cycles import cut_cycle, turning_points
+from martensite.characterise.straight_lines import averaged, fit_line, monotone, smooth, three_lines
+from martensite.characterise.tangent_fit import tangent_fit
+from martensite.characterise.tangent_points import tangent_points
+from martensite.characterise.transformation_strain import fit_transformation_strain
 from martensite.errors import DataError, ParameterError
-from martensite.identify.isobaric import cut_cycle, turning_points
-from martensite.identify.straight import averaged, fit_line, monotone, smooth, three_lines
-from martensite.identify.tangent_fit import tangent_fit
-from martensite.identify.tangents import tangent_points
-from martensite.identify.transformation_strain import fit_transformation_strain
 from martensite.signals.records import Record
 
 SAMPLE = Bent()

@@ -15,13 +15,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.confidence import Interval, interval_contains
-from martensite.errors import DataError, ParameterError
-from martensite.identify.estimate import Estimate, propagated
-from martensite.identify.smoothing import moving_average, moving_average_gain
-from martensite.identify.spectrum import natural_frequency
-from martensite.identify.strain_gauge import bending_strain, half_bridge, ina129_gain
-from martensite.identify.vibration import (
+from martensite.characterise.estimate import Estimate, propagated
+from martensite.characterise.free_vibration import (
     LogDecrement,
     critical_damping,
     damping_ratio,
@@ -29,6 +24,11 @@ from martensite.identify.vibration import (
     log_decrement,
     moving_mass,
 )
+from martensite.characterise.moving_average import moving_average, moving_average_gain
+from martensite.characterise.spectrum import natural_frequency
+from martensite.characterise.strain_gauge import bending_strain, half_bridge, ina129_gain
+from martensite.confidence import Interval, interval_contains
+from martensite.errors import DataError, ParameterError
 
 Rows = tuple[list[float], list[float]]
 F, ZETA, OFFSET = 8.42, 0.02, 0.3

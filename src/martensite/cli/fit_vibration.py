@@ -12,9 +12,9 @@ from martensite.cli.options import quantity
 from martensite.errors import DataError, InputError, suggestion
 
 if TYPE_CHECKING:
-    from martensite.identify.estimate import Estimate
-    from martensite.identify.spectrum import SpectralPeak
-    from martensite.identify.vibration import LogDecrement
+    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.free_vibration import LogDecrement
+    from martensite.characterise.spectrum import SpectralPeak
     from martensite.signals.records import Record
 
 
@@ -46,8 +46,8 @@ class Oscillator:
 
     def derived(self, fit: LogDecrement) -> dict[str, tuple[Estimate, str]]:
         """Mass or stiffness, and damping, by name with their units; empty if nothing is given."""
-        from martensite.identify.estimate import propagated
-        from martensite.identify.vibration import damping_ratio, moving_mass
+        from martensite.characterise.estimate import propagated
+        from martensite.characterise.free_vibration import damping_ratio, moving_mass
 
         def rate(period: float, delta: float) -> float:
             return math.hypot(2.0 * math.pi, delta) / period

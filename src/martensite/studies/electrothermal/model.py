@@ -17,8 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
+from martensite.characterise.nonlinear_regression import root_mean_square
 from martensite.elements.wire import Wire
-from martensite.identify.nonlinear import root_mean_square
 from martensite.io.scenario import Scenario, load
 from martensite.io.staircase import plateaus
 from martensite.runtimes import floats

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from statistics import fmean
 
-from martensite.identify.linear import fit_powers
+from martensite.characterise.polynomial_regression import fit_powers
 from martensite.io import datasets
 from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
 from martensite.io.tables import read_table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.identify.film import FilmFit, film_r_squared, fit_film
+from martensite.characterise.film_coefficient import FilmFit, film_r_squared, fit_film
 from martensite.studies.base import Claim
 from martensite.studies.migaone import bench
 from martensite.studies.migaone.printed import PAPER, Printed

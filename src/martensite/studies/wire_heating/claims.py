@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from martensite.identify.film import fit_film
-from martensite.identify.nonlinear import root_mean_square
+from martensite.characterise.film_coefficient import fit_film
+from martensite.characterise.nonlinear_regression import root_mean_square
 from martensite.studies.base import Claim
 from martensite.studies.wire_heating import bench, closures
 from martensite.studies.wire_heating.printed import THESIS, Printed

@@ -17,8 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.identify.linear import fit_powers
-from martensite.identify.nonlinear import least_squares, root_mean_square
+from martensite.characterise.nonlinear_regression import least_squares, root_mean_square
+from martensite.characterise.polynomial_regression import fit_powers
 from martensite.studies.wire_heating import bench
 from martensite.studies.wire_heating.printed import Printed
 

@@ -1,8 +1,9 @@
 """Tangents over several stresses: slopes, zero-stress temperatures and H(σ), as a first guess.
 
-Each cycle is read by itself (`martensite.identify.tangents`); start and finish temperatures over
-stress are straight lines (`martensite.identify.clausius_clapeyron`), and the transformation strain
-over stress is constant or saturates (`martensite.identify.transformation_strain`).
+Each cycle is read by itself (`martensite.characterise.tangent_points`); start and finish
+temperatures over stress are straight lines (`martensite.characterise.clausius_clapeyron`), and the
+transformation strain over stress is constant or saturates
+(`martensite.characterise.transformation_strain`).
 
 The numbers are a first guess, good to a few kelvin: real transformations have round ends, and the
 tangents cut them off. `TangentFit.guess` widens the strips for laws with cosine kinetics.
@@ -14,13 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.clausius_clapeyron import Direction, over_stress
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.tangent_lines import COSINE
+from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.transformation_strain import StrainFit, fit_transformation_strain
 from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError, suggestion
-from martensite.identify.clausius_clapeyron import Direction, over_stress
-from martensite.identify.estimate import Estimate
-from martensite.identify.tangent_lines import COSINE
-from martensite.identify.tangents import TangentPoints, tangent_points
-from martensite.identify.transformation_strain import StrainFit, fit_transformation_strain
 from martensite.signals.records import Record
 
 ENDS = ("tangents", "cosine")

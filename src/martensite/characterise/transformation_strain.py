@@ -22,10 +22,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.estimate import Estimate, parameters, propagated
+from martensite.characterise.nonlinear_regression import least_squares
 from martensite.confidence import LEVEL, two_sided_probability
 from martensite.errors import DataError, SolveError
-from martensite.identify.estimate import Estimate, parameters, propagated
-from martensite.identify.nonlinear import least_squares
 
 FEWEST = 4
 """Different stresses from which on the saturating form is tried."""

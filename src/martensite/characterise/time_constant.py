@@ -17,10 +17,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from martensite.characterise.estimate import Estimate, parameters, propagated
+from martensite.characterise.nonlinear_regression import least_squares
 from martensite.confidence import LEVEL
 from martensite.errors import DataError, SolveError
-from martensite.identify.estimate import Estimate, parameters, propagated
-from martensite.identify.nonlinear import least_squares
 
 FEWEST = 6
 """Rows below which three numbers are not fitted."""

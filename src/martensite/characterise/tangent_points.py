@@ -1,7 +1,7 @@
 """The tangent method: what one isobaric heating-cooling cycle says, read off straight lines.
 
 Each branch has three lines, two of a phase alone and one of the transformation
-(`martensite.identify.tangent_lines`). Their intersections are
+(`martensite.characterise.tangent_lines`). Their intersections are
 
     on heating   A_s (cold line), A_f (hot line)
     on cooling   M_s (hot line), M_f (cold line)
@@ -19,9 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from martensite.characterise.isobaric_cycles import Branch, IsobaricCycle, cut_cycle
+from martensite.characterise.tangent_lines import BranchTangents, branch_tangents
 from martensite.errors import DataError
-from martensite.identify.isobaric import Branch, IsobaricCycle, cut_cycle
-from martensite.identify.tangent_lines import BranchTangents, branch_tangents
 from martensite.signals.records import Record
 
 FEW = 6

@@ -8,7 +8,8 @@ zero. With residuals r over n points and p terms,
     AICc = n ln(Σ r²/n) + 2 (p + 1) + 2 (p + 1) (p + 2)/(n - p - 2).
 
 R² never falls when a term is added; the adjusted one does when the term is not worth it,
-and AICc (Hurvich and Tsai 1989) rises. Intervals: see `martensite.identify.linear`.
+and AICc (Hurvich and Tsai 1989) rises. Intervals: see
+`martensite.characterise.polynomial_regression`.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.polynomial_regression import LinearFit, check_points, fit_powers
 from martensite.confidence import LEVEL, Interval
 from martensite.errors import DataError
-from martensite.identify.linear import LinearFit, check_points, fit_powers
 
 FORMS: dict[str, tuple[int, ...]] = {
     "constant": (0,),

@@ -16,9 +16,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.nonlinear_regression import Residuals, Solution, jacobian
+from martensite.characterise.polynomial_regression import LinearFit
 from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
-from martensite.identify.linear import LinearFit
-from martensite.identify.nonlinear import Residuals, Solution, jacobian
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.polynomial_regression import check_points
 from martensite.errors import DataError, ParameterError
-from martensite.identify.linear import check_points
 
 ABSOLUTE_ZERO = -273.15
 """[°C]"""

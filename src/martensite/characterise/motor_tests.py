@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from martensite.characterise.estimate import Estimate, coefficient
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.errors import DataError
-from martensite.identify.estimate import Estimate, coefficient
-from martensite.identify.linear import LinearFit, fit_powers
 
 
 @dataclass(frozen=True)

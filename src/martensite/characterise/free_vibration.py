@@ -24,11 +24,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.estimate import Estimate, parameters, propagated
+from martensite.characterise.extremes import Extremes, find_extremes
+from martensite.characterise.nonlinear_regression import least_squares
 from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError
-from martensite.identify.estimate import Estimate, parameters, propagated
-from martensite.identify.extremes import Extremes, find_extremes
-from martensite.identify.nonlinear import least_squares
 
 LEAST_SHARE = 0.05
 """Extremes smaller than this share of the first are left out."""

@@ -26,8 +26,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.errors import DataError
-from martensite.identify.straight import (
+from martensite.characterise.straight_lines import (
     FEWEST,
     Line,
     averaged,
@@ -37,6 +36,7 @@ from martensite.identify.straight import (
     smooth,
     three_lines,
 )
+from martensite.errors import DataError
 
 CORE = 0.4
 """Share of the way through which the steep line is fitted."""

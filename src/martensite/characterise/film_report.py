@@ -8,7 +8,7 @@ Three questions are put to the points, each with an interval of the level asked 
   parabola if h bends.
 
 An answer is yes only if it does not rest on the given ambient. The ways of fitting are those
-of `martensite.identify.film` and `martensite.identify.film_ambient`.
+of `martensite.characterise.film_coefficient` and `martensite.characterise.film_ambient`.
 """
 
 from __future__ import annotations
@@ -16,11 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.confidence import LEVEL
-from martensite.identify.film import FORMS, FilmFit, fit_film
-from martensite.identify.film_ambient import FreeAmbient, free_ambient
-from martensite.identify.film_points import FilmPoints
-from martensite.identify.film_sensitivity import (
+from martensite.characterise.film_ambient import FreeAmbient, free_ambient
+from martensite.characterise.film_coefficient import FORMS, FilmFit, fit_film
+from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_sensitivity import (
     AtAmbient,
     Confounding,
     ambient_without_slope,
@@ -29,7 +28,8 @@ from martensite.identify.film_sensitivity import (
     film_per_kelvin,
     slope_per_kelvin,
 )
-from martensite.identify.film_verdicts import Verdict, ambient_verdict, curvature, slope
+from martensite.characterise.film_verdicts import Verdict, ambient_verdict, curvature, slope
+from martensite.confidence import LEVEL
 
 
 @dataclass(frozen=True)
