@@ -23,7 +23,7 @@ from martensite.characterise.film_points import (
     powers_from_voltage,
 )
 from martensite.characterise.film_report import judge_film
-from martensite.characterise.nonlinear_regression import least_squares
+from martensite.characterise.nonlinear_regression import fit_residuals
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.confidence import student_quantile, two_sided_probability
 from martensite.errors import DataError, ParameterError, SolveError
@@ -352,19 +352,18 @@ def test_points_from_power_by_hand() -> None:
 # ---------------------------------------------------------------- nonlinear least squares
 
 
-def test_gauss_newton_against_scipy() -> None:
+def test_a_linear_problem_has_the_errors_of_linear_regression() -> None:
+    """Nonlinear least squares of a straight line is the linear fit, standard errors too."""
     x = np.linspace(0.1, 3.0, 15)
-    y = 2.0 * np.exp(-0.7 * x) + 0.02 * np.sin(9.0 * x)
-
-    def residuals(p: tuple[float, ...]) -> list[float]:
-        return list(p[0] * np.exp(-p[1] * x) - y)
-
-    found = least_squares(residuals, (1.0, 1.0))
-    expected = optimize.least_squares(residuals, (1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    assert found.values == pytest.approx(expected.x, rel=1e-6)
-    assert found.rms == pytest.approx(math.sqrt(2.0 * expected.cost / 15))
+    y = 2.0 - 0.7 * x + 0.02 * np.sin(9.0 * x)
+    found = fit_residuals(lambda p: p[0] + p[1] * x - y, (1.0, 1.0))
+    expected = fit_powers(x.tolist(), y.tolist(), (0, 1))
+    assert found.values == pytest.approx(expected.values, rel=1e-9)
+    errors = [one.error for one in found.estimates]
+    assert errors == pytest.approx([expected.error(k) for k in (0, 1)], rel=1e-8)
+    assert found.rms == pytest.approx(math.sqrt(expected.squares / 15))
 
 
-def test_gauss_newton_says_when_it_does_not_settle() -> None:
+def test_a_number_that_makes_no_difference_is_refused() -> None:
     with pytest.raises(SolveError, match="not settled"):
-        least_squares(lambda p: [math.exp(-p[0]), 0.0], (1.0,))
+        fit_residuals(lambda p: [p[0] - 1.0, p[0] + 1.0, p[0]], (0.5, 0.5))

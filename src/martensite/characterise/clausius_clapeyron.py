@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.estimate import Estimate, coefficient
+from martensite.characterise.estimate import Estimate
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.characterise.tangent_points import TangentPoints
 from martensite.confidence import EVERYTHING, LEVEL, Interval
@@ -62,7 +62,7 @@ class Direction:
         """All numbers by name, for JSON."""
         own = {
             name: {
-                "zero_stress": coefficient(fit, 0).to_dict(level),
+                "zero_stress": fit.coefficient(0).to_dict(level),
                 "slope": 1.0 / fit.values[1] if fit.values[1] else None,
                 "slope_interval": list(inverted(fit.interval(1, level))),
             }
@@ -89,10 +89,10 @@ def over_stress(levels: Sequence[TangentPoints], names: tuple[str, str], half: s
     pairs = list(zip(*(columns[name] for name in names), strict=True))
     widths = [b - a for a, b in pairs]
     middle = fit_powers(stresses, [0.5 * (a + b) for a, b in pairs], (0, 1))
-    width = coefficient(fit_powers(stresses, widths, (0,)), 0)
-    start, finish = (_end(coefficient(middle, 0), width, sign) for sign in (-0.5, 0.5))
+    width = fit_powers(stresses, widths, (0,)).coefficient(0)
+    start, finish = (_end(middle.coefficient(0), width, sign) for sign in (-0.5, 0.5))
     widening = fit_powers(stresses, widths, (0, 1)).p_value(1)
-    return Direction(names, start, finish, coefficient(middle, 1), own, widening)
+    return Direction(names, start, finish, middle.coefficient(1), own, widening)
 
 
 def _end(middle: Estimate, width: Estimate, sign: float) -> Estimate:

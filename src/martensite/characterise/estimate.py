@@ -16,8 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.nonlinear_regression import Residuals, Solution, jacobian
-from martensite.characterise.polynomial_regression import LinearFit
 from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 
 
@@ -40,6 +38,10 @@ class Estimate:
         half = student_quantile(level, int(self.freedom)) * self.error
         return self.value - half, self.value + half
 
+    def scaled(self, factor: float, offset: float = 0.0) -> Estimate:
+        """The same number in another unit: offset + factor · value, with its error."""
+        return Estimate(offset + factor * self.value, abs(factor) * self.error, self.freedom)
+
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
         return {
@@ -49,7 +51,7 @@ class Estimate:
         }
 
 
-def propagated(function: Callable[..., float], *inputs: Estimate) -> Estimate:
+def propagate_errors(function: Callable[..., float], *inputs: Estimate) -> Estimate:
     """A function of independent estimates, with its standard error to first order.
 
     An estimate that makes no difference to the function does not count.
@@ -67,27 +69,3 @@ def propagated(function: Callable[..., float], *inputs: Estimate) -> Estimate:
             square += 0.25 * (above - below) ** 2
             freedom = min(freedom, one.freedom)
     return Estimate(function(*values), math.sqrt(square), freedom)
-
-
-def coefficient(fit: LinearFit, term: int) -> Estimate:
-    """The coefficient of a power in a straight or bent line."""
-    value = fit.values[fit.terms.index(term)]
-    return Estimate(value, fit.error(term), fit.freedom)
-
-
-def parameters(residuals: Residuals, solution: Solution) -> tuple[Estimate, ...]:
-    """The parameters of a nonlinear least-squares fit, with errors from its curvature.
-
-    Residuals must be independent and of equal size.
-    """
-    import numpy as np
-
-    count = len(solution.residuals)
-    freedom = count - len(solution.values)
-    upper = np.linalg.qr(jacobian(residuals, solution.values), mode="r")
-    inverse = np.linalg.inv(upper)
-    squares = sum(r * r for r in solution.residuals)
-    variance = squares / freedom if freedom else math.nan
-    errors = np.sqrt(variance * np.sum(inverse**2, axis=1))
-    pairs = zip(solution.values, map(float, errors), strict=True)
-    return tuple(Estimate(value, error, freedom) for value, error in pairs)

@@ -3,6 +3,9 @@
 The first one is where the record is farthest from its later mean; each further one is looked
 for half a period after the one before, on the other side. A plateau before the release, and a
 maximum that the beginning of the record cuts, hold no vertex and are passed over.
+
+`scipy.signal.find_peaks` is no replacement: with noise of 30 % of the amplitude its highest rows
+are half a lobe off, the chain breaks after a few cycles and standard errors grow tenfold.
 """
 
 from __future__ import annotations

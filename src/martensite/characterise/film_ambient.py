@@ -59,21 +59,18 @@ class FreeAmbient:
     def ambient_interval(self, level: float = LEVEL) -> Interval:
         """Confidence interval of the ambient [°C], cut off at the coldest point and at 0 K."""
         import numpy as np
+        from numpy.polynomial import Polynomial
 
         if not self.flux.freedom:
             return ABSOLUTE_ZERO, self.coldest
-        c = np.asarray(self.flux.values)
-        covariance = np.asarray(self.flux.covariance)
-        allowed = student_quantile(level, self.flux.freedom) ** 2 * _antidiagonal_sums(covariance)
-        outside = np.convolve(c, c) - allowed
-        edges = [e for e in _real(np.roots(outside[::-1])) if self._possible(e)]
+        c, covariance = np.asarray(self.flux.values), np.asarray(self.flux.covariance)
+        # coefficients of vᵀ C v as a polynomial in a are sums over antidiagonals
+        spread = [np.trace(covariance[:, ::-1], k) for k in range(len(c) - 1, -len(c), -1)]
+        allowed = student_quantile(level, self.flux.freedom) ** 2 * np.asarray(spread)
+        outside = Polynomial(np.convolve(c, c) - allowed)
+        edges = [e for e in _real(outside.roots()) if ABSOLUTE_ZERO < e < self.coldest]
         ends = sorted({ABSOLUTE_ZERO, self.coldest, *edges})
-        powers = np.arange(len(outside))
-        parts = [
-            (low, high)
-            for low, high in pairwise(ends)
-            if np.sum(outside * (0.5 * (low + high)) ** powers) <= 0.0
-        ]
+        parts = [(a, b) for a, b in pairwise(ends) if outside(0.5 * (a + b)) <= 0.0]
         return self._chosen(_joined(parts))
 
     def _chosen(self, parts: list[Interval]) -> Interval:
@@ -85,9 +82,6 @@ class FreeAmbient:
         """Whether there is a best ambient, with an interval that was not cut off."""
         low, high = self.ambient_interval(level)
         return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
-
-    def _possible(self, ambient: float) -> bool:
-        return ABSOLUTE_ZERO < ambient < self.coldest
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
@@ -108,15 +102,6 @@ def free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
     powers = tuple(range(degree + 2))
     flux = fit_powers(points.temperatures_degC, points.fluxes, powers)
     return FreeAmbient(degree, flux, min(points.temperatures_degC))
-
-
-def _antidiagonal_sums(matrix: Any) -> Any:
-    """Coefficients of vᵀ M v as a polynomial in a, v = (1, a, a², …)."""
-    import numpy as np
-
-    size = len(matrix)
-    flipped = np.fliplr(matrix)
-    return np.asarray([np.trace(flipped, size - 1 - k) for k in range(2 * size - 1)])
 
 
 def _joined(parts: list[Interval]) -> list[Interval]:

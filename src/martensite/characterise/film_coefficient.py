@@ -19,7 +19,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.polynomial_regression import LinearFit, check_points, fit_powers
+from martensite.characterise.columns import check_columns
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.confidence import LEVEL, Interval
 from martensite.errors import DataError
 
@@ -93,12 +94,15 @@ class FilmFit:
         }
 
 
+def check_film_points(temperatures_degC: Sequence[float], h: Sequence[float]) -> None:
+    """Raise `DataError` unless there are at least two finite points."""
+    columns = {"temperatures": temperatures_degC, "film_coefficients": h}
+    check_columns("a wire", "points", 2, **columns)
+
+
 def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
     """Film coefficient [W/(m² K)] of a polynomial at a temperature [°C]."""
-    h = 0.0
-    for coefficient in reversed(coefficients):
-        h = h * temperature_degC + coefficient
-    return h
+    return sum(c * temperature_degC**k for k, c in enumerate(coefficients))
 
 
 def film_r_squared(
@@ -109,7 +113,7 @@ def film_r_squared(
     Raises:
         DataError: the points are too few, or all h are equal.
     """
-    check_points(temperatures_degC, h)
+    check_film_points(temperatures_degC, h)
     mean = sum(h) / len(h)
     scatter = sum((value - mean) ** 2 for value in h)
     if scatter == 0.0:
@@ -133,6 +137,7 @@ def fit_film(
         ParameterError: the terms are not distinct whole numbers from 0 on.
         DataError: the points are too few, not finite, or do not determine the terms.
     """
+    check_film_points(temperatures_degC, h)
     linear = fit_powers(temperatures_degC, h, terms)
     by_power = dict(zip(linear.terms, linear.values, strict=True))
     coefficients = tuple(by_power.get(k, 0.0) for k in range(max(terms) + 1))

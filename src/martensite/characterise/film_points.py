@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.polynomial_regression import check_points
+from martensite.characterise.columns import check_columns
 from martensite.errors import DataError, ParameterError
 
 ABSOLUTE_ZERO = -273.15
@@ -36,7 +36,8 @@ class FilmPoints:
 
     def __post_init__(self) -> None:
         """Raise `DataError` if a point cannot be one of a wire heated above its ambient."""
-        check_points(self.temperatures_degC, self.h)
+        columns = {"temperatures": self.temperatures_degC, "film_coefficients": self.h}
+        check_columns("a wire", "points", 2, **columns)
         if min(self.h) <= 0.0:
             raise DataError(f"Film coefficients must be above 0, but one is {min(self.h):.6g}.")
         if self.ambient_degC is not None:
@@ -76,11 +77,7 @@ class FilmPoints:
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name, for JSON."""
-        return {
-            "temperatures_degC": list(self.temperatures_degC),
-            "h": list(self.h),
-            "ambient_degC": self.ambient_degC,
-        }
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in vars(self).items()}
 
 
 def points_from_power(
@@ -108,7 +105,7 @@ def points_from_power(
         raise ParameterError(
             f"Diameter and length must be above 0 m, but are {diameter:g} m and {length:g} m."
         )
-    check_points(temperatures_degC, powers)
+    check_columns("a wire", "points", 2, temperatures=temperatures_degC, powers=powers)
     _check_ambient(ambient_degC, temperatures_degC)
     surface = math.pi * diameter * length
     pairs = zip(temperatures_degC, powers, strict=True)

@@ -63,6 +63,8 @@ def slope_per_kelvin(points: FilmPoints) -> float:
 
 def ambient_without_slope(points: FilmPoints) -> float:
     """Ambient temperature [°C] at which the straight line through h is level; NaN if none."""
+    from scipy.optimize import root_scalar
+
     coldest = min(points.temperatures_degC)
 
     def slope(ambient: float) -> float:
@@ -72,10 +74,7 @@ def ambient_without_slope(points: FilmPoints) -> float:
     low, high = ABSOLUTE_ZERO, coldest - 1e-6
     if slope(low) <= 0.0 or slope(high) >= 0.0:
         return math.nan
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if slope(middle) > 0.0 else (low, middle)
-    return low
+    return root_scalar(slope, bracket=(low, high), xtol=1e-12).root
 
 
 @dataclass(frozen=True)

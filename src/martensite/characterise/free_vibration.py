@@ -24,9 +24,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.estimate import Estimate, parameters, propagated
+from martensite.characterise.estimate import Estimate, propagate_errors
 from martensite.characterise.extremes import Extremes, find_extremes
-from martensite.characterise.nonlinear_regression import least_squares
+from martensite.characterise.nonlinear_regression import fit_residuals
 from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError
 
@@ -53,17 +53,17 @@ class LogDecrement:
     @property
     def zeta(self) -> Estimate:
         """Damping ratio [-]."""
-        return propagated(damping_ratio, self.decrement)
+        return propagate_errors(damping_ratio, self.decrement)
 
     @property
     def damped_frequency(self) -> Estimate:
         """f_d [Hz]."""
-        return propagated(lambda period: 1.0 / period, self.period)
+        return propagate_errors(lambda period: 1.0 / period, self.period)
 
     @property
     def frequency(self) -> Estimate:
         """Natural frequency f_n of the undamped vibration [Hz]."""
-        return propagated(
+        return propagate_errors(
             lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period,
             self.period,
             self.decrement,
@@ -127,7 +127,7 @@ def _fitted(found: Extremes) -> LogDecrement:
         )
     offset, amplitude, ratio = _decay(found)
     return LogDecrement(
-        decrement=propagated(lambda r: -2.0 * math.log(r), ratio),
+        decrement=propagate_errors(lambda r: -2.0 * math.log(r), ratio),
         period=_period(found, ratio.value),
         offset=offset,
         amplitude=amplitude,
@@ -137,41 +137,35 @@ def _fitted(found: Extremes) -> LogDecrement:
 
 def _decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
     """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
-    values, count = found.values, len(found.values)
-    signs = [found.first_sign * (-1.0) ** k for k in range(count)]
-    middle = 0.5 * (values[0] + values[1])
-    size = 0.5 * abs(values[0] - values[1])
+    import numpy as np
+
+    count, values = len(found.values), np.asarray(found.values)
+    middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
     last = 0.5 * abs(values[-1] - values[-2])
+    steps = np.arange(count)
+    signs, shares = found.first_sign * (-1.0) ** steps, (values - middle) / size
 
-    def residuals(guess: tuple[float, ...]) -> list[float]:
+    def residuals(guess: tuple[float, ...]) -> Any:
         shift, amplitude, ratio = guess
-        return [
-            (value - middle) / size - (shift - 1.0) - sign * amplitude * ratio**k
-            for k, (sign, value) in enumerate(zip(signs, values, strict=True))
-        ]
+        return shares - shift - signs * amplitude * ratio**steps
 
-    solution = least_squares(residuals, (1.0, 1.0, (last / size) ** (1.0 / (count - 2))))
-    shift, amplitude, ratio = parameters(residuals, solution)
-    return (
-        propagated(lambda s: middle + size * (s - 1.0), shift),
-        propagated(lambda a: size * a, amplitude),
-        ratio,
-    )
+    start = 0.0, 1.0, float(last / size) ** (1.0 / (count - 2))
+    shift, amplitude, ratio = fit_residuals(residuals, start).estimates
+    return shift.scaled(size, middle), amplitude.scaled(size), ratio
 
 
 def _period(found: Extremes, ratio: float) -> Estimate:
     """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
-    start, guess = found.times[0], found.times[1] - found.times[0]
+    import numpy as np
 
-    def residuals(shifts: tuple[float, ...]) -> list[float]:
-        first, half = shifts
-        return [
-            ((time - start) / guess - (first - 1.0) - k * half) * ratio**k
-            for k, time in enumerate(found.times)
-        ]
+    times = np.asarray(found.times) - found.times[0]
+    steps = np.arange(len(times))
 
-    _, half = parameters(residuals, least_squares(residuals, (1.0, 1.0)))
-    return propagated(lambda share: 2.0 * guess * share, half)
+    def residuals(line: tuple[float, ...]) -> Any:
+        first, half = line
+        return (times / times[1] - first - half * steps) * ratio**steps
+
+    return fit_residuals(residuals, (0.0, 1.0)).estimates[1].scaled(2.0 * times[1])
 
 
 def _check(cycles: int | None, least: float) -> None:

@@ -25,7 +25,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from martensite.characterise.estimate import Estimate, coefficient, propagated
+from martensite.characterise.estimate import Estimate, propagate_errors
 from martensite.characterise.motor_tests import SteadyRunning, Winding
 from martensite.characterise.time_constant import Rise
 from martensite.confidence import LEVEL, interval_contains
@@ -107,15 +107,15 @@ def motor_constants(
     inputs = (
         ohms,
         states.constant(ohms.value),
-        coefficient(states.friction_line, 1),
-        coefficient(states.friction_line, 0),
+        states.friction_line.coefficient(1),
+        states.friction_line.coefficient(0),
         coil,
         Estimate(math.inf) if run_up is None else run_up.tau,
     )
     formulas = _formulas(states.drop, ohms.value, current_rise is not None)
     if run_up is not None:
         _refuse_fast(run_up, formulas["inductance"](*(one.value for one in inputs)) / ohms.value)
-    numbers = {name: propagated(formula, *inputs) for name, formula in formulas.items()}
+    numbers = {name: propagate_errors(formula, *inputs) for name, formula in formulas.items()}
     coil_known = current_rise is not None or inductance is not None
     found = MotorConstants(
         resistance=ohms,

@@ -15,7 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from martensite.characterise.estimate import Estimate, coefficient
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.errors import DataError
 
@@ -60,7 +61,7 @@ class SteadyRunning:
         """
         pairs = zip(self.voltages, self.currents, strict=True)
         behind = [voltage - resistance * current for voltage, current in pairs]
-        found = coefficient(fit_powers(self.speeds, behind, (1,)), 1)
+        found = fit_powers(self.speeds, behind, (1,)).coefficient(1)
         if found.value <= 0.0:
             raise DataError(
                 f"With R = {resistance:.4g} ohm steady running leaves no voltage behind R i: K is "
@@ -79,10 +80,10 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
     Raises:
         DataError: the pairs are fewer than two, not finite, or do not give an R above 0.
     """
-    _check({"voltages": voltages, "currents": currents})
+    check_columns("a motor", "states", 2, voltages=voltages, currents=currents)
     if not any(currents):
         raise DataError("All currents of the held rotor are 0 A: they hold no resistance.")
-    resistance = coefficient(fit_powers(currents, voltages, (1,)), 1)
+    resistance = fit_powers(currents, voltages, (1,)).coefficient(1)
     if resistance.value <= 0.0:
         raise DataError(
             f"The resistance must be above 0 ohm, but {resistance.value:.4g} ohm fits the held "
@@ -90,7 +91,7 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
         )
     if len(voltages) < 3 or len(set(currents)) < 2:
         return Winding(resistance)
-    return Winding(resistance, coefficient(fit_powers(currents, voltages, (0, 1)), 0))
+    return Winding(resistance, fit_powers(currents, voltages, (0, 1)).coefficient(0))
 
 
 def steady_running(
@@ -106,7 +107,7 @@ def steady_running(
     Raises:
         DataError: the states are fewer than two, not finite, at rest, or all of one speed.
     """
-    _check({"voltages": voltages, "currents": currents, "speeds": speeds})
+    check_columns("a motor", "states", 2, voltages=voltages, currents=currents, speeds=speeds)
     if 0.0 in speeds:
         raise DataError("Steady speeds must not be 0 rad/s: a motor at rest shows no constant.")
     signs = [math.copysign(1.0, speed) for speed in speeds]
@@ -121,15 +122,3 @@ def steady_running(
             "takes at least two speeds."
         )
     return states
-
-
-def _check(columns: dict[str, Sequence[float]]) -> None:
-    lengths = [len(numbers) for numbers in columns.values()]
-    names = " and ".join(columns)
-    if len(set(lengths)) > 1:
-        listed = ", ".join(map(str, lengths))
-        raise DataError(f"The {names} of a motor must be equally many, but are {listed}.")
-    if lengths[0] < 2:
-        raise DataError(f"A test of a motor needs at least 2 states, but has {lengths[0]}.")
-    if not all(math.isfinite(number) for numbers in columns.values() for number in numbers):
-        raise DataError(f"The {names} of a motor must be finite, but are not all.")

@@ -1,7 +1,11 @@
-"""Small nonlinear least squares: Gauss–Newton with central differences and step halving.
+"""Nonlinear least squares of a handful of numbers, with the standard errors of each.
 
-Each step solves J δ = -r for the residuals r and is halved until the sum of squares falls. For
-a handful of parameters of known size; the start must lie in the valley of the wanted minimum.
+The trust-region method of SciPy (`scipy.optimize.least_squares`) with central differences. With
+residuals r at the minimum, their Jacobian J, n rows and p numbers
+
+    s² = Σ r²/(n - p),    covariance = s² (JᵀJ)⁻¹,
+
+which takes residuals as independent and of equal size.
 """
 
 from __future__ import annotations
@@ -11,20 +15,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.estimate import Estimate
 from martensite.errors import SolveError
 
-Residuals = Callable[[tuple[float, ...]], Sequence[float]]
-_STEP = 1e-6
-_SETTLED = 1e-10
-_MOST = 100
+TOLERANCE = 1e-14
+"""Relative change of the squares, the numbers and the gradient at which the search ends."""
+MOST = 200
+"""Evaluations after which the search is given up."""
 
 
 @dataclass(frozen=True)
-class Solution:
-    """Parameters of least squares, and the residuals that are left."""
+class NonlinearFit:
+    """Numbers of least squares, and the residuals that are left."""
 
-    values: tuple[float, ...]
+    estimates: tuple[Estimate, ...]
     residuals: tuple[float, ...]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The numbers without their errors."""
+        return tuple(one.value for one in self.estimates)
 
     @property
     def rms(self) -> float:
@@ -37,48 +47,37 @@ def root_mean_square(numbers: Sequence[float]) -> float:
     return math.sqrt(sum(number * number for number in numbers) / len(numbers))
 
 
-def least_squares(residuals: Residuals, start: Sequence[float]) -> Solution:
+def fit_residuals(
+    residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]
+) -> NonlinearFit:
     """Minimise the sum of squared residuals.
 
     Args:
-        residuals: residuals for a tuple of parameters; at least as many as parameters.
-        start: parameters to begin with, none of them zero: they set the size of the steps.
+        residuals: residuals for a tuple of numbers; at least as many as numbers.
+        start: numbers to begin with, in the valley of the wanted minimum and of order 1.
 
     Raises:
-        SolveError: the steps have not settled.
+        SolveError: the search has not settled, or a number makes no difference.
     """
     import numpy as np
+    from scipy.optimize import least_squares
 
-    values = tuple(map(float, start))
-    left = np.asarray(residuals(values), np.float64)
-    for _ in range(_MOST):
-        step, *_ = np.linalg.lstsq(jacobian(residuals, values), -left, rcond=None)
-        moved, after = values, left
-        for halving in range(40):
-            moved = tuple(v + 0.5**halving * float(d) for v, d in zip(values, step, strict=True))
-            after = np.asarray(residuals(moved), np.float64)
-            if after @ after <= left @ left:
-                break
-        else:
-            moved, after = values, left
-        change = max(abs(m - v) / abs(s) for m, v, s in zip(moved, values, start, strict=True))
-        values, left = moved, after
-        if change <= _SETTLED:
-            return Solution(values, tuple(map(float, left)))
-    raise SolveError(f"A least-squares fit has not settled after {_MOST} steps; start it nearer.")
-
-
-def jacobian(residuals: Residuals, values: tuple[float, ...]) -> Any:
-    """Derivatives of all residuals (rows) with respect to the parameters (columns)."""
-    import numpy as np
-
-    return np.stack([_slope(residuals, values, k) for k in range(len(values))], axis=1)
-
-
-def _slope(residuals: Residuals, values: tuple[float, ...], k: int) -> list[float]:
-    """Derivative of all residuals with respect to the k-th parameter."""
-    size = _STEP * max(abs(values[k]), 1e-12)
-    above, below = (
-        residuals((*values[:k], values[k] + sign * size, *values[k + 1 :])) for sign in (1.0, -1.0)
+    found = least_squares(
+        lambda numbers: residuals(tuple(map(float, numbers))),
+        start,
+        jac="3-point",
+        x_scale="jac",
+        max_nfev=MOST,
+        **dict.fromkeys(("ftol", "xtol", "gtol"), TOLERANCE),
     )
-    return [(a - b) / (2.0 * size) for a, b in zip(above, below, strict=True)]
+    if not found.success:
+        raise SolveError(f"A least-squares fit has not settled after {MOST} steps.")
+    freedom = len(found.fun) - len(start)
+    variance = 2.0 * found.cost / freedom if freedom else math.nan
+    upper = np.linalg.qr(found.jac, mode="r")
+    if not np.abs(np.diag(upper)).min() > 0.0:
+        raise SolveError("A least-squares fit has not settled: a number makes no difference.")
+    errors = np.sqrt(variance * np.sum(np.linalg.inv(upper) ** 2, axis=1))
+    pairs = zip(found.x, errors, strict=True)
+    estimates = tuple(Estimate(float(value), float(error), freedom) for value, error in pairs)
+    return NonlinearFit(estimates, tuple(map(float, found.fun)))

@@ -16,6 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
 from martensite.confidence import (
     EVERYTHING,
     LEVEL,
@@ -57,11 +59,7 @@ class LinearFit:
 
     def interval(self, term: int, level: float = LEVEL) -> Interval:
         """Confidence interval of the coefficient of a power."""
-        value = self.values[self._place(term)]
-        if not self.freedom:
-            return EVERYTHING
-        half = student_quantile(level, self.freedom) * self.error(term)
-        return value - half, value + half
+        return self.coefficient(term).interval(level) if self.freedom else EVERYTHING
 
     def p_value(self, term: int) -> float:
         """Probability of a coefficient this far from zero were it zero: the F-test of the term.
@@ -75,6 +73,10 @@ class LinearFit:
         if not error > 0.0:
             return float(value == 0.0)
         return two_sided_probability(value / error, self.freedom)
+
+    def coefficient(self, term: int) -> Estimate:
+        """The coefficient of a power, with its standard error."""
+        return Estimate(self.values[self._place(term)], self.error(term), self.freedom)
 
     def value(self, x: float) -> float:
         """The fitted polynomial at x."""
@@ -107,15 +109,15 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
     """
     import numpy as np
 
-    check_points(x, y)
+    check_columns("a polynomial", "points", 2, abscissae=x, ordinates=y)
     _check_terms(terms)
     scale = max(abs(number) for number in x) or 1.0
     columns = np.stack([(np.asarray(x, np.float64) / scale) ** k for k in terms], axis=1)
     left, sizes, right = np.linalg.svd(columns, full_matrices=False)
     if len(x) < len(terms) or sizes[-1] <= len(x) * np.finfo(float).eps * sizes[0]:
         raise DataError(
-            f"{len(set(x))} different temperatures do not determine "
-            f"{len(terms)} coefficients; measure at more, or fit fewer terms."
+            f"Points at {len(set(x))} different abscissae do not determine {len(terms)} "
+            "coefficients; measure at more, or fit fewer terms."
         )
     values = right.T @ ((left.T @ np.asarray(y, np.float64)) / sizes)
     squares = float(np.sum((np.asarray(y) - columns @ values) ** 2))
@@ -126,19 +128,6 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
     return LinearFit(
         tuple(terms), _tuple(values / units), tuple(map(_tuple, spread)), squares, len(x)
     )
-
-
-def check_points(x: Sequence[float], y: Sequence[float]) -> None:
-    """Raise `DataError` unless there are at least two finite points."""
-    if len(x) != len(y):
-        raise DataError(
-            f"Temperatures and film coefficients must be equally many, "
-            f"but are {len(x)} and {len(y)}."
-        )
-    if len(y) < 2:
-        raise DataError(f"A fit needs at least 2 points, but has {len(y)}.")
-    if not all(math.isfinite(number) for number in (*x, *y)):
-        raise DataError("Temperatures and film coefficients must be finite, but are not all.")
 
 
 def _tuple(numbers: Any) -> tuple[float, ...]:

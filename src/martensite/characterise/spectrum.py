@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
+from martensite.characterise.columns import check_columns
 from martensite.errors import DataError, ParameterError
 
 FEWEST = 16
@@ -42,12 +43,7 @@ class SpectralPeak:
 
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name, for JSON."""
-        return {
-            "frequency": self.frequency,
-            "resolution": self.resolution,
-            "amplitude": self.amplitude,
-            "prominence": self.prominence,
-        }
+        return asdict(self)
 
 
 def natural_frequency(
@@ -103,14 +99,7 @@ def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
     Raises:
         DataError: the rows are too few or not finite, or a time is off by half an interval.
     """
-    if len(times) != len(values):
-        raise DataError(
-            f"Times and values must be equally many, but are {len(times)} and {len(values)}."
-        )
-    if len(times) < FEWEST:
-        raise DataError(f"A vibration needs at least {FEWEST} rows, but has {len(times)}.")
-    if not all(map(math.isfinite, (*times, *values))):
-        raise DataError("Times and values of a vibration must be finite, but are not all.")
+    check_columns("a vibration", "rows", FEWEST, times=times, values=values)
     step = (times[-1] - times[0]) / (len(times) - 1)
     off = max(abs(time - times[0] - k * step) for k, time in enumerate(times))
     if not off < 0.5 * step:

@@ -139,16 +139,6 @@ def smooth(values: Any) -> Any:
 
 def monotone(values: Any) -> Any:
     """The non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
-    import numpy as np
+    from scipy.optimize import isotonic_regression
 
-    levels: list[float] = []
-    counts: list[int] = []
-    for value in values.tolist():
-        level, count = value, 1
-        while levels and levels[-1] > level:
-            more = counts.pop()
-            level = (levels.pop() * more + level * count) / (more + count)
-            count += more
-        levels.append(level)
-        counts.append(count)
-    return np.repeat(levels, counts)
+    return isotonic_regression(values).x

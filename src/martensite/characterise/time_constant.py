@@ -17,14 +17,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from martensite.characterise.estimate import Estimate, parameters, propagated
-from martensite.characterise.nonlinear_regression import least_squares
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.nonlinear_regression import fit_residuals
 from martensite.confidence import LEVEL
 from martensite.errors import DataError, SolveError
 
 FEWEST = 6
 """Rows below which three numbers are not fitted."""
-_TRIALS = 60
 _ALONG = 0.5
 _SMALL = 2e-3
 
@@ -52,14 +52,9 @@ class Rise:
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
-        return {
-            "tau": self.tau.to_dict(level),
-            "final": self.final.to_dict(level),
-            "change": self.change.to_dict(level),
-            "deviation": self.deviation,
-            "correlation": self.correlation,
-            "follows": self.follows,
-        }
+        estimates = {name: getattr(self, name) for name in ("tau", "final", "change")}
+        numbers = {name: getattr(self, name) for name in ("deviation", "correlation", "follows")}
+        return {name: one.to_dict(level) for name, one in estimates.items()} | numbers
 
 
 def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
@@ -73,56 +68,52 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
         DataError: the rows are too few, not finite or not in order, do not change, or end
             before one time constant has passed.
     """
+    import numpy as np
+
     _check(times, values)
-    start, span = times[0], times[-1] - times[0]
+    span, last = times[-1] - times[0], values[-1]
     scale = max(values) - min(values)
-    at = [time - start for time in times]
-    guess = _guess(at, values)
+    at = (np.asarray(times, np.float64) - times[0]) / span
+    shares = (np.asarray(values, np.float64) - last) / scale
 
-    def residuals(numbers: tuple[float, ...]) -> list[float]:
+    def residuals(numbers: tuple[float, ...]) -> Any:
         final, change, tau = numbers
-        return [
-            (value - values[-1]) / scale - (final - 1.0) + change * math.exp(min(-time / tau, 50.0))
-            for time, value in zip(at, values, strict=True)
-        ]
+        return shares - final + change * np.exp(np.minimum(-at / tau, 50.0))
 
-    sign = math.copysign(1.0, values[-1] - values[0])
+    sign = math.copysign(1.0, last - values[0])
     try:
-        solution = least_squares(residuals, (1.0, sign, guess))
+        found = fit_residuals(residuals, (0.0, sign, _guess(at, shares)))
     except SolveError as error:
         raise DataError(
             f"A record of {span:.4g} s holds no time constant: no exponential fits best; record "
             "until the values settle."
         ) from error
-    final, change, tau = parameters(residuals, solution)
-    if not 0.0 < tau.value < span:
+    final, change, tau = found.estimates
+    if not 0.0 < tau.value < 1.0:
         raise DataError(
-            f"A record of {span:.4g} s holds no time constant: the best fit has {tau.value:.4g} s; "
-            "record until the values settle."
+            f"A record of {span:.4g} s holds no time constant: the best fit has "
+            f"{span * tau.value:.4g} s; record until the values settle."
         )
     return Rise(
-        tau,
-        propagated(lambda share: values[-1] + scale * (share - 1.0), final),
-        propagated(lambda share: scale * share, change),
-        scale * solution.rms,
-        _correlation(solution.residuals),
+        tau.scaled(span),
+        final.scaled(scale, last),
+        change.scaled(scale),
+        scale * found.rms,
+        _correlation(found.residuals),
     )
 
 
-def _guess(at: Sequence[float], values: Sequence[float]) -> float:
-    """Best time constant of a row of trials, level and change being linear."""
-    import numpy as np
+def _guess(at: Any, values: Any) -> float:
+    """τ of the regression y = c + (y_∞/τ) t - (1/τ) ∫y dt, which is linear (Jacquelin 2009).
 
-    times, numbers = np.asarray(at, np.float64), np.asarray(values, np.float64)
-    numbers = numbers - numbers[-1]
-    best, least = math.nan, math.inf
-    for tau in np.geomspace(times[1], 4.0 * times[-1], _TRIALS):
-        columns = np.stack([np.ones_like(times), np.exp(-times / tau)], axis=1)
-        fitted, *_ = np.linalg.lstsq(columns, numbers, rcond=None)
-        left = numbers - columns @ fitted
-        if left @ left < least:
-            best, least = float(tau), float(left @ left)
-    return best
+    Noise biases it towards short times, but not out of the valley of the minimum.
+    """
+    import numpy as np
+    from scipy.integrate import cumulative_trapezoid
+
+    columns = np.stack([np.ones_like(at), at, cumulative_trapezoid(values, at, initial=0.0)], 1)
+    rate = -float(np.linalg.lstsq(columns, values, rcond=None)[0][2])
+    return min(max(1.0 / rate, at[1]), 1.0) if rate > 0.0 else 1.0
 
 
 def _correlation(residuals: Sequence[float]) -> float:
@@ -134,14 +125,7 @@ def _correlation(residuals: Sequence[float]) -> float:
 
 
 def _check(times: Sequence[float], values: Sequence[float]) -> None:
-    if len(times) != len(values):
-        raise DataError(
-            f"Times and values must be equally many, but are {len(times)} and {len(values)}."
-        )
-    if len(times) < FEWEST:
-        raise DataError(f"A time constant needs at least {FEWEST} rows, but has {len(times)}.")
-    if not all(map(math.isfinite, (*times, *values))):
-        raise DataError("Times and values of a rise must be finite, but are not all.")
+    check_columns("a time constant", "rows", FEWEST, times=times, values=values)
     if any(after <= before for before, after in pairwise(times)):
         raise DataError("Times of a rise must increase from row to row, but do not.")
     if max(values) == min(values):

@@ -18,12 +18,12 @@ Source: Lagoudas et al. (2012), Int. J. Plasticity 32–33, equation for H(σ).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from martensite.characterise.estimate import Estimate, parameters, propagated
-from martensite.characterise.nonlinear_regression import least_squares
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
 from martensite.confidence import LEVEL, two_sided_probability
 from martensite.errors import DataError, SolveError
 
@@ -35,6 +35,8 @@ LEAST_RATE, MOST_RATE = 0.5, 50.0
 RATES = 200
 PLACES = 60
 """Values of k, and of σ_crit, among which the fit begins."""
+NAMES = ("low", "high", "rate", "crit")
+"""H_min, H_sat, k and σ_crit, as `saturating` takes them."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
         shape = _begin(stresses, strains, [0.0])
         spare = len(strains) - 3
         if shape.high > shape.low and _worth(shape.squares, squares, spare):
-            return _refined(stresses, strains, _with_crit(stresses, strains, shape, levels), mean)
+            return _refine(stresses, strains, _with_crit(stresses, strains, shape, levels), mean)
     deviation = math.sqrt(squares / len(strains))
     return StrainFit("constant", mean, mean, mean, None, None, deviation)
 
@@ -171,74 +173,50 @@ def _begin(stresses: Sequence[float], strains: Sequence[float], places: Sequence
 # ---------------------------------------------------------------- from the best of many to the best
 
 
-def _refined(
+def _refine(
     stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: Estimate
 ) -> StrainFit:
     """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
-    numbers = _numbers(shape)
+    solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
-        found = _solved(stresses, strains, shape)
-        numbers = numbers if found is None else found
-    low, high, rate, crit = numbers
-    values = low.value, high.value, rate.value, 0.0 if crit is None else crit.value
+        solved = _solve(stresses, strains, shape)
+    found = solved or {n: Estimate(getattr(shape, n), math.nan, 0) for n in NAMES}
+    values = [found[name].value for name in NAMES]
     pairs = zip(stresses, strains, strict=True)
-    squares = math.fsum((saturating(*values, s) - h) ** 2 for s, h in pairs)
-    deviation = math.sqrt(squares / len(strains))
-    return StrainFit("saturating", mean, low, high, rate, crit, deviation)
-
-
-Numbers = tuple[Estimate, Estimate, Estimate, Estimate | None]
-
-
-def _numbers(shape: _Shape) -> Numbers:
-    """A shape as numbers without standard errors."""
-    low, high, rate, crit = (
-        Estimate(value, math.nan, 0) for value in (shape.low, shape.high, shape.rate, shape.crit)
+    left = [saturating(*values, stress=s) - h for s, h in pairs]
+    low, high, rate, crit = (found[name] for name in NAMES)
+    return StrainFit(
+        "saturating", mean, low, high, rate, crit if shape.crit else None, root_mean_square(left)
     )
-    return low, high, rate, crit if shape.crit else None
 
 
-def _solved(stresses: Sequence[float], strains: Sequence[float], shape: _Shape) -> Numbers | None:
+def _solve(
+    stresses: Sequence[float], strains: Sequence[float], shape: _Shape
+) -> dict[str, Estimate] | None:
     """All free numbers by least squares; None if they do not settle within their range."""
-    scale, top = shape.high, max(stresses)
-    held = shape.low == 0.0
-    # values near 1, which set the size of the steps
-    start = [1.0, 1.0, *([] if held else [1.0 + shape.low / scale]), *([1.0] if shape.crit else [])]
+    # what is zero in the shape is held there; the others are fitted in units of about their size
+    units = {"low": shape.high, "high": shape.high, "rate": shape.rate, "crit": shape.crit}
+    free = [name for name in NAMES if getattr(shape, name)]
 
-    def unpack(values: Sequence[float]) -> tuple[float, float, float, float]:
-        low = 0.0 if held else scale * (values[2] - 1.0)
-        crit = shape.crit * values[-1] if shape.crit else 0.0
-        return low, scale * values[0], shape.rate * values[1], crit
+    def unpack(shares: Sequence[float]) -> dict[str, float]:
+        pairs = zip(free, shares, strict=True)
+        return dict.fromkeys(NAMES, 0.0) | {name: units[name] * share for name, share in pairs}
 
-    def residuals(values: tuple[float, ...]) -> list[float]:
-        numbers = unpack(values)
+    def residuals(shares: tuple[float, ...]) -> list[float]:
+        numbers = unpack(shares)
         pairs = zip(stresses, strains, strict=True)
-        return [(saturating(*numbers, s) - h) / scale for s, h in pairs]
+        return [(saturating(*numbers.values(), stress=s) - h) / shape.high for s, h in pairs]
 
     try:
-        solution = least_squares(residuals, start)
+        found = fit_residuals(residuals, [getattr(shape, name) / units[name] for name in free])
     except SolveError:
         return None
-    low, high, rate, crit = unpack(solution.values)
-    inside = LEAST_RATE <= rate * top <= MOST_RATE
-    if not (inside and 0.0 <= low < high and 0.0 <= crit < top):
+    numbers, top = unpack(found.values), max(stresses)
+    if numbers["low"] < 0.0:
+        return _solve(stresses, strains, replace(shape, low=0.0))
+    inside = LEAST_RATE <= numbers["rate"] * top <= MOST_RATE
+    if not (inside and numbers["low"] < numbers["high"] and 0.0 <= numbers["crit"] < top):
         return None
-    return _scaled(parameters(residuals, solution), shape, held)
-
-
-def _scaled(free: Sequence[Estimate], shape: _Shape, held: bool) -> Numbers:
-    """Estimates of the numbers from those of the scaled ones."""
-
-    def times(factor: float, estimate: Estimate, less: float = 0.0) -> Estimate:
-        return _mapped(lambda value: factor * (value - less), estimate)
-
-    low = Estimate(0.0) if held else times(shape.high, free[2], 1.0)
-    crit = times(shape.crit, free[-1]) if shape.crit else None
-    return low, times(shape.high, free[0]), times(shape.rate, free[1]), crit
-
-
-def _mapped(function: Callable[[float], float], estimate: Estimate) -> Estimate:
-    """A linear function of an estimate; its standard error may be unknown."""
-    if math.isnan(estimate.error):
-        return Estimate(function(estimate.value), math.nan, estimate.freedom)
-    return propagated(function, estimate)
+    pairs = zip(free, found.estimates, strict=True)
+    fitted = {name: estimate.scaled(units[name]) for name, estimate in pairs}
+    return dict.fromkeys(NAMES, Estimate(0.0)) | fitted

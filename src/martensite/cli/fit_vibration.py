@@ -46,7 +46,7 @@ class Oscillator:
 
     def derived(self, fit: LogDecrement) -> dict[str, tuple[Estimate, str]]:
         """Mass or stiffness, and damping, by name with their units; empty if nothing is given."""
-        from martensite.characterise.estimate import propagated
+        from martensite.characterise.estimate import propagate_errors
         from martensite.characterise.free_vibration import damping_ratio, moving_mass
 
         def rate(period: float, delta: float) -> float:
@@ -57,14 +57,14 @@ class Oscillator:
             half = self.mass * omega if self.mass is not None else (self.stiffness or 0.0) / omega
             return 2.0 * damping_ratio(delta) * half
 
-        c = propagated(damping, fit.period, fit.decrement)
+        c = propagate_errors(damping, fit.period, fit.decrement)
         if self.stiffness is not None:
             k = self.stiffness
-            found = propagated(lambda f: moving_mass(k, f), fit.frequency)
+            found = propagate_errors(lambda f: moving_mass(k, f), fit.frequency)
             return {"moving_mass": (found, "kg"), "damping": (c, "N*s/m")}
         if self.mass is not None:
             m = self.mass
-            found = propagated(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
+            found = propagate_errors(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
             return {"stiffness": (found, "N/m"), "damping": (c, "N*s/m")}
         return {}
 

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.characterise.nonlinear_regression import least_squares, root_mean_square
+from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
 from martensite.characterise.polynomial_regression import fit_powers
 from martensite.studies.wire_heating import bench
 from martensite.studies.wire_heating.printed import Printed
@@ -62,7 +62,7 @@ def closure_a(printed: Printed) -> Closure:
             for row in printed.rows
         ]
 
-    found = least_squares(errors, (4.0, bench.AMBIENT))
+    found = fit_residuals(errors, (4.0, bench.AMBIENT))
     ohms, ambient = found.values
     films = [bench.film(row.temperature, ambient, printed) for row in printed.rows]
     return Closure(ohms, sum(films) / len(films), ambient, found.residuals)
