@@ -14,7 +14,7 @@ import pytest
 from scipy import optimize, stats
 
 from martensite.characterise import film_sensitivity
-from martensite.characterise.film_ambient import free_ambient
+from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, fit_film
 from martensite.characterise.film_points import (
     ABSOLUTE_ZERO,
@@ -190,7 +190,7 @@ def test_sensitivity_to_the_ambient_against_differences() -> None:
         slopes = [fit_film(*points_of(p), (0, 1)).coefficients[1] for p in (above, below)]
         found = film_sensitivity.slope_per_kelvin(points)
         assert found == pytest.approx((slopes[0] - slopes[1]) / (2 * step), rel=1e-6)
-        level = points.at_ambient(film_sensitivity.ambient_without_slope(points))
+        level = points.at_ambient(film_sensitivity.find_level_ambient(points))
         assert fit_film(*points_of(level), (0, 1)).coefficients[1] == pytest.approx(0.0, abs=1e-8)
         assert level.at_ambient(ambient).h == pytest.approx(points.h)
 
@@ -205,7 +205,7 @@ def test_free_ambient_is_the_nonlinear_fit_of_h_and_ambient() -> None:
     found = optimize.least_squares(
         residuals, [30.0, 0.4, 38.0], x_scale=[30.0, 0.4, 1.0], xtol=1e-14
     )
-    fit = free_ambient(MIGAONE, 1)
+    fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     assert fit.ambient == pytest.approx(found.x[2], abs=1e-4)
     assert fit.leading == pytest.approx(found.x[1], rel=1e-4)
@@ -216,7 +216,7 @@ def test_of_two_parts_of_the_ambient_interval_the_one_about_the_best_is_taken() 
     """q = h1 (θ + 100)(θ - 20) is zero at -100 degC too, which is no ambient."""
     at = np.linspace(30.0, 150.0, 30)
     h = 30.0 + 0.3 * at + np.random.default_rng(2).normal(0.0, 1e-3, 30)
-    fit = free_ambient(FilmPoints(tuple(at), tuple(h), 20.0), 1)
+    fit = fit_free_ambient(FilmPoints(tuple(at), tuple(h), 20.0), 1)
     assert fit is not None
     low, high = fit.ambient_interval()
     assert 19.9 < low < fit.ambient < high < 20.1
@@ -229,7 +229,7 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
     noise = np.random.default_rng(5).normal(0.0, 4.0, 12)
     h = 30.0 + (0.5 * at if degree else 0.0 * at) + noise / (at - 25.0)
     points = FilmPoints(tuple(at), tuple(h), 25.0)
-    fit = free_ambient(points, degree)
+    fit = fit_free_ambient(points, degree)
     assert fit is not None and fit.bounded()
     t = stats.t.ppf(0.975, fit.flux.freedom)
     for end in fit.ambient_interval():
@@ -246,7 +246,7 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
 
 
 def test_the_ambient_is_unbounded_where_the_slope_may_be_zero() -> None:
-    fit = free_ambient(MIGAONE, 1)
+    fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     low, high = fit.leading_interval()
     assert low < 0.0 < high
@@ -269,7 +269,7 @@ def test_correlation_and_condition_by_finite_differences() -> None:
     jacobian = np.stack(columns, axis=1)
     covariance = np.linalg.inv(jacobian.T @ jacobian)
     expected = covariance[1, 2] / np.sqrt(covariance[1, 1] * covariance[2, 2])
-    found = film_sensitivity.confounding(MIGAONE)
+    found = film_sensitivity.find_confounding(MIGAONE)
     assert found.correlation == pytest.approx(expected, rel=1e-5)
     scaled = jacobian / np.linalg.norm(jacobian, axis=0)
     assert found.condition == pytest.approx(np.linalg.cond(scaled), rel=1e-5)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.characterise.film_ambient import free_ambient
+from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, fit_film
 from martensite.characterise.film_points import FilmPoints
 from martensite.characterise.film_report import judge_film
@@ -63,12 +63,12 @@ def test_intervals_with_the_ambient_free_hold_the_truth(noise: float) -> None:
     """Also where the noise is so strong that the interval of the ambient is cut off."""
 
     def slope(seed: int) -> Interval:
-        fit = free_ambient(heated(seed, noise), 1)
+        fit = fit_free_ambient(heated(seed, noise), 1)
         assert fit is not None
         return fit.leading_interval()
 
     def ambient(seed: int) -> Interval:
-        fit = free_ambient(heated(seed, noise), 1)
+        fit = fit_free_ambient(heated(seed, noise), 1)
         assert fit is not None
         return fit.ambient_interval()
 

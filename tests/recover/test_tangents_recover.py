@@ -19,7 +19,10 @@ from scipy import stats
 from martensite.characterise.tangent_fit import TangentFit, tangent_fit
 from martensite.characterise.tangent_lines import CORE
 from martensite.characterise.tangent_points import TangentPoints, tangent_points
-from martensite.characterise.transformation_strain import fit_transformation_strain, saturating
+from martensite.characterise.transformation_strain import (
+    fit_transformation_strain,
+    saturating_strain,
+)
 from martensite.confidence import Interval, interval_contains
 from martensite.laws.brinson import Brinson
 from martensite.laws.liang_rogers import LiangRogers
@@ -308,7 +311,7 @@ def test_wrong_intervals_are_noticed(fits: list[TangentFit], factor: float) -> N
 
 def strains(stresses: tuple[float, ...], *numbers: float) -> list[float]:
     low, high, rate, crit = numbers
-    return [saturating(low, high, rate, crit, s) for s in stresses]
+    return [saturating_strain(low, high, rate, crit, s) for s in stresses]
 
 
 MANY = (10e6, 50e6, 100e6, 150e6, 200e6, 300e6, 400e6, 500e6)

@@ -56,7 +56,7 @@ class Direction:
 
     def slope_interval(self, level: float = LEVEL) -> Interval:
         """Confidence interval of C [Pa/K]; unbounded if b may be zero."""
-        return inverted(self.shift.interval(level))
+        return invert_interval(self.shift.interval(level))
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
@@ -64,18 +64,21 @@ class Direction:
             name: {
                 "zero_stress": fit.coefficient(0).to_dict(level),
                 "slope": 1.0 / fit.values[1] if fit.values[1] else None,
-                "slope_interval": list(inverted(fit.interval(1, level))),
+                "slope_interval": list(invert_interval(fit.interval(1, level))),
             }
             for name, fit in self.own.items()
         }
         return {
-            self.names[0]: self.start.to_dict(level), self.names[1]: self.finish.to_dict(level),
-            "slope": self.slope, "slope_interval": list(self.slope_interval(level)),
-            "separately": own, "widening_p_value": self.widening,
-        }  # fmt: skip
+            self.names[0]: self.start.to_dict(level),
+            self.names[1]: self.finish.to_dict(level),
+            "slope": self.slope,
+            "slope_interval": list(self.slope_interval(level)),
+            "separately": own,
+            "widening_p_value": self.widening,
+        }
 
 
-def over_stress(levels: Sequence[TangentPoints], names: tuple[str, str], half: str) -> Direction:
+def fit_direction(levels: Sequence[TangentPoints], names: tuple[str, str], half: str) -> Direction:
     """Fit the temperatures of one direction over stress.
 
     Args:
@@ -90,12 +93,12 @@ def over_stress(levels: Sequence[TangentPoints], names: tuple[str, str], half: s
     widths = [b - a for a, b in pairs]
     middle = fit_powers(stresses, [0.5 * (a + b) for a, b in pairs], (0, 1))
     width = fit_powers(stresses, widths, (0,)).coefficient(0)
-    start, finish = (_end(middle.coefficient(0), width, sign) for sign in (-0.5, 0.5))
+    start, finish = (_add_width(middle.coefficient(0), width, sign) for sign in (-0.5, 0.5))
     widening = fit_powers(stresses, widths, (0, 1)).p_value(1)
     return Direction(names, start, finish, middle.coefficient(1), own, widening)
 
 
-def _end(middle: Estimate, width: Estimate, sign: float) -> Estimate:
+def _add_width(middle: Estimate, width: Estimate, sign: float) -> Estimate:
     """middle + sign width, whose errors are independent."""
     value = middle.value + sign * width.value
     parts = (middle.error**2, middle.freedom), ((sign * width.error) ** 2, width.freedom)
@@ -106,7 +109,7 @@ def _end(middle: Estimate, width: Estimate, sign: float) -> Estimate:
     return Estimate(value, math.sqrt(total), freedom)
 
 
-def inverted(interval: Interval) -> Interval:
+def invert_interval(interval: Interval) -> Interval:
     """Interval of 1/b from that of b; unbounded if b may be zero."""
     low, high = interval
     if low <= 0.0 <= high:

@@ -112,7 +112,10 @@ class _Scan:
             sign = -sign
             vertex = self._vertex(vertex.time + self.half, sign)
         return Extremes(
-            tuple(v.time for v in found), tuple(v.value for v in found), first_sign, _noise(found)
+            tuple(v.time for v in found),
+            tuple(v.value for v in found),
+            first_sign,
+            _estimate_noise(found),
         )
 
     def _first(self) -> tuple[float, _Vertex | None]:
@@ -175,11 +178,11 @@ class _Scan:
         if not found:
             return True
         size = 0.5 * abs(vertex.value - found[-1].value)
-        error = _noise([*found, vertex]) * math.sqrt(3.0 / (vertex.freedom + 3))
+        error = _estimate_noise([*found, vertex]) * math.sqrt(3.0 / (vertex.freedom + 3))
         return size >= max(least * found[0].size, _CLEAR * error)
 
 
-def _noise(found: list[_Vertex]) -> float:
+def _estimate_noise(found: list[_Vertex]) -> float:
     """Standard deviation of the rows about the sinusoids."""
     freedom = sum(vertex.freedom for vertex in found)
     return math.sqrt(sum(vertex.squares for vertex in found) / freedom) if freedom else 0.0

@@ -53,7 +53,9 @@ class FreeAmbient:
         """Ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
         import numpy as np
 
-        below = [root for root in _real(np.roots(self.flux.values[::-1])) if root < self.coldest]
+        below = [
+            root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest
+        ]
         return max(below, default=math.nan)
 
     def ambient_interval(self, level: float = LEVEL) -> Interval:
@@ -68,10 +70,10 @@ class FreeAmbient:
         spread = [np.trace(covariance[:, ::-1], k) for k in range(len(c) - 1, -len(c), -1)]
         allowed = student_quantile(level, self.flux.freedom) ** 2 * np.asarray(spread)
         outside = Polynomial(np.convolve(c, c) - allowed)
-        edges = [e for e in _real(outside.roots()) if ABSOLUTE_ZERO < e < self.coldest]
+        edges = [e for e in _real_roots(outside.roots()) if ABSOLUTE_ZERO < e < self.coldest]
         ends = sorted({ABSOLUTE_ZERO, self.coldest, *edges})
         parts = [(a, b) for a, b in pairwise(ends) if outside(0.5 * (a + b)) <= 0.0]
-        return self._chosen(_joined(parts))
+        return self._chosen(_join_intervals(parts))
 
     def _chosen(self, parts: list[Interval]) -> Interval:
         """The part that holds the best ambient; all of them together if there is none."""
@@ -95,7 +97,7 @@ class FreeAmbient:
         }
 
 
-def free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
+def fit_free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
     """Fit h of a degree and the ambient together; None if the points are too few for that."""
     if len(set(points.temperatures_degC)) < degree + 2:
         return None
@@ -104,7 +106,7 @@ def free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
     return FreeAmbient(degree, flux, min(points.temperatures_degC))
 
 
-def _joined(parts: list[Interval]) -> list[Interval]:
+def _join_intervals(parts: list[Interval]) -> list[Interval]:
     """Intervals with those that touch put together."""
     joined: list[Interval] = []
     for low, high in parts:
@@ -115,6 +117,6 @@ def _joined(parts: list[Interval]) -> list[Interval]:
     return joined
 
 
-def _real(roots: Any) -> list[float]:
+def _real_roots(roots: Any) -> list[float]:
     """Real ones among roots."""
     return [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * max(abs(r), 1.0)]

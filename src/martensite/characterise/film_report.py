@@ -16,19 +16,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.film_ambient import FreeAmbient, free_ambient
+from martensite.characterise.film_ambient import FreeAmbient, fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, FilmFit, fit_film
 from martensite.characterise.film_points import FilmPoints
 from martensite.characterise.film_sensitivity import (
     AtAmbient,
     Confounding,
-    ambient_without_slope,
-    at_shifts,
-    confounding,
     film_per_kelvin,
+    find_confounding,
+    find_level_ambient,
+    shift_ambients,
     slope_per_kelvin,
 )
-from martensite.characterise.film_verdicts import Verdict, ambient_verdict, curvature, slope
+from martensite.characterise.film_verdicts import (
+    Verdict,
+    judge_ambient,
+    judge_curvature,
+    judge_slope,
+)
 from martensite.confidence import LEVEL
 
 
@@ -97,24 +102,24 @@ def judge_film(points: FilmPoints, level: float = LEVEL) -> FilmReport:
     different = len(set(points.temperatures_degC))
     forms = {form: terms for form, terms in FORMS.items() if len(terms) <= max(different, 2)}
     fits = {f: fit_film(points.temperatures_degC, points.h, terms) for f, terms in forms.items()}
-    report = None if points.ambient_degC is None else _ambient(points)
+    report = None if points.ambient_degC is None else _report_ambient(points)
     free = {} if report is None else report.free
-    bend = curvature(points, fits, free, level)
+    bend = judge_curvature(points, fits, free, level)
     without = float("nan") if report is None else report.without_slope
-    verdicts = [bend, slope(points, fits, free, without, bend.supported, level)]
+    verdicts = [bend, judge_slope(points, fits, free, without, bend.supported, level)]
     if report is not None:
         form = "quadratic" if bend.supported else "linear"
-        verdicts.append(ambient_verdict(free, form, report.confounding, level))
+        verdicts.append(judge_ambient(free, form, report.confounding, level))
     return FilmReport(points, fits, report, tuple(verdicts), level)
 
 
-def _ambient(points: FilmPoints) -> AmbientReport:
-    found = {form: free_ambient(points, FORMS[form][-1]) for form in list(FORMS)[:3]}
+def _report_ambient(points: FilmPoints) -> AmbientReport:
+    found = {form: fit_free_ambient(points, FORMS[form][-1]) for form in list(FORMS)[:3]}
     return AmbientReport(
-        shifts=tuple(at_shifts(points)),
+        shifts=tuple(shift_ambients(points)),
         per_kelvin=film_per_kelvin(points),
         slope_per_kelvin=slope_per_kelvin(points),
-        without_slope=ambient_without_slope(points),
-        confounding=confounding(points),
+        without_slope=find_level_ambient(points),
+        confounding=find_confounding(points),
         free={form: fit for form, fit in found.items() if fit is not None},
     )

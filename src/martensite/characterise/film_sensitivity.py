@@ -38,7 +38,7 @@ class AtAmbient:
         return self.points.to_dict() | {"mean": self.mean, "linear": self.line.to_dict(level)}
 
 
-def at_shifts(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> list[AtAmbient]:
+def shift_ambients(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> list[AtAmbient]:
     """The points and their lines at ambient temperatures that differ by `shifts` [K].
 
     An ambient that is not below the coldest point is left out.
@@ -61,7 +61,7 @@ def slope_per_kelvin(points: FilmPoints) -> float:
     return line.values[1]
 
 
-def ambient_without_slope(points: FilmPoints) -> float:
+def find_level_ambient(points: FilmPoints) -> float:
     """Ambient temperature [°C] at which the straight line through h is level; NaN if none."""
     from scipy.optimize import root_scalar
 
@@ -87,7 +87,7 @@ class Confounding:
     """Condition number of the scaled sensitivities; 1 if they are independent."""
 
 
-def confounding(points: FilmPoints) -> Confounding:
+def find_confounding(points: FilmPoints) -> Confounding:
     """Sensitivities of the flux to level and slope of h and to the ambient, at the line fitted."""
     import numpy as np
 

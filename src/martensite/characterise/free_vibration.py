@@ -106,17 +106,23 @@ def log_decrement(
         ParameterError: `cycles`, `least` or `frequency` is not one.
         DataError: the rows are no vibration, or have fewer than three peaks.
     """
-    _check(cycles, least)
-    first = _fitted(find_extremes(times, values, cycles=cycles, least=least, frequency=frequency))
+    _check_options(cycles, least)
+    first = _fit_extremes(
+        find_extremes(times, values, cycles=cycles, least=least, frequency=frequency)
+    )
     period = first.period.value
     again = find_extremes(
-        times, values, cycles=cycles, least=least,
-        frequency=1.0 / period, decay=first.decrement.value / period,
-    )  # fmt: skip
-    return _fitted(again)
+        times,
+        values,
+        cycles=cycles,
+        least=least,
+        frequency=1.0 / period,
+        decay=first.decrement.value / period,
+    )
+    return _fit_extremes(again)
 
 
-def _fitted(found: Extremes) -> LogDecrement:
+def _fit_extremes(found: Extremes) -> LogDecrement:
     """The exponential through extremes."""
     peaks = (len(found.values) + 1) // 2
     if peaks < FEWEST_PEAKS:
@@ -125,17 +131,17 @@ def _fitted(found: Extremes) -> LogDecrement:
             f"{peaks} {'was' if peaks == 1 else 'were'} found; record longer, begin right after "
             "the release, or use smaller extremes."
         )
-    offset, amplitude, ratio = _decay(found)
+    offset, amplitude, ratio = _fit_decay(found)
     return LogDecrement(
         decrement=propagate_errors(lambda r: -2.0 * math.log(r), ratio),
-        period=_period(found, ratio.value),
+        period=_fit_period(found, ratio.value),
         offset=offset,
         amplitude=amplitude,
         extremes=found,
     )
 
 
-def _decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
+def _fit_decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
     """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
     import numpy as np
 
@@ -154,7 +160,7 @@ def _decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
     return shift.scaled(size, middle), amplitude.scaled(size), ratio
 
 
-def _period(found: Extremes, ratio: float) -> Estimate:
+def _fit_period(found: Extremes, ratio: float) -> Estimate:
     """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
     import numpy as np
 
@@ -168,7 +174,7 @@ def _period(found: Extremes, ratio: float) -> Estimate:
     return fit_residuals(residuals, (0.0, 1.0)).estimates[1].scaled(2.0 * times[1])
 
 
-def _check(cycles: int | None, least: float) -> None:
+def _check_options(cycles: int | None, least: float) -> None:
     if cycles is not None and cycles < FEWEST_PEAKS - 1:
         raise ParameterError(
             f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}."

@@ -86,10 +86,10 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
             full cycle.
         ParameterError: there is no such cycle, or the stress is not finite.
     """
-    rows = _in_time(record)
+    rows = _rows_in_time(record)
     kelvin, strain = ([record[name][k] for k in rows] for name in ("temperature", "strain"))
-    _check(record.name, kelvin, strain)
-    legs = list(pairwise(turning_points(kelvin)))
+    _check_columns(record.name, kelvin, strain)
+    legs = list(pairwise(find_turning_points(kelvin)))
     cycles = len(legs) // 2
     if not cycles:
         raise DataError(_no_cycle(record.name, kelvin, len(legs)))
@@ -100,18 +100,24 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
         )
     number = cycle % cycles
     pair = legs[2 * number : 2 * number + 2]
-    branches = [_branch(record.name, kelvin[a : b + 1], strain[a : b + 1]) for a, b in pair]
+    branches = [_cut_branch(record.name, kelvin[a : b + 1], strain[a : b + 1]) for a, b in pair]
     cold_start = kelvin[pair[0][0]] < kelvin[pair[0][1]]
-    level, deviation = _stress(record, rows[pair[0][0] : pair[1][1] + 1], stress)
+    level, deviation = _mean_stress(record, rows[pair[0][0] : pair[1][1] + 1], stress)
     return IsobaricCycle(
-        record.name, level, deviation,
-        heating=branches[0 if cold_start else 1], cooling=branches[1 if cold_start else 0],
-        cold_start=cold_start, timed=record.interval is None,
-        number=number + 1, cycles=cycles, remarks=_remarks(level, deviation, number + 1, cycles),
-    )  # fmt: skip
+        record.name,
+        level,
+        deviation,
+        heating=branches[0 if cold_start else 1],
+        cooling=branches[1 if cold_start else 0],
+        cold_start=cold_start,
+        timed=record.interval is None,
+        number=number + 1,
+        cycles=cycles,
+        remarks=_list_remarks(level, deviation, number + 1, cycles),
+    )
 
 
-def turning_points(temperatures: Sequence[float]) -> list[int]:
+def find_turning_points(temperatures: Sequence[float]) -> list[int]:
     """Rows at which the temperature [K] turns, both ends of all full legs included."""
     span = max(temperatures) - min(temperatures)
     if span < LEAST_RANGE:
@@ -132,7 +138,7 @@ def turning_points(temperatures: Sequence[float]) -> list[int]:
     return [*turns, high if rising else low] if turns else []
 
 
-def _in_time(record: Record) -> list[int]:
+def _rows_in_time(record: Record) -> list[int]:
     """Indices of the rows in the order of their times."""
     rows = range(len(record))
     if out_of_order(record.times) is None:
@@ -140,7 +146,7 @@ def _in_time(record: Record) -> list[int]:
     return sorted(rows, key=record.times.__getitem__)
 
 
-def _branch(name: str, kelvin: list[float], strain: list[float]) -> Branch:
+def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> Branch:
     if len(kelvin) < FEWEST_IN_BRANCH:
         way = "heating" if kelvin[-1] > kelvin[0] else "cooling"
         raise DataError(
@@ -150,7 +156,7 @@ def _branch(name: str, kelvin: list[float], strain: list[float]) -> Branch:
     return Branch(tuple(kelvin), tuple(strain))
 
 
-def _stress(record: Record, rows: list[int], given: float | None) -> tuple[float, float]:
+def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[float, float]:
     """Stress and its standard deviation [Pa]."""
     if given is not None:
         if not math.isfinite(given):
@@ -176,7 +182,7 @@ def _stress(record: Record, rows: list[int], given: float | None) -> tuple[float
 # ---------------------------------------------------------------- what is wrong, in words
 
 
-def _check(name: str, kelvin: Sequence[float], strain: Sequence[float]) -> None:
+def _check_columns(name: str, kelvin: Sequence[float], strain: Sequence[float]) -> None:
     """Raise `DataError` unless the columns can be a temperature [K] and a strain [-]."""
     if len(kelvin) < FEWEST_ROWS:
         raise DataError(
@@ -220,7 +226,7 @@ def _no_cycle(name: str, kelvin: Sequence[float], legs: int) -> str:
     )
 
 
-def _remarks(stress: float, deviation: float, number: int, cycles: int) -> tuple[str, ...]:
+def _list_remarks(stress: float, deviation: float, number: int, cycles: int) -> tuple[str, ...]:
     found: list[str] = []
     if cycles > 1:
         found.append(f"Cycle {number} of {cycles} is used.")

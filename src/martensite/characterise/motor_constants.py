@@ -112,7 +112,7 @@ def motor_constants(
         coil,
         Estimate(math.inf) if run_up is None else run_up.tau,
     )
-    formulas = _formulas(states.drop, ohms.value, current_rise is not None)
+    formulas = _constant_formulas(states.drop, ohms.value, current_rise is not None)
     if run_up is not None:
         _refuse_fast(run_up, formulas["inductance"](*(one.value for one in inputs)) / ohms.value)
     numbers = {name: propagate_errors(formula, *inputs) for name, formula in formulas.items()}
@@ -125,10 +125,10 @@ def motor_constants(
         inductance=numbers["inductance"] if coil_known else None,
         inertia=numbers["inertia"] if run_up is not None else None,
     )
-    return replace(found, remarks=tuple(_remarks(found, winding, current_rise, run_up)))
+    return replace(found, remarks=tuple(_list_remarks(found, winding, current_rise, run_up)))
 
 
-def _formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
+def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
     """Every constant from what was measured: R, K at the best R, s, i₀, τ_e or L, and τ_m.
 
     Args:
@@ -166,7 +166,7 @@ def _refuse_fast(run_up: Rise, tau_e: float) -> None:
         )
 
 
-def _remarks(
+def _list_remarks(
     found: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
 ) -> Iterator[str]:
     """Sentences about what is doubtful or not supported."""

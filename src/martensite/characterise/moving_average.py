@@ -27,7 +27,7 @@ def moving_average(values: Sequence[float], window: int) -> list[float]:
         ParameterError: the window is not an odd number above 0.
         DataError: the window is longer than the record.
     """
-    _check(window)
+    _check_window(window)
     if window > len(values):
         raise DataError(
             f"A window of {window} rows is longer than the record of {len(values)} rows."
@@ -51,7 +51,7 @@ def moving_average_gain(frequency: float, window: int, interval: float) -> float
     Raises:
         ParameterError: the window is not an odd number above 0, or the interval not above 0.
     """
-    _check(window)
+    _check_window(window)
     if not 0.0 < interval < math.inf:
         raise ParameterError(f"Argument `interval` must be above 0 s, but is {interval:g} s.")
     angle = math.pi * math.remainder(frequency * interval, 1.0)
@@ -60,7 +60,7 @@ def moving_average_gain(frequency: float, window: int, interval: float) -> float
     return math.sin(window * angle) / (window * math.sin(angle))
 
 
-def _check(window: int) -> None:
+def _check_window(window: int) -> None:
     if window < 1 or window % 2 == 0:
         raise ParameterError(
             f"Argument `window` must be an odd number of rows above 0, but is {window}; an even "

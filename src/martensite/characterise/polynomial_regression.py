@@ -126,11 +126,11 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
     freedom = len(x) - len(terms)
     spread *= squares / freedom if freedom else math.nan
     return LinearFit(
-        tuple(terms), _tuple(values / units), tuple(map(_tuple, spread)), squares, len(x)
+        tuple(terms), _as_floats(values / units), tuple(map(_as_floats, spread)), squares, len(x)
     )
 
 
-def _tuple(numbers: Any) -> tuple[float, ...]:
+def _as_floats(numbers: Any) -> tuple[float, ...]:
     return tuple(map(float, numbers))
 
 

@@ -77,12 +77,12 @@ def natural_frequency(
     padded = 8 * 2 ** math.ceil(math.log2(count))
     size = np.abs(np.fft.rfft(signal, padded))
     spacing = 1.0 / (padded * step)
-    first, last = _band(low, high, 1.0 / (count * step), 0.5 / step)
+    first, last = _check_band(low, high, 1.0 / (count * step), 0.5 / step)
     inside = slice(math.ceil(first / spacing), math.floor(last / spacing) + 1)
     top = inside.start + int(np.argmax(size[inside]))
     median = float(np.median(size[inside]))
     if top in (inside.start, inside.stop - 1) or size[top] < _CLEAR * median:
-        raise DataError(_nothing(first, last, float(top * spacing), count * step))
+        raise DataError(_nothing_found(first, last, float(top * spacing), count * step))
     left, middle, right = np.log(size[top - 1 : top + 2])
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
     return SpectralPeak(
@@ -110,7 +110,9 @@ def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
     return step
 
 
-def _band(low: float | None, high: float | None, least: float, most: float) -> tuple[float, float]:
+def _check_band(
+    low: float | None, high: float | None, least: float, most: float
+) -> tuple[float, float]:
     """Band that is looked at [Hz]."""
     first = _CYCLES * least if low is None else low
     last = most if high is None else high
@@ -127,7 +129,7 @@ def _band(low: float | None, high: float | None, least: float, most: float) -> t
     return first, min(last, most)
 
 
-def _nothing(low: float, high: float, at: float, length: float) -> str:
+def _nothing_found(low: float, high: float, at: float, length: float) -> str:
     return (
         f"No vibration stands out between {low:.4g} and {high:.4g} Hz in a record of "
         f"{length:.4g} s: the largest value is at {at:.4g} Hz, at an end of the band or not above "

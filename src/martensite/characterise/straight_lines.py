@@ -55,9 +55,13 @@ class Line:
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name, for JSON."""
         return {
-            "temperature": self.at, "strain": self.level, "slope": self.slope,
-            "span": list(self.span), "rows": self.rows, "scatter": self.scatter,
-        }  # fmt: skip
+            "temperature": self.at,
+            "strain": self.level,
+            "slope": self.slope,
+            "span": list(self.span),
+            "rows": self.rows,
+            "scatter": self.scatter,
+        }
 
 
 def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Line:
@@ -81,7 +85,7 @@ def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Line
     return Line(at, level, slope, span, int(kept.sum()), scatter)
 
 
-def three_lines(kelvin: Any, strain: Any) -> tuple[Line, Line, Line]:
+def fit_three_lines(kelvin: Any, strain: Any) -> tuple[Line, Line, Line]:
     """The three lines, one after the other, that leave the least sum of squares.
 
     There must be three times `FEWEST` rows, in the order of temperature.
@@ -108,16 +112,16 @@ def three_lines(kelvin: Any, strain: Any) -> tuple[Line, Line, Line]:
 # ---------------------------------------------------------------- rows before any fit
 
 
-def by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
+def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
     """Rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
     import numpy as np
 
     kelvin, place = np.unique(np.asarray(temperatures, np.float64), return_inverse=True)
     strain = np.bincount(place, np.asarray(strains, np.float64)) / np.bincount(place)
-    return averaged(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
+    return average_cells(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
 
 
-def averaged(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
+def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
     """Means over cells of equal width; the means of rows on a line are on it, too."""
     import numpy as np
 
@@ -129,7 +133,7 @@ def averaged(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
     return next(means), next(means)
 
 
-def smooth(values: Any) -> Any:
+def smooth_median(values: Any) -> Any:
     """Running median of five; the first and the last number repeated beyond the ends."""
     import numpy as np
 
@@ -137,7 +141,7 @@ def smooth(values: Any) -> Any:
     return np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
 
 
-def monotone(values: Any) -> Any:
+def fit_isotonic(values: Any) -> Any:
     """The non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
     from scipy.optimize import isotonic_regression
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.clausius_clapeyron import Direction, over_stress
+from martensite.characterise.clausius_clapeyron import Direction, fit_direction
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.tangent_lines import COSINE
 from martensite.characterise.tangent_points import TangentPoints, tangent_points
@@ -163,28 +163,28 @@ def tangent_fit(
             f"There must be one stress per record, but there are {len(stresses)} and {len(cycles)}."
         )
     given = [None] * len(cycles) if stresses is None else stresses
-    levels = [_points(one, stress, cycle) for one, stress in zip(cycles, given, strict=True)]
+    levels = [_read_points(one, stress, cycle) for one, stress in zip(cycles, given, strict=True)]
     levels.sort(key=lambda points: points.stress)
     if not levels or levels[-1].stress - levels[0].stress < DISTINCT:
         raise DataError(
             "C_A and C_M need cycles at two or more different stresses, but there "
-            f"{_how_many(levels)}; `tangent_points` reads a single cycle."
+            f"{_count_levels(levels)}; `tangent_points` reads a single cycle."
         )
     return TangentFit(
         tuple(levels),
-        reverse=over_stress(levels, ("A_s", "A_f"), "A_half"),
-        forward=over_stress(levels, ("M_s", "M_f"), "M_half"),
+        reverse=fit_direction(levels, ("A_s", "A_f"), "A_half"),
+        forward=fit_direction(levels, ("M_s", "M_f"), "M_half"),
         strain=fit_transformation_strain([p.stress for p in levels], [p.H for p in levels]),
     )
 
 
-def _points(one: Record | TangentPoints, stress: float | None, cycle: int) -> TangentPoints:
+def _read_points(one: Record | TangentPoints, stress: float | None, cycle: int) -> TangentPoints:
     if isinstance(one, TangentPoints):
         return one
     return tangent_points(one, stress=stress, cycle=cycle)
 
 
-def _how_many(levels: Sequence[TangentPoints]) -> str:
+def _count_levels(levels: Sequence[TangentPoints]) -> str:
     """How many cycles there are and at which stress, in words."""
     if not levels:
         return "are none"

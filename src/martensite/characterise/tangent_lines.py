@@ -29,12 +29,12 @@ from typing import Any
 from martensite.characterise.straight_lines import (
     FEWEST,
     Line,
-    averaged,
-    by_temperature,
+    average_cells,
+    fit_isotonic,
     fit_line,
-    monotone,
-    smooth,
-    three_lines,
+    fit_three_lines,
+    smooth_median,
+    sort_by_temperature,
 )
 from martensite.errors import DataError
 
@@ -100,10 +100,14 @@ class BranchTangents:
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name, for JSON."""
         return {
-            "low": self.low, "high": self.high, "half": self.half,
+            "low": self.low,
+            "high": self.high,
+            "half": self.half,
             "transformation_strain": self.transformation_strain,
-            "cold": self.cold.to_dict(), "steep": self.steep.to_dict(), "hot": self.hot.to_dict(),
-        }  # fmt: skip
+            "cold": self.cold.to_dict(),
+            "steep": self.steep.to_dict(),
+            "hot": self.hot.to_dict(),
+        }
 
 
 def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangents:
@@ -117,58 +121,58 @@ def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangen
     Raises:
         DataError: there is no transformation, or none that the branch holds as a whole.
     """
-    kelvin, strain = by_temperature(temperatures, strains)
-    cells = averaged(kelvin, smooth(strain), CELLS)
-    if cells[0].size < 3 * FEWEST or _straight(kelvin, strain):
-        raise _none(where)
-    cold, steep, hot = three_lines(*cells)
+    kelvin, strain = sort_by_temperature(temperatures, strains)
+    cells = average_cells(kelvin, smooth_median(strain), CELLS)
+    if cells[0].size < 3 * FEWEST or _is_straight(kelvin, strain):
+        raise _no_transformation(where)
+    cold, steep, hot = fit_three_lines(*cells)
     ends = (math.nan, math.nan)
     for _ in range(PASSES):
-        way = _way((cold, hot), steep.at, kelvin, strain, where)
-        steep = fit_line(kelvin, strain, _steepest(kelvin, way))
+        way = _find_way((cold, hot), steep.at, kelvin, strain, where)
+        steep = fit_line(kelvin, strain, _find_steepest(kelvin, way))
         before, ends = ends, (steep.meets(cold), steep.meets(hot))
         if not ends[0] < ends[1]:
-            raise _none(where)
+            raise _no_transformation(where)
         if ends == before:
             break
-        cold = fit_line(kelvin, strain, _outer(kelvin, ends[0], "cold", where))
-        hot = fit_line(kelvin, strain, _outer(kelvin, ends[1], "hot", where))
-    half = _half((cold, hot), kelvin, strain)
+        cold = fit_line(kelvin, strain, _outer_rows(kelvin, ends[0], "cold", where))
+        hot = fit_line(kelvin, strain, _outer_rows(kelvin, ends[1], "hot", where))
+    half = _find_half((cold, hot), kelvin, strain)
     found = BranchTangents(cold, steep, hot, half, (float(kelvin[0]), float(kelvin[-1])))
-    _check(found, where)
+    _check_lines(found, where)
     return found
 
 
-def _straight(kelvin: Any, strain: Any) -> bool:
+def _is_straight(kelvin: Any, strain: Any) -> bool:
     """Whether all rows lie on one line."""
     return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST)
 
 
-def _way(outer: tuple[Line, Line], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
+def _find_way(outer: tuple[Line, Line], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
     """Share of the way from the cold to the hot line, growing from row to row."""
     import numpy as np
 
     cold, hot = outer
     gap = hot.value(middle) - cold.value(middle)
     if abs(gap) < LEAST:
-        raise _none(where)
+        raise _no_transformation(where)
     sign = 1.0 if gap > 0.0 else -1.0
     # lines that converge must not meet within the branch
     gaps = np.maximum(sign * (hot.value(kelvin) - cold.value(kelvin)), NARROWEST * abs(gap))
-    return monotone(smooth(sign * (strain - cold.value(kelvin)) / gaps))
+    return fit_isotonic(smooth_median(sign * (strain - cold.value(kelvin)) / gaps))
 
 
-def _steepest(kelvin: Any, way: Any) -> slice:
+def _find_steepest(kelvin: Any, way: Any) -> slice:
     """Rows of the narrowest range of temperature in which `CORE` of the way is covered."""
     import numpy as np
 
     begins = np.linspace(EDGE, 1.0 - EDGE - CORE, BEGINNINGS)
     low, high = np.interp(begins, way, kelvin), np.interp(begins + CORE, way, kelvin)
     best = int(np.argmin(high - low))
-    return _rows(kelvin, float(low[best]), float(high[best]))
+    return _rows_between(kelvin, float(low[best]), float(high[best]))
 
 
-def _rows(kelvin: Any, low: float, high: float) -> slice:
+def _rows_between(kelvin: Any, low: float, high: float) -> slice:
     """Rows within a range of temperature, and neighbours if there are fewer than needed."""
     import numpy as np
 
@@ -179,7 +183,7 @@ def _rows(kelvin: Any, low: float, high: float) -> slice:
     return slice(first, last)
 
 
-def _outer(kelvin: Any, end: float, side: str, where: str) -> slice:
+def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
     """Rows of an outer line: the outer half of what lies beyond an end of the transformation."""
     import numpy as np
 
@@ -188,44 +192,44 @@ def _outer(kelvin: Any, end: float, side: str, where: str) -> slice:
     count = int(np.searchsorted(from_edge, FAR * beyond, "right"))
     if count < FEWEST:
         if int(np.searchsorted(from_edge, beyond, "right")) < FEWEST:
-            raise _incomplete(side, where)
+            raise _incomplete_transformation(side, where)
         count = FEWEST
     return slice(None, count) if side == "cold" else slice(kelvin.size - count, None)
 
 
-def _half(outer: tuple[Line, Line], kelvin: Any, strain: Any) -> float:
+def _find_half(outer: tuple[Line, Line], kelvin: Any, strain: Any) -> float:
     """Temperature at which the strain passes the middle of the outer lines."""
     import numpy as np
 
     cold, hot = outer
     beyond = strain - 0.5 * (cold.value(kelvin) + hot.value(kelvin))
     sign = 1.0 if beyond[-1] > beyond[0] else -1.0
-    return float(np.interp(0.0, monotone(smooth(sign * beyond)), kelvin))
+    return float(np.interp(0.0, fit_isotonic(smooth_median(sign * beyond)), kelvin))
 
 
 # ---------------------------------------------------------------- what is wrong, in words
 
 
-def _check(found: BranchTangents, where: str) -> None:
+def _check_lines(found: BranchTangents, where: str) -> None:
     """Raise `DataError` unless the outer lines are flat beside the steep one, and apart."""
     limit = FLATTER * abs(found.steep.slope)
     sides = (("cold", found.cold), ("hot", found.hot))
     steep = [side for side, line in sides if abs(line.slope) > limit]
     if len(steep) == 1:
-        raise _incomplete(steep[0], where)
+        raise _incomplete_transformation(steep[0], where)
     scatter = max(found.cold.scatter, found.hot.scatter)
     if steep or abs(found.transformation_strain) < max(CLEAR * scatter, LEAST):
-        raise _none(where)
+        raise _no_transformation(where)
 
 
-def _none(where: str) -> DataError:
+def _no_transformation(where: str) -> DataError:
     return DataError(
         f"No transformation found in {where}: the strain nowhere leaves a straight line in a step "
         "that stands out of the scatter; is the column the strain, and did the sample transform?"
     )
 
 
-def _incomplete(side: str, where: str) -> DataError:
+def _incomplete_transformation(side: str, where: str) -> DataError:
     phase, do = ("martensite", "cool") if side == "cold" else ("austenite", "heat")
     return DataError(
         f"The transformation in {where} is not complete: there is no straight {side} part "

@@ -106,9 +106,22 @@ class TangentPoints:
     def to_dict(self) -> dict[str, Any]:
         """All numbers by name in SI, for JSON; without the rows."""
         names = (
-            "name", "stress", "stress_deviation", "A_s", "A_f", "M_s", "M_f", "A_half", "M_half",
-            "hysteresis", "H", "residual_strain", "stroke", "alpha_A", "alpha_M",
-        )  # fmt: skip
+            "name",
+            "stress",
+            "stress_deviation",
+            "A_s",
+            "A_f",
+            "M_s",
+            "M_f",
+            "A_half",
+            "M_half",
+            "hysteresis",
+            "H",
+            "residual_strain",
+            "stroke",
+            "alpha_A",
+            "alpha_M",
+        )
         return {name: getattr(self, name) for name in names} | {
             "heating": self.heating.to_dict(),
             "cooling": self.cooling.to_dict(),
@@ -133,21 +146,29 @@ def tangent_points(
         ParameterError: there is no such cycle.
     """
     cut = cut_cycle(record, stress=stress, cycle=cycle)
-    heating, cooling = _branch(cut, "heating"), _branch(cut, "cooling")
+    heating, cooling = _read_branch(cut, "heating"), _read_branch(cut, "cooling")
     if heating.half < cooling.half:
-        cut = _turned_round(cut)
+        cut = _reverse_cycle(cut)
         heating, cooling = cooling, heating
     strains = cut.heating.strain + cut.cooling.strain
     return TangentPoints(
-        cut.name, cut.stress, cut.stress_deviation, heating, cooling,
-        residual_strain=_residual(heating, cooling, cut.cold_start),
-        stroke=max(strains) - min(strains), cycle=cut,
-        remarks=(*cut.remarks, *_remarks(cut.heating, heating, "heating"),
-                 *_remarks(cut.cooling, cooling, "cooling")),
-    )  # fmt: skip
+        cut.name,
+        cut.stress,
+        cut.stress_deviation,
+        heating,
+        cooling,
+        residual_strain=_residual_strain(heating, cooling, cut.cold_start),
+        stroke=max(strains) - min(strains),
+        cycle=cut,
+        remarks=(
+            *cut.remarks,
+            *_list_remarks(cut.heating, heating, "heating"),
+            *_list_remarks(cut.cooling, cooling, "cooling"),
+        ),
+    )
 
 
-def _branch(cut: IsobaricCycle, way: str) -> BranchTangents:
+def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
     rows = getattr(cut, way)
     found = branch_tangents(rows.temperature, rows.strain, f"`{cut.name}` on {way}")
     strain = found.transformation_strain
@@ -160,7 +181,7 @@ def _branch(cut: IsobaricCycle, way: str) -> BranchTangents:
     return found
 
 
-def _turned_round(cut: IsobaricCycle) -> IsobaricCycle:
+def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
     """A cycle whose rows stand in reverse, with heating and cooling exchanged."""
     if cut.timed:
         raise DataError(
@@ -169,11 +190,14 @@ def _turned_round(cut: IsobaricCycle) -> IsobaricCycle:
         )
     remark = "The rows stand in reverse order: heating and cooling are exchanged."
     return replace(
-        cut, heating=cut.cooling, cooling=cut.heating, remarks=(*cut.remarks, remark),
-    )  # fmt: skip
+        cut,
+        heating=cut.cooling,
+        cooling=cut.heating,
+        remarks=(*cut.remarks, remark),
+    )
 
 
-def _residual(heating: BranchTangents, cooling: BranchTangents, cold_start: bool) -> float:
+def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_start: bool) -> float:
     """Opening of the loop where the cycle begins and ends [-]."""
     if cold_start:
         at = max(heating.span[0], cooling.span[0])
@@ -182,7 +206,7 @@ def _residual(heating: BranchTangents, cooling: BranchTangents, cold_start: bool
     return float(heating.hot.value(at) - cooling.hot.value(at))
 
 
-def _remarks(rows: Branch, found: BranchTangents, way: str) -> list[str]:
+def _list_remarks(rows: Branch, found: BranchTangents, way: str) -> list[str]:
     """Where the record hardly reaches beyond a transformation, or hardly samples it."""
     said: list[str] = []
     between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)

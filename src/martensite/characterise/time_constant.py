@@ -70,7 +70,7 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
     """
     import numpy as np
 
-    _check(times, values)
+    _check_record(times, values)
     span, last = times[-1] - times[0], values[-1]
     scale = max(values) - min(values)
     at = (np.asarray(times, np.float64) - times[0]) / span
@@ -82,7 +82,7 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
 
     sign = math.copysign(1.0, last - values[0])
     try:
-        found = fit_residuals(residuals, (0.0, sign, _guess(at, shares)))
+        found = fit_residuals(residuals, (0.0, sign, _guess_time(at, shares)))
     except SolveError as error:
         raise DataError(
             f"A record of {span:.4g} s holds no time constant: no exponential fits best; record "
@@ -99,11 +99,11 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
         final.scaled(scale, last),
         change.scaled(scale),
         scale * found.rms,
-        _correlation(found.residuals),
+        _lag_correlation(found.residuals),
     )
 
 
-def _guess(at: Any, values: Any) -> float:
+def _guess_time(at: Any, values: Any) -> float:
     """τ of the regression y = c + (y_∞/τ) t - (1/τ) ∫y dt, which is linear (Jacquelin 2009).
 
     Noise biases it towards short times, but not out of the valley of the minimum.
@@ -116,7 +116,7 @@ def _guess(at: Any, values: Any) -> float:
     return min(max(1.0 / rate, at[1]), 1.0) if rate > 0.0 else 1.0
 
 
-def _correlation(residuals: Sequence[float]) -> float:
+def _lag_correlation(residuals: Sequence[float]) -> float:
     """Correlation of each number with the next."""
     mean = sum(residuals) / len(residuals)
     numbers = [r - mean for r in residuals]
@@ -124,7 +124,7 @@ def _correlation(residuals: Sequence[float]) -> float:
     return sum(a * b for a, b in pairwise(numbers)) / total if total else 0.0
 
 
-def _check(times: Sequence[float], values: Sequence[float]) -> None:
+def _check_record(times: Sequence[float], values: Sequence[float]) -> None:
     check_columns("a time constant", "rows", FEWEST, times=times, values=values)
     if any(after <= before for before, after in pairwise(times)):
         raise DataError("Times of a rise must increase from row to row, but do not.")

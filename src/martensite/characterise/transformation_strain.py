@@ -36,7 +36,7 @@ RATES = 200
 PLACES = 60
 """Values of k, and of σ_crit, among which the fit begins."""
 NAMES = ("low", "high", "rate", "crit")
-"""H_min, H_sat, k and σ_crit, as `saturating` takes them."""
+"""H_min, H_sat, k and σ_crit, as `saturating_strain` takes them."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class StrainFit:
         if self.H_k is None:
             return self.mean.value
         crit = 0.0 if self.sigma_crit is None else self.sigma_crit.value
-        return saturating(self.H_min.value, self.H_sat.value, self.H_k.value, crit, stress)
+        return saturating_strain(self.H_min.value, self.H_sat.value, self.H_k.value, crit, stress)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
@@ -85,7 +85,7 @@ class _Shape:
     squares: float
 
 
-def saturating(low: float, high: float, rate: float, crit: float, stress: float) -> float:
+def saturating_strain(low: float, high: float, rate: float, crit: float, stress: float) -> float:
     """H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min [-]."""
     return low - (high - low) * math.expm1(-rate * max(stress - crit, 0.0))
 
@@ -105,19 +105,19 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
             f"There must be one transformation strain per stress, but there are {len(strains)} "
             f"and {len(stresses)}."
         )
-    mean = _mean(strains)
+    mean = _mean_strain(strains)
     squares = math.fsum((h - mean.value) ** 2 for h in strains)
     levels = len(set(stresses))
     if levels >= FEWEST and max(stresses) > 0.0:
-        shape = _begin(stresses, strains, [0.0])
+        shape = _search_grid(stresses, strains, [0.0])
         spare = len(strains) - 3
-        if shape.high > shape.low and _worth(shape.squares, squares, spare):
-            return _refine(stresses, strains, _with_crit(stresses, strains, shape, levels), mean)
+        if shape.high > shape.low and _is_worthwhile(shape.squares, squares, spare):
+            return _refine(stresses, strains, _try_critical(stresses, strains, shape, levels), mean)
     deviation = math.sqrt(squares / len(strains))
     return StrainFit("constant", mean, mean, mean, None, None, deviation)
 
 
-def _mean(strains: Sequence[float]) -> Estimate:
+def _mean_strain(strains: Sequence[float]) -> Estimate:
     count = len(strains)
     mean = math.fsum(strains) / count
     if count == 1:
@@ -126,12 +126,12 @@ def _mean(strains: Sequence[float]) -> Estimate:
     return Estimate(mean, math.sqrt(squares / (count - 1) / count), count - 1)
 
 
-def _worth(squares: float, constant: float, spare: int) -> bool:
+def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
     """Whether two terms more are worth it at the level of all intervals."""
     return constant > 0.0 and (squares / constant) ** (0.5 * spare) < 1.0 - LEVEL
 
 
-def _with_crit(
+def _try_critical(
     stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int
 ) -> _Shape:
     """The shape with a critical stress, if there are stresses enough and it is worth it."""
@@ -139,7 +139,7 @@ def _with_crit(
         return shape
     highest = sorted(set(stresses))[-3]
     places = [highest * (k + 1) / PLACES for k in range(PLACES)]
-    critical = _begin(stresses, strains, places)
+    critical = _search_grid(stresses, strains, places)
     spare = len(strains) - 4
     if critical.squares == 0.0:
         return critical if shape.squares > 0.0 else shape
@@ -147,7 +147,9 @@ def _with_crit(
     return critical if two_sided_probability(t, spare) < 1.0 - LEVEL else shape
 
 
-def _begin(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:
+def _search_grid(
+    stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]
+) -> _Shape:
     """The best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
     import numpy as np
 
@@ -183,7 +185,7 @@ def _refine(
     found = solved or {n: Estimate(getattr(shape, n), math.nan, 0) for n in NAMES}
     values = [found[name].value for name in NAMES]
     pairs = zip(stresses, strains, strict=True)
-    left = [saturating(*values, stress=s) - h for s, h in pairs]
+    left = [saturating_strain(*values, stress=s) - h for s, h in pairs]
     low, high, rate, crit = (found[name] for name in NAMES)
     return StrainFit(
         "saturating", mean, low, high, rate, crit if shape.crit else None, root_mean_square(left)
@@ -205,7 +207,7 @@ def _solve(
     def residuals(shares: tuple[float, ...]) -> list[float]:
         numbers = unpack(shares)
         pairs = zip(stresses, strains, strict=True)
-        return [(saturating(*numbers.values(), stress=s) - h) / shape.high for s, h in pairs]
+        return [(saturating_strain(*numbers.values(), stress=s) - h) / shape.high for s, h in pairs]
 
     try:
         found = fit_residuals(residuals, [getattr(shape, name) / units[name] for name in free])
