@@ -1,0 +1,298 @@
+"""Studies as tables: what a source prints and what is claimed of it, in two TOML files.
+
+`printed.toml` holds numbers by the place where the source prints them,
+
+    source = "key of the bibliography"
+    ["Table 3"]
+    stiffness = { value = 541.0, unit = "N/m" }
+
+and tables of rows with named columns. `claims.toml` holds title, guide and, part by part, tables of
+claims. Keys of a table hold for all its rows; `-` in a row leaves a column out.
+
+    [[beam]]
+    place = "Table 5"
+    unit = "N/m"
+    columns = ["id", "what", "published", "tolerance", "tolerance_reason", "why"]
+    rows = [
+      ["stiffness", "stiffness of the beam", "computed_stiffness", 0.1, "last digit", "3 E I/l³"],
+    ]
+
+key                 meaning
+id, what, why       name of the claim, its statement, what its verdict rests on
+place, source       where the source makes it; the source, if it is not that of the printed numbers
+published           a printed number by its name, or the number itself
+computed            a computed number by its name, such as `a.rms`; the id if left out
+scale, unit         factor on both numbers, and the unit that they then have
+tolerance           largest difference that counts as agreement: a number or the name of one
+tolerance_reason    why so large
+kind                `calibrated` for a number that was made to meet the published one
+each                a list of computed rows, for each of which there is one claim; their columns
+                    come before all other names
+needs               files of measured data without which there is no number
+
+A claim with a tolerance is checked, one that is neither checked nor calibrated is reported. Words
+in braces in `id`, `what`, `unit` and `why` are replaced by numbers, in the manner of `str.format`.
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, reduce
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+from martensite.errors import DataError, suggestion
+from martensite.studies.base import AbstractStudy, Claim
+
+FOLDER = Path(__file__).parent
+HEADER = ("title", "cites", "guide", "caption", "scenarios", "data", "absent", "texts", "parts")
+"""Keys of `claims.toml` beside the parts."""
+NEEDED = ("id", "what", "place", "unit", "why")
+KEYS = (
+    *NEEDED,
+    *("published", "computed", "scale", "tolerance", "tolerance_reason", "kind"),
+    *("source", "each", "needs"),
+)
+ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")
+"""Keys of a printed number, and of a printed table."""
+OMITTED = "-"
+
+
+class Printed(SimpleNamespace):
+    """Numbers that a source prints, by their names; they are read, not written."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"Printed numbers cannot be set; use `with_numbers({name}=…)`.")
+
+    def __hash__(self) -> int:
+        return hash(tuple(vars(self).items()))
+
+    def with_numbers(self, **numbers: Any) -> Printed:
+        """The same with some numbers in the place of those printed.
+
+        Raises:
+            DataError: there is no number of that name.
+        """
+        for name in numbers:
+            if name not in vars(self):
+                raise DataError(f"No printed number `{name}`. {suggestion(name, vars(self))}")
+        return Printed(**vars(self) | numbers)
+
+
+class PrintedRows(tuple[Printed, ...]):
+    """Rows of a printed table."""
+
+    def column(self, name: str) -> tuple[Any, ...]:
+        """A column by its name."""
+        return tuple(getattr(row, name) for row in self)
+
+
+class TableStudy(AbstractStudy):
+    """A study with tables beside it; a subclass gives the computations."""
+
+    table: ClassVar[Mapping[str, Any]] = {}
+    """`claims.toml`."""
+
+    def __init_subclass__(cls) -> None:
+        """Read the tables, and check them."""
+        folder = Path(str(sys.modules[cls.__module__].__file__)).parent
+        cls.table = table = read_claims(folder / "claims.toml")
+        cls.title, cls.guide, cls.caption = table["title"], table["guide"], table["caption"]
+        cls.cites, cls.data = tuple(table["cites"]), tuple(table.get("data", ()))
+        cls.scenario_files = tuple(table.get("scenarios", ()))
+
+    def __init__(self, printed: Printed | None = None) -> None:
+        """Take the numbers as printed, or others in their place."""
+        self.printed = printed or printed_numbers(self._package().rpartition(".")[2])
+
+    def computations(self) -> dict[str, Callable[[], Mapping[str, Any]]]:
+        """What computes the numbers of each part, by the key of the part."""
+        raise NotImplementedError
+
+    def parts(self) -> dict[str, Callable[[], list[Claim]]]:
+        """Every claim with its verdict, part by part."""
+        named: dict[str, str] = self.table["parts"]
+        return {words: lambda key=key: self.part_claims(key) for key, words in named.items()}
+
+    def part_claims(self, key: str) -> list[Claim]:
+        """The claims of one part, computed now."""
+        return list(settle_claims(self.table, key, self.computations()[key](), self.printed))
+
+    def figure(self, path: Path) -> None:
+        """Write the figure that a reader of the source recognises (png, svg or pdf)."""
+        from martensite.plot.files import write_figure
+
+        write_figure(import_module(f"{self._package()}.figure").draw(self.printed), Path(path))
+
+    def _package(self) -> str:
+        return type(self).__module__.rpartition(".")[0]
+
+
+# ---------------------------------------------------------------- printed numbers
+
+
+@cache
+def printed_numbers(study: str) -> Printed:
+    """The numbers that a study's source prints, by the folder of the study.
+
+    Raises:
+        DataError: a number stands at no place, or its keys are not those of one.
+    """
+    path = FOLDER / study / "printed.toml"
+    table = tomllib.loads(path.read_text("utf-8"))
+    numbers: dict[str, Any] = {"source": table.pop("source")}
+    for place, entries in table.items():
+        if not isinstance(entries, dict):
+            raise DataError(f"Number `{place}` of {path} must stand under a place in the source.")
+        for name, entry in entries.items():
+            if name in numbers:
+                raise DataError(f"Number `{name}` of {path} must have one place, but has two.")
+            numbers[name] = _read_entry(name, entry, path)
+    return Printed(**numbers)
+
+
+def _read_entry(name: str, entry: Mapping[str, Any], path: Path) -> Any:
+    """A number, a tuple of numbers, or a tuple of rows."""
+    if "rows" in entry:
+        _check_keys(entry, TABLE, TABLE, f"Table `{name}` of {path}")
+        columns = entry["columns"]
+        return PrintedRows(Printed(**dict(zip(columns, row, strict=True))) for row in entry["rows"])
+    _check_keys(entry, ENTRY, ("value", "unit"), f"Number `{name}` of {path}")
+    return tuple(entry["value"]) if isinstance(entry["value"], list) else entry["value"]
+
+
+# ---------------------------------------------------------------- claims
+
+
+def read_claims(path: Path) -> dict[str, Any]:
+    """A file of claims, checked.
+
+    Raises:
+        DataError: a key is unknown or missing, a tolerance has no reason, or parts and their
+            names differ.
+    """
+    table = tomllib.loads(path.read_text("utf-8"))
+    parts = table.get("parts", {})
+    _check_keys(table, (*HEADER, *parts), ("title", "cites", "guide", "caption", *parts), str(path))
+    for part in parts:
+        table[part] = [claim for block in table[part] for claim in _expand_block(block)]
+        for claim in table[part]:
+            _check_claim(claim, f"Claim `{claim.get('id', '')}` of {path}")
+    return table
+
+
+def _expand_block(block: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The claims of a table: keys for all, and those of each row."""
+    shared = {key: value for key, value in block.items() if key not in ("columns", "rows")}
+    columns = block.get("columns", ())
+    for row in block.get("rows", ((),)):
+        cells = zip(columns, row, strict=True)
+        yield shared | {key: value for key, value in cells if value != OMITTED}
+
+
+def _check_claim(claim: Mapping[str, Any], where: str) -> None:
+    _check_keys(claim, KEYS, NEEDED, where)
+    if ("tolerance" in claim) != ("tolerance_reason" in claim):
+        raise DataError(f"{where} must have a tolerance and the reason for it, or neither.")
+    if "tolerance" in claim and "published" not in claim:
+        raise DataError(f"{where} has a tolerance and must have a published number.")
+
+
+def _check_keys(
+    table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...], where: str
+) -> None:
+    for key in table:
+        if key not in known:
+            raise DataError(f"{where} has no key `{key}`. {suggestion(key, known)}")
+    for key in needed:
+        if key not in table:
+            raise DataError(f"{where} must have `{key}`.")
+
+
+def settle_claims(
+    table: Mapping[str, Any], part: str, numbers: Mapping[str, Any], printed: Printed
+) -> Iterator[Claim]:
+    """The claims of a part, with computed numbers and verdicts.
+
+    Args:
+        table: what `read_claims` gave.
+        part: key of the part.
+        numbers: computed numbers by their names; lists of rows for claims with `each`.
+        printed: the printed numbers.
+    """
+    from martensite.io.datasets import is_here
+
+    for claim in table[part]:
+        if not all(is_here(file) for file in claim.get("needs", ())):
+            yield _absent_claim(claim, printed, table["absent"])
+            continue
+        for row in numbers[claim["each"]] if "each" in claim else ({},):
+            yield _settle_claim(claim, row, numbers, printed, table.get("texts", {}))
+
+
+def _settle_claim(
+    claim: Mapping[str, Any],
+    row: Mapping[str, Any],
+    numbers: Mapping[str, Any],
+    printed: Printed,
+    texts: Mapping[str, str],
+) -> Claim:
+    """A claim with its number and its verdict."""
+    names = {**vars(printed), **numbers, **row}
+    words = {**texts, **names}
+    id, what, why = (claim[key].format_map(words) for key in ("id", "what", "why"))
+    source = f"{claim.get('source', printed.source)}, {claim['place']}"
+    scale, unit = claim.get("scale"), claim["unit"].format_map(words)
+
+    def look_up(key: str, known: Mapping[str, Any], default: str = "") -> Any:
+        found = find_number(claim.get(key, default), known, id)
+        return found if scale is None or key == "tolerance" else scale * found
+
+    computed = look_up("computed", names, claim["id"].replace("-", "_"))
+    if "published" not in claim:
+        published = None
+    else:
+        published = look_up("published", {**numbers, **vars(printed), **row})
+    if published is not None and "tolerance" in claim:
+        tolerance = look_up("tolerance", names)
+        return Claim.checked(id, what, source, published, computed, unit, tolerance, why)
+    if claim.get("kind") == "calibrated":
+        return Claim.calibrated(id, what, source, published, computed, unit, why)
+    return Claim.reported(id, what, source, computed, unit, why)
+
+
+def _absent_claim(claim: Mapping[str, Any], printed: Printed, why: str) -> Claim:
+    """A claim without a number, for want of measured data."""
+    scale, published = claim.get("scale", 1.0), claim.get("published")
+    if published is not None:
+        published = scale * find_number(published, vars(printed), claim["id"])
+    source = f"{claim.get('source', printed.source)}, {claim['place']}"
+    return Claim(
+        claim["id"],
+        claim["what"],
+        source,
+        published,
+        None,
+        claim["unit"],
+        None,
+        "not checkable",
+        why,
+    )
+
+
+def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:
+    """A number by its dotted name, such as `a.rms`; a number stands for itself.
+
+    Raises:
+        DataError: there is none of that name.
+    """
+    if not isinstance(name, str):
+        return name
+    first, *rest = name.split(".")
+    if first not in known:
+        raise DataError(f"Claim `{claim}` names no number: `{name}`. {suggestion(first, known)}")
+    return reduce(getattr, rest, known[first])
