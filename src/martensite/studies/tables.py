@@ -252,7 +252,7 @@ def _settle_claim(
         found = find_number(claim.get(key, default), known, id)
         return found if scale is None or key == "tolerance" else scale * found
 
-    computed = look_up("computed", names, claim["id"].replace("-", "_"))
+    computed = look_up("computed", names, id.replace("-", "_"))
     if "published" not in claim:
         published = None
     else:
@@ -292,6 +292,8 @@ def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:
     """
     if not isinstance(name, str):
         return name
+    if name in known:
+        return known[name]
     first, *rest = name.split(".")
     if first not in known:
         raise DataError(f"Claim `{claim}` names no number: `{name}`. {suggestion(first, known)}")
