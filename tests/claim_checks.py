@@ -48,7 +48,7 @@ def with_verdict(claims: Iterable[Claim], verdict: str) -> set[str]:
 def settle_some(
     study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str
 ) -> dict[str, str]:
-    """Verdicts of the claims of a part whose rows begin with some names, from given numbers."""
-    rows = [row for row in study.table[part] if row["id"].startswith(names)]
+    """Verdicts of the claims of a part of some names, from given numbers."""
+    rows = [row for row in study.table[part] if row["id"] in names]
     found = settle_claims({**study.table, part: rows}, part, numbers, study.printed)
     return {claim.id: claim.verdict for claim in found}

@@ -25,7 +25,8 @@ computed            a computed number by its name, such as `a.rms`; the id if le
 scale, unit         factor on both numbers, and the unit that they then have
 tolerance           largest difference that counts as agreement: a number or the name of one
 tolerance_reason    why so large
-kind                `calibrated` for a number that was made to meet the published one
+kind                `calibrated` for a number that was made to meet the published one, `open` where
+                    none can be computed
 each                a list of computed rows, for each of which there is one claim; their columns
                     come before all other names
 needs               files of measured data without which there is no number
@@ -252,6 +253,9 @@ def _settle_claim(
         found = find_number(claim.get(key, default), known, id)
         return found if scale is None or key == "tolerance" else scale * found
 
+    if claim.get("kind") == "open":
+        published = find_number(claim["published"], vars(printed), id)
+        return Claim(id, what, source, published, None, unit, None, "not checkable", why)
     computed = look_up("computed", names, id.replace("-", "_"))
     if "published" not in claim:
         published = None
