@@ -56,7 +56,7 @@ def by_id(claims: list[Claim]) -> dict[str, Claim]:
 @cache
 def of_motor() -> dict[str, Claim]:
     return by_id(
-        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramp")]
+        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramps")]
     )
 
 
