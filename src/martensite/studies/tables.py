@@ -50,7 +50,10 @@ from martensite.errors import DataError, suggestion
 from martensite.studies.base import AbstractStudy, Claim
 
 FOLDER = Path(__file__).parent
-HEADER = ("title", "cites", "guide", "caption", "scenarios", "data", "absent", "texts", "parts")
+HEADER = (
+    *("title", "cites", "guide", "caption", "scenarios", "parts"),
+    *("data", "absent", "files", "texts"),
+)
 """Keys of `claims.toml` beside the parts."""
 NEEDED = ("id", "what", "place", "unit", "why")
 KEYS = (
@@ -228,64 +231,48 @@ def settle_claims(
     from martensite.io.datasets import is_here
 
     for claim in table[part]:
-        if not all(is_here(file) for file in claim.get("needs", ())):
-            yield _absent_claim(claim, printed, table["absent"])
-            continue
+        files = table["files"][claim["needs"]] if "needs" in claim else ()
+        absent = "" if all(map(is_here, files)) else table["absent"]
         for row in numbers[claim["each"]] if "each" in claim else ({},):
-            yield _settle_claim(claim, row, numbers, printed, table.get("texts", {}))
+            names = {**vars(printed), **numbers, **row}
+            yield _settle_claim(claim, names, printed, table.get("texts", {}), absent)
 
 
 def _settle_claim(
     claim: Mapping[str, Any],
-    row: Mapping[str, Any],
-    numbers: Mapping[str, Any],
+    names: Mapping[str, Any],
     printed: Printed,
     texts: Mapping[str, str],
+    absent: str,
 ) -> Claim:
-    """A claim with its number and its verdict."""
-    names = {**vars(printed), **numbers, **row}
+    """A claim with its number and its verdict; without them for the reason `absent`, if any."""
     words = {**texts, **names}
-    id, what, why = (claim[key].format_map(words) for key in ("id", "what", "why"))
+    id, what, unit, why = (claim[key].format_map(words) for key in ("id", "what", "unit", "why"))
     source = f"{claim.get('source', printed.source)}, {claim['place']}"
-    scale, unit = claim.get("scale"), claim["unit"].format_map(words)
-
-    def look_up(key: str, known: Mapping[str, Any], default: str = "") -> Any:
-        found = find_number(claim.get(key, default), known, id)
-        return found if scale is None or key == "tolerance" else scale * found
-
-    if claim.get("kind") == "open":
-        published = find_number(claim["published"], vars(printed), id)
-        return Claim(id, what, source, published, None, unit, None, "not checkable", why)
-    computed = look_up("computed", names, id.replace("-", "_"))
-    if "published" not in claim:
-        published = None
-    else:
-        published = look_up("published", {**numbers, **vars(printed), **row})
+    published = _published_number(claim, names, printed, id)
+    kind = claim.get("kind", "")
+    if absent or kind == "open":
+        verdict, why = "not checkable", absent or why
+        return Claim(id, what, source, published, None, unit, None, verdict, why)
+    computed = find_number(claim.get("computed", id.replace("-", "_")), names, id)
+    if "scale" in claim:
+        computed = claim["scale"] * computed
     if published is not None and "tolerance" in claim:
-        tolerance = look_up("tolerance", names)
+        tolerance = find_number(claim["tolerance"], names, id)
         return Claim.checked(id, what, source, published, computed, unit, tolerance, why)
-    if claim.get("kind") == "calibrated":
+    if kind == "calibrated":
         return Claim.calibrated(id, what, source, published, computed, unit, why)
     return Claim.reported(id, what, source, computed, unit, why)
 
 
-def _absent_claim(claim: Mapping[str, Any], printed: Printed, why: str) -> Claim:
-    """A claim without a number, for want of measured data."""
-    scale, published = claim.get("scale", 1.0), claim.get("published")
-    if published is not None:
-        published = scale * find_number(published, vars(printed), claim["id"])
-    source = f"{claim.get('source', printed.source)}, {claim['place']}"
-    return Claim(
-        claim["id"],
-        claim["what"],
-        source,
-        published,
-        None,
-        claim["unit"],
-        None,
-        "not checkable",
-        why,
-    )
+def _published_number(
+    claim: Mapping[str, Any], names: Mapping[str, Any], printed: Printed, id: str
+) -> Any:
+    """The published number; a printed one comes before a computed one of the same name."""
+    if "published" not in claim:
+        return None
+    own = vars(printed) if "each" not in claim else {}
+    return claim.get("scale", 1.0) * find_number(claim["published"], {**names, **own}, id)
 
 
 def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:

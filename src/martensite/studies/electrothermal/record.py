@@ -17,7 +17,7 @@ from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwra
 from martensite.io.tables import read_table
 from martensite.signals.records import Record
 from martensite.sizing.cycle import crossing
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.tables import Printed
 
 DATA = "flexinol-electrothermal"
 UNTRAINED = f"{DATA}/untrained_wire_voltage_current_run5.txt"
@@ -32,7 +32,7 @@ _SLACK = 1e-6
 class Staircase:
     """Plateaus of run 5, and what is read off them."""
 
-    stated: Stated
+    stated: Printed
 
     @cached_property
     def table(self) -> Record:
