@@ -49,6 +49,7 @@ def settle_some(
     study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str
 ) -> dict[str, str]:
     """Verdicts of the claims of a part of some names, from given numbers."""
-    rows = [row for row in study.table[part] if row["id"] in names]
-    found = settle_claims({**study.table, part: rows}, part, numbers, study.printed)
+    blocks = ([row for row in block if row["id"] in names] for block in study.table[part])
+    table = {**study.table, part: [block for block in blocks if block]}
+    found = settle_claims(table, part, numbers, study.printed)
     return {claim.id: claim.verdict for claim in found}

@@ -27,9 +27,10 @@ tolerance           largest difference that counts as agreement: a number or the
 tolerance_reason    why so large
 kind                `calibrated` for a number that was made to meet the published one, `open` where
                     none can be computed
-each                a list of computed rows, for each of which there is one claim; their columns
-                    come before all other names
-needs               files of measured data without which there is no number
+each                a list of computed rows, for each of which there are the claims of the table;
+                    their columns come before all other names
+needs               files of measured data without which there is no number, by their name in
+                    `files`; `absent` says why
 
 A claim with a tolerance is checked, one that is neither checked nor calibrated is reported. Words
 in braces in `id`, `what`, `unit` and `why` are replaced by numbers, in the manner of `str.format`.
@@ -47,12 +48,13 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from martensite.errors import DataError, suggestion
+from martensite.runtimes.c99 import compiler
 from martensite.studies.base import AbstractStudy, Claim
 
 FOLDER = Path(__file__).parent
 HEADER = (
     *("title", "cites", "guide", "caption", "scenarios", "parts"),
-    *("data", "absent", "files", "texts"),
+    *("data", "absent", "files", "texts", "compiler"),
 )
 """Keys of `claims.toml` beside the parts."""
 NEEDED = ("id", "what", "place", "unit", "why")
@@ -119,6 +121,8 @@ class TableStudy(AbstractStudy):
 
     def parts(self) -> dict[str, Callable[[], list[Claim]]]:
         """Every claim with its verdict, part by part."""
+        if "compiler" in self.table and compiler() is None:
+            return {"a C compiler": lambda: [self._without_compiler()]}
         named: dict[str, str] = self.table["parts"]
         return {words: lambda key=key: self.part_claims(key) for key, words in named.items()}
 
@@ -131,6 +135,13 @@ class TableStudy(AbstractStudy):
         from martensite.plot.files import write_figure
 
         write_figure(import_module(f"{self._package()}.figure").draw(self.printed), Path(path))
+
+    def _without_compiler(self) -> Claim:
+        """What takes the place of all claims where they cannot be computed."""
+        place, why = (self.table["compiler"][key] for key in ("place", "why"))
+        source = f"{self.printed.source}, {place}"
+        words = "compiler", "all of this study", source
+        return Claim(*words, None, None, "1", None, "not checkable", why)
 
     def _package(self) -> str:
         return type(self).__module__.rpartition(".")[0]
@@ -183,8 +194,8 @@ def read_claims(path: Path) -> dict[str, Any]:
     parts = table.get("parts", {})
     _check_keys(table, (*HEADER, *parts), ("title", "cites", "guide", "caption", *parts), str(path))
     for part in parts:
-        table[part] = [claim for block in table[part] for claim in _expand_block(block)]
-        for claim in table[part]:
+        table[part] = [list(_expand_block(block)) for block in table[part]]
+        for claim in (claim for block in table[part] for claim in block):
             _check_claim(claim, f"Claim `{claim.get('id', '')}` of {path}")
     return table
 
@@ -230,12 +241,14 @@ def settle_claims(
     """
     from martensite.io.datasets import is_here
 
-    for claim in table[part]:
-        files = table["files"][claim["needs"]] if "needs" in claim else ()
-        absent = "" if all(map(is_here, files)) else table["absent"]
-        for row in numbers[claim["each"]] if "each" in claim else ({},):
+    texts = table.get("texts", {})
+    for block in table[part]:
+        for row in numbers[block[0]["each"]] if "each" in block[0] else ({},):
             names = {**vars(printed), **numbers, **row}
-            yield _settle_claim(claim, names, printed, table.get("texts", {}), absent)
+            for claim in block:
+                files = table["files"][claim["needs"]] if "needs" in claim else ()
+                absent = "" if all(map(is_here, files)) else table["absent"]
+                yield _settle_claim(claim, names, printed, texts, absent)
 
 
 def _settle_claim(

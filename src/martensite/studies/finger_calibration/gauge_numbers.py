@@ -1,4 +1,4 @@
-"""Claims on what no such test can tell: gauges, by which several numbers change together.
+"""Numbers of what no such test can tell: gauges, by which several numbers change together.
 
 Two of them:
 
@@ -18,12 +18,11 @@ from martensite.identify.fitting.free import Wish
 from martensite.identify.fitting.identifiability import Identifiability, identifiability
 from martensite.identify.fitting.problem import Problem, problem
 from martensite.identify.fitting.solve import solve
-from martensite.studies.base import Claim
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
-from martensite.studies.finger_calibration.data_claims import SURE, errors, width
-from martensite.studies.finger_calibration.printed import METHOD, PAPER, TABLE, Printed
+from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width
 from martensite.studies.finger_calibration.searches import STARTS, Search, rms
+from martensite.studies.tables import Printed
 
 FORCE = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L", "E_A", "E_M", "layer_volume")
 THERMAL = ("T_L", "dsigma_dT", "cooling.h", "heat_capacity")
@@ -38,16 +37,31 @@ WRONG_ARMS = 9e-3, 7e-3
 TENTH = 0.1
 
 
-def claims(printed: Printed) -> list[Claim]:
+def compute_gauges(printed: Printed) -> dict[str, Any]:
     """The two gauges, what follows for the table, and which numbers move the finger."""
-    return [*_force(printed), *_thermal(printed), *_wrong(printed), *_effects(printed)]
+    without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
+    exact = [one for one in held(FORCE, printed).weak if one.exact]
+    return {
+        "forced": FORCED,
+        "force_gauge": apart(scaled(FORCE, FORCED, printed), printed),
+        "force_lost": " ".join(one.sentence for one in exact),
+        "force_without": apart(scaled(without, FORCED, printed), printed),
+        "warmed": WARMED,
+        "thermal_gauge": apart(warmed(WARMED, printed), printed),
+        "thermal_lost": " ".join(one.sentence for one in held(THERMAL, printed).weak),
+        **compute_wrong(printed),
+        **compute_effects(printed),
+    }
 
 
 @cache
 def whole(printed: Printed) -> Problem:
     """The calibration test with all free that takes part in a gauge or is unknown to the paper."""
     system = bench.finger(NEAR.arm, printed.offsets[0])
-    rest = [*printed.fixed, *((name, system.value_of(name)) for name in BEYOND)]
+    rest = [
+        *((one.name, one.value) for one in printed.fixed),
+        *((name, system.value_of(name)) for name in BEYOND),
+    ]
     wishes = [Wish(one.name, one.low, one.high, one.value) for one in printed.searched]
     wishes += [Wish(name, value / AROUND, value * AROUND, value) for name, value in rest]
     return problem(bench.experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
@@ -65,10 +79,12 @@ def held(names: Sequence[str], printed: Printed) -> Identifiability:
     free = whole(printed).free
     places = [whole(printed).names.index(name) for name in names]
     return identifiability(
-        slopes(printed)[:, places], names, values=[free[i].start for i in places],
+        slopes(printed)[:, places],
+        names,
+        values=[free[i].start for i in places],
         scales=[free[i].slope(free[i].share(free[i].start)) for i in places],
         units=[free[i].unit for i in places],
-    )  # fmt: skip
+    )
 
 
 def apart(values: dict[str, float], printed: Printed) -> float:
@@ -88,7 +104,7 @@ def scaled(names: Sequence[str], factor: float, printed: Printed) -> dict[str, f
 def warmed(factor: float, printed: Printed) -> dict[str, float]:
     """The thermal gauge by a factor."""
     ambient = bench.finger(NEAR.arm, printed.offsets[0]).value_of("environment.temperature")
-    hot = dict(zip(printed.names, printed.table, strict=True))["T_L"]
+    hot = table_numbers(printed)["T_L"]
     others = scaled([name for name in THERMAL if name != "T_L"], factor, printed)
     return {**others, "T_L": ambient + (hot - ambient) / factor}
 
@@ -100,55 +116,23 @@ def refitted(printed: Printed, arm: float, values: tuple[tuple[str, float], ...]
     return Search(solve(bench.fitting(records, printed, STARTS[1])), ())
 
 
-def _force(printed: Printed) -> list[Claim]:
-    found = [one for one in held(FORCE, printed).weak if one.exact]
-    without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
-    return [
-        Claim.reported(
-            "force-gauge", f"largest change of the angle with seven numbers times {FORCED:g}",
-            f"{PAPER}, section 2", apart(scaled(FORCE, FORCED, printed), printed), "deg",
-            " ".join(one.sentence for one in found) + " "
-            f"Without E_A, E_M and the layer volume the angle changes by "
-            f"{apart(scaled(without, FORCED, printed), printed):.2f}° at most. Stresses rest on "
-            "the spring and its place, which is not printed",
-        ),
-    ]  # fmt: skip
-
-
-def _thermal(printed: Printed) -> list[Claim]:
-    return [
-        Claim.reported(
-            "thermal-gauge",
-            f"largest change of the angle with α, c and dσ/dT times {WARMED:g} and "
-            "T_L - T_E divided by it", TABLE, apart(warmed(WARMED, printed), printed), "deg",
-            " ".join(one.sentence for one in held(THERMAL, printed).weak) + " "
-            "α is 200 W/(m² K) by convention, and dσ/dT goes with it",
-        ),
-    ]  # fmt: skip
-
-
-def _wrong(printed: Printed) -> list[Claim]:
+def compute_wrong(printed: Printed) -> dict[str, Any]:
+    """What a fit makes of a spring at another place, and of no latent heat."""
     far, close = (refitted(printed, arm) for arm in WRONG_ARMS)
     dry = refitted(printed, NEAR.arm, (("latent_heat", 0.0),))
-    table = dict(zip(printed.names, printed.table, strict=True))
-    places = [f"{1e3 * arm:.0f} mm" for arm in (NEAR.arm, *WRONG_ARMS)]
-    return [
-        Claim.reported(
-            "wrong-arm", f"dσ/dT fitted with a spring at {places[0]} taken to be at {places[1]}",
-            METHOD, far.fit["dsigma_dT"] / 1e6, "MPa/K",
-            f"with Δσ = {far.fit['Delta_sigma'] / 1e6:.1f} MPa the record without noise is missed "
-            f"by {far.rms:.3f}° only; the ratio of both is {width(far.fit.numbers):.2f} K. Taken "
-            f"to be at {places[2]}, dσ/dT ends on its bound, {close.fit['dsigma_dT'] / 1e6:.2f} "
-            f"MPa/K ({close.rms:.2f}°), as in Table 1",
-        ),
-        Claim.checked(
-            "no-latent-heat", "Δσ fitted without latent heat", METHOD, table["Delta_sigma"] / 1e6,
-            dry.fit["Delta_sigma"] / 1e6, "MPa",
-            SURE * errors(NEAR, printed).numbers["Delta_sigma"] / 1e6,
-            '"the effects of c and h can be neglected": without h the record is missed by '
-            f"{dry.rms:.1f}°, and the width of its loop, which heat doubles, goes to Δσ",
-        ),
-    ]  # fmt: skip
+    return {
+        "places": [f"{1e3 * arm:.0f} mm" for arm in (NEAR.arm, *WRONG_ARMS)],
+        "wrong_arm": far.fit["dsigma_dT"] / 1e6,
+        "far": far,
+        "far_hysteresis": far.fit["Delta_sigma"] / 1e6,
+        "far_ratio": width(far.fit.numbers),
+        "close": close,
+        "close_slope": close.fit["dsigma_dT"] / 1e6,
+        "dry": dry,
+        "no_latent_heat": dry.fit["Delta_sigma"] / 1e6,
+        "table_hysteresis": table_numbers(printed)["Delta_sigma"] / 1e6,
+        "sure_hysteresis": SURE * errors(NEAR, printed).numbers["Delta_sigma"] / 1e6,
+    }
 
 
 def effects(printed: Printed) -> dict[str, float]:
@@ -156,22 +140,21 @@ def effects(printed: Printed) -> dict[str, float]:
     table = slopes(printed)
     found = {
         free.name: rms(float(np.mean(table[:, i] ** 2)))
-        * TENTH * free.start / free.slope(free.share(free.start))
-        for i, free in enumerate(whole(printed).free) if free.name not in BEYOND
-    }  # fmt: skip
+        * TENTH
+        * free.start
+        / free.slope(free.share(free.start))
+        for i, free in enumerate(whole(printed).free)
+        if free.name not in BEYOND
+    }
     return dict(sorted(found.items(), key=lambda pair: -pair[1]))
 
 
-def _effects(printed: Printed) -> list[Claim]:
-    found = effects(printed)
-    first = list(found)[: len(printed.names)]
-    shown = ", ".join(f"{name} {size:.2g}°" for name, size in found.items())
-    return [
-        Claim.checked(
-            "chosen", "how many of the five numbers that move the finger most are those chosen",
-            METHOD, float(len(printed.names)), float(len(set(first) & set(printed.names))), "1",
-            0.0,
-            f"rms change of the angle if each changes by a tenth: {shown}. A tenth of σ_L is only "
-            "0.1 MPa; but E_M moves next to nothing even over its whole range",
-        )
-    ]  # fmt: skip
+def compute_effects(printed: Printed) -> dict[str, Any]:
+    """How many of the numbers with the largest effects are those searched for."""
+    found, names = effects(printed), printed.searched.column("name")
+    first = list(found)[: len(names)]
+    return {
+        "searched_count": float(len(names)),
+        "chosen": float(len(set(first) & set(names))),
+        "effects": ", ".join(f"{name} {size:.2g}°" for name, size in found.items()),
+    }
