@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
+from typing import Any
 
 from martensite.io.citations import bibliography
 from martensite.studies.base import Claim
+from martensite.studies.tables import TableStudy, settle_claims
 
 
 def check_complete(claims: Sequence[Claim], *, all_computed: bool = True) -> None:
@@ -41,3 +43,13 @@ def verdict_of(claims: Iterable[Claim], id: str) -> str:
 def with_verdict(claims: Iterable[Claim], verdict: str) -> set[str]:
     """The claims that have a verdict."""
     return {claim.id for claim in claims if claim.verdict == verdict}
+
+
+def settle_some(
+    study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str
+) -> dict[str, str]:
+    """Verdicts of the claims of a part of some names, from given numbers."""
+    blocks = ([row for row in block if row["id"] in names] for block in study.table[part])
+    table = {**study.table, part: [block for block in blocks if block]}
+    found = settle_claims(table, part, numbers, study.printed)
+    return {claim.id: claim.verdict for claim in found}

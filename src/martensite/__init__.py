@@ -51,6 +51,28 @@ if TYPE_CHECKING:
     from martensite.bench.supervisors.from_plant import guard_for as guard_for
     from martensite.bench.supervisors.from_sensors import checks_for as checks_for
     from martensite.bench.supervisors.guard import Guard as Guard
+    from martensite.characterise.estimate import Estimate as Estimate
+    from martensite.characterise.film_coefficient import FilmFit as FilmFit
+    from martensite.characterise.film_coefficient import fit_film as fit_film
+    from martensite.characterise.film_points import FilmPoints as FilmPoints
+    from martensite.characterise.film_points import points_from_power as points_from_power
+    from martensite.characterise.film_report import FilmReport as FilmReport
+    from martensite.characterise.film_report import judge_film as judge_film
+    from martensite.characterise.free_vibration import LogDecrement as LogDecrement
+    from martensite.characterise.free_vibration import log_decrement as log_decrement
+    from martensite.characterise.motor_constants import MotorConstants as MotorConstants
+    from martensite.characterise.motor_constants import motor_constants as motor_constants
+    from martensite.characterise.motor_tests import steady_running as steady_running
+    from martensite.characterise.motor_tests import winding_resistance as winding_resistance
+    from martensite.characterise.moving_average import moving_average as moving_average
+    from martensite.characterise.spectrum import SpectralPeak as SpectralPeak
+    from martensite.characterise.spectrum import natural_frequency as natural_frequency
+    from martensite.characterise.tangent_fit import TangentFit as TangentFit
+    from martensite.characterise.tangent_fit import tangent_fit as tangent_fit
+    from martensite.characterise.tangent_points import TangentPoints as TangentPoints
+    from martensite.characterise.tangent_points import tangent_points as tangent_points
+    from martensite.characterise.time_constant import Rise as Rise
+    from martensite.characterise.time_constant import fit_rise as fit_rise
     from martensite.control.analysis.energy import CycleEnergies as CycleEnergies
     from martensite.control.analysis.energy import energy_per_cycle as energy_per_cycle
     from martensite.control.analysis.frequency import FrequencyResponse as FrequencyResponse
@@ -174,13 +196,6 @@ if TYPE_CHECKING:
     from martensite.identify.chains.uncertainty import uncertainty as _model_uncertainty
     from martensite.identify.chains.validation import validate as _validate_model
     from martensite.identify.chains.written import parse_chain as parse_chain
-    from martensite.identify.estimate import Estimate as Estimate
-    from martensite.identify.film import FilmFit as FilmFit
-    from martensite.identify.film import fit_film as fit_film
-    from martensite.identify.film_points import FilmPoints as FilmPoints
-    from martensite.identify.film_points import points_from_power as points_from_power
-    from martensite.identify.film_report import FilmReport as FilmReport
-    from martensite.identify.film_report import judge_film as judge_film
     from martensite.identify.fitting.experiment import Experiment as Experiment
     from martensite.identify.fitting.fit import Fit as Fit
     from martensite.identify.fitting.free import Wish as Wish
@@ -188,21 +203,6 @@ if TYPE_CHECKING:
     from martensite.identify.fitting.problem import problem as problem
     from martensite.identify.fitting.profiled import profiled as profiled
     from martensite.identify.fitting.solve import solve as solve
-    from martensite.identify.motor import MotorConstants as MotorConstants
-    from martensite.identify.motor import motor_constants as motor_constants
-    from martensite.identify.motor_tests import steady_running as steady_running
-    from martensite.identify.motor_tests import winding_resistance as winding_resistance
-    from martensite.identify.rise import Rise as Rise
-    from martensite.identify.rise import fit_rise as fit_rise
-    from martensite.identify.smoothing import moving_average as moving_average
-    from martensite.identify.spectrum import SpectralPeak as SpectralPeak
-    from martensite.identify.spectrum import natural_frequency as natural_frequency
-    from martensite.identify.tangent_fit import TangentFit as TangentFit
-    from martensite.identify.tangent_fit import tangent_fit as tangent_fit
-    from martensite.identify.tangents import TangentPoints as TangentPoints
-    from martensite.identify.tangents import tangent_points as tangent_points
-    from martensite.identify.vibration import LogDecrement as LogDecrement
-    from martensite.identify.vibration import log_decrement as log_decrement
     from martensite.io.compare import compare as compare
     from martensite.io.fitting.api import fit as fit
     from martensite.io.fitting.api import read_problem as read_problem
@@ -438,15 +438,15 @@ _HOME = {
     "Elahinia": "laws.elahinia",
     "EncoderSensor": "sensors.encoder",
     "Environment": "thermal.base",
-    "Estimate": "identify.estimate",
+    "Estimate": "characterise.estimate",
     "EstimateOptions": "identify.chains.options:Options",
     "Experiment": "identify.fitting.experiment",
     "ExtendedKalman": "observers.extended",
     "Faults": "bench.parts",
     "Feedforward": "controllers.feedforward",
-    "FilmFit": "identify.film",
-    "FilmPoints": "identify.film_points",
-    "FilmReport": "identify.film_report",
+    "FilmFit": "characterise.film_coefficient",
+    "FilmPoints": "characterise.film_points",
+    "FilmReport": "characterise.film_report",
     "Finger": "mechanisms.finger",
     "FirstOrder": "control.rules.formulas",
     "Fit": "identify.fitting.fit",
@@ -479,7 +479,7 @@ _HOME = {
     "LiangRogers": "laws.liang_rogers",
     "Limits": "elements.limits",
     "LinearAmplifier": "electrical.linear_amplifier",
-    "LogDecrement": "identify.vibration",
+    "LogDecrement": "characterise.free_vibration",
     "Loop": "simulate.closed_loop",
     "LoopRuns": "control.search.loop_runs",
     "LqrSizes": "control.design.lqr:Sizes",
@@ -490,7 +490,7 @@ _HOME = {
     "MixtureResistance": "electrical.mixture",
     "Morgan": "thermal.morgan",
     "Mosfet": "electrical.mosfet",
-    "MotorConstants": "identify.motor",
+    "MotorConstants": "characterise.motor_constants",
     "Mounted": "bench.mounted",
     "Mpc": "controllers.mpc",
     "MujocoBridge": "export.mujoco_bridge",
@@ -535,7 +535,7 @@ _HOME = {
     "ResistanceSensor": "sensors.resistance",
     "Result": "simulate.result",
     "Ribbon": "elements.ribbon",
-    "Rise": "identify.rise",
+    "Rise": "characterise.time_constant",
     "Sampled": "signals.sampling.sampled",
     "Scenario": "io.scenario",
     "Schedule": "controllers.scheduled_pid",
@@ -551,7 +551,7 @@ _HOME = {
     "SmaEnv": "export.gymnasium",
     "SmaVectorEnv": "export.gymnasium_vector",
     "SolveError": "errors",
-    "SpectralPeak": "identify.spectrum",
+    "SpectralPeak": "characterise.spectrum",
     "Speeds": "control.analysis.speed",
     "Stage": "identify.chains.stages",
     "Staircase": "signals.staircase",
@@ -565,8 +565,8 @@ _HOME = {
     "System": "system.single",
     "Table": "signals.table",
     "Tanaka": "laws.tanaka",
-    "TangentFit": "identify.tangent_fit",
-    "TangentPoints": "identify.tangents",
+    "TangentFit": "characterise.tangent_fit",
+    "TangentPoints": "characterise.tangent_points",
     "TendonActuator": "export.mujoco_bridge",
     "TensileTestingMachine": "mechanisms.testing_machine",
     "ThermalBound": "bench.supervisors.checks.thermal_bound",
@@ -601,8 +601,8 @@ _HOME = {
     "energy_per_cycle": "control.analysis.energy",
     "estimate_model": "identify.chains.estimate:estimate",
     "fit": "io.fitting.api",
-    "fit_film": "identify.film",
-    "fit_rise": "identify.rise",
+    "fit_film": "characterise.film_coefficient",
+    "fit_rise": "characterise.time_constant",
     "frequency_response": "control.analysis.frequency",
     "gains_by_relay": "control.rules.relay",
     "gains_by_rule": "control.rules.formulas",
@@ -612,13 +612,13 @@ _HOME = {
     "identify_hysteresis": "control.design.inverse_hysteresis",
     "identify_stages": "identify.chains.stages",
     "in_readings": "control.design.linear",
-    "judge_film": "identify.film_report",
+    "judge_film": "characterise.film_report",
     "linearise": "identify.chains.linearise",
     "linearised_plant": "control.design.linear:linearised",
     "load": "io.scenario",
     "load_material": "materials.base",
     "load_wires": "materials.wires",
-    "log_decrement": "identify.vibration",
+    "log_decrement": "characterise.free_vibration",
     "loop_tests": "control.rules.rule_starts",
     "lqr": "control.design.lqr",
     "material_names": "materials.base",
@@ -627,9 +627,9 @@ _HOME = {
     "measure": "simulate.measures.base",
     "modal_numbers": "mechanisms.beam_motor",
     "model_uncertainty": "identify.chains.uncertainty:uncertainty",
-    "motor_constants": "identify.motor",
-    "moving_average": "identify.smoothing",
-    "natural_frequency": "identify.spectrum",
+    "motor_constants": "characterise.motor_constants",
+    "moving_average": "characterise.moving_average",
+    "natural_frequency": "characterise.spectrum",
     "open_bench": "bench.run:opened",
     "open_result": "io.netcdf",
     "open_sweep": "io.sweeps.dataset",
@@ -667,7 +667,7 @@ _HOME = {
     "plot_tangents": "plot.tangents",
     "plot_tuning": "plot.tuning",
     "plot_workspace": "plot.workspace",
-    "points_from_power": "identify.film_points",
+    "points_from_power": "characterise.film_points",
     "problem": "identify.fitting.problem",
     "profiled": "identify.fitting.profiled",
     "reachable_angles": "mechanisms.shared.platform_workspace",
@@ -698,12 +698,12 @@ _HOME = {
     "static_curve": "identify.chains.linearise",
     "steady_point": "control.design.operating_point:operating_point",
     "steady_point_at": "control.design.operating_point:operating_point_at",
-    "steady_running": "identify.motor_tests",
+    "steady_running": "characterise.motor_tests",
     "step_test": "control.rules.step_test",
     "sweep": "io.sweeps.api",
     "table_waveform": "signals.records",
-    "tangent_fit": "identify.tangent_fit",
-    "tangent_points": "identify.tangents",
+    "tangent_fit": "characterise.tangent_fit",
+    "tangent_points": "characterise.tangent_points",
     "tendon_signals": "export.mjcf",
     "to_control": "export.control_systems",
     "to_dataset": "io.netcdf",
@@ -716,7 +716,7 @@ _HOME = {
     "tune_bench": "control.search.bench_tuning",
     "unwrap_counter": "io.staircase",
     "validate_model": "identify.chains.validation:validate",
-    "winding_resistance": "identify.motor_tests",
+    "winding_resistance": "characterise.motor_tests",
     "write_material": "io.material_files",
     "write_model": "io.model_files",
     "write_model_report": "report.model_report",

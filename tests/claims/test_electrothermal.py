@@ -19,14 +19,14 @@ from martensite.io.citations import bibliography
 from martensite.io.scenario import load
 from martensite.io.tables import read_table
 from martensite.studies.base import Claim, load_study, study_names
-from martensite.studies.electrothermal import model, record, record_claims
-from martensite.studies.electrothermal.model_claims import KEPT, calibration
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.electrothermal import model, record, record_numbers
+from martensite.studies.electrothermal.model_numbers import KEPT, calibration
 from martensite.studies.electrothermal.record import Staircase
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
+from martensite.studies.tables import printed_numbers
 
 NAME = "electrothermal-staircase"
-STATED = Stated()
+STATED = printed_numbers("electrothermal")
 FILES = (record.UNTRAINED, record.WARMTH, record.TRAINED)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "flexinol_staircase.toml"
 HERE = record.here(*FILES)
@@ -82,10 +82,10 @@ def test_each_stated_number_decides_its_verdict(claims: dict[str, Claim]) -> Non
 
 @needs_record
 def test_a_wrong_stated_number_is_not_reproduced() -> None:
-    found = ElectrothermalStaircase(replace(STATED, austenite=1.5, drops=0.0)).claims()
+    found = ElectrothermalStaircase(STATED.with_numbers(austenite=1.5, drops=0.0)).claims()
     assert "austenite" in with_verdict(found, "not reproduced")
     assert "counter" in with_verdict(found, "reproduced")
-    shifted = record_claims.claims(replace(STATED, offset=0.5))
+    shifted = ElectrothermalStaircase(STATED.with_numbers(offset=0.5)).part_claims("record")
     assert {"offset", "martensite-low"} <= with_verdict(shifted, "not reproduced")
 
 
@@ -138,7 +138,7 @@ def test_the_drop_and_the_offset() -> None:
     offset = run.offset(*STATED.cold)
     assert (offset.offset, offset.offset_error) == pytest.approx((0.178, 0.057), abs=6e-4)
     assert offset.count == 10
-    mild, steep = record.trained_slopes(record_claims.MILD, record_claims.STEEP)
+    mild, steep = record.trained_slopes(record_numbers.MILD, record_numbers.STEEP)
     assert mild.resistance == pytest.approx(1.657, abs=1e-3)
     assert steep.resistance == pytest.approx(0.944, abs=1e-3)
 
@@ -266,6 +266,6 @@ def test_readme_has_the_computed_numbers() -> None:
     hottest = model.predicted("calibrated", STATED, fitted)["temperature"][-1] - 273.15
     camera = run.table["apparent_temperature"][-1] - 273.15
     assert f"reach {hottest:.0f} °C at\n4.5 V where the camera reads {camera:.0f} °C" in text
-    for span in (STATED.cold, record_claims.SHORTER, record_claims.ALL_COLD):
+    for span in (STATED.cold, record_numbers.SHORTER, record_numbers.ALL_COLD):
         found = run.offset(*span)
         assert f"{found.offset:.2f} ± {found.offset_error:.2f} V" in text

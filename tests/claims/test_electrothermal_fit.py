@@ -8,7 +8,6 @@ and V/I = R + V₀/I.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,12 +15,13 @@ import pytest
 from martensite.identify.fitting.profiled import profiled
 from martensite.studies.base import Claim
 from martensite.studies.electrothermal import heating_fit as heating
-from martensite.studies.electrothermal import model, record, resistance_claims
+from martensite.studies.electrothermal import model, record, resistance_numbers
 from martensite.studies.electrothermal import resistance_fit as fitting
-from martensite.studies.electrothermal.printed import Stated
 from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.study import ElectrothermalStaircase
+from martensite.studies.tables import printed_numbers
 
-STATED = Stated()
+STATED = printed_numbers("electrothermal")
 OFFSETS = (fitting.LOWER, STATED.offset, fitting.UPPER)
 PER_OHM = math.pi / 4.0 * 0.381e-3**2 / 0.19
 pytestmark = pytest.mark.skipif(
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def claims() -> dict[str, Claim]:
-    return {claim.id: claim for claim in resistance_claims.claims(STATED)}
+    return {claim.id: claim for claim in ElectrothermalStaircase(STATED).part_claims("resistance")}
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_what_is_not_determined_is_said() -> None:
     (weak,) = fit.identifiability.weak
     assert set(weak.names) == {"A_s", "A_f"}
     assert fitting.between(fit) == 1
-    assert resistance_claims.strip_profile("A_s", STATED.offset).below.reason == "limit"
+    assert resistance_numbers.strip_profile("A_s", STATED.offset).below.reason == "limit"
     stretched = fitting.fitted(fitting.STRAINED, STATED.offset)
     (weak,) = stretched.identifiability.weak
     assert set(weak.names) == {"rho_M", "eps_L"}
@@ -172,7 +172,9 @@ def test_films_of_the_camera_close_the_balance() -> None:
 
 
 def test_a_wrong_material_is_contradicted() -> None:
-    found = resistance_claims.claims(replace(STATED, rho_A=9.2e-7, rho_M=8.4e-7))
+    found = ElectrothermalStaircase(STATED.with_numbers(rho_A=9.2e-7, rho_M=8.4e-7)).part_claims(
+        "resistance"
+    )
     verdicts = {claim.id: claim.verdict for claim in found}
     wrong = ("fit-rho-austenite", "fit-rho-martensite", "fit-difference-slopes")
     assert {verdicts[id] for id in wrong} == {"not reproduced"}

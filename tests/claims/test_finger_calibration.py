@@ -12,19 +12,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, verdict_of, with_verdict
+from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
 
 from martensite.io.citations import bibliography
 from martensite.runtimes.c99 import compiler
 from martensite.studies.base import load_study
 from martensite.studies.finger_calibration import (
     bench,
-    data_claims,
-    gauge_claims,
-    search_claims,
+    data_numbers,
+    gauge_numbers,
+    search_numbers,
 )
 from martensite.studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
-from martensite.studies.finger_calibration.printed import Printed
 from martensite.studies.finger_calibration.searches import (
     ALL,
     COORDINATE,
@@ -36,9 +35,10 @@ from martensite.studies.finger_calibration.searches import (
     search,
 )
 from martensite.studies.finger_calibration.study import FingerCalibration
+from martensite.studies.tables import PrintedRows, printed_numbers
 
-PRINTED = Printed()
-TABLE = dict(zip(PRINTED.names, PRINTED.table, strict=True))
+PRINTED = printed_numbers("finger_calibration")
+TABLE = data_numbers.table_numbers(PRINTED)
 
 needs_compiler = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
 
@@ -75,7 +75,7 @@ class TestRecords:
 
     def test_scenario_has_the_numbers_of_the_paper(self):
         system = bench.finger(NEAR.arm, PRINTED.offsets[0])
-        for name, value in (*TABLE.items(), *PRINTED.fixed):
+        for name, value in (*TABLE.items(), *((one.name, one.value) for one in PRINTED.fixed)):
             assert system.value_of(name) == pytest.approx(value, rel=1e-12)
         assert bench.scenario().waveform.frequency == PRINTED.frequency
         assert bench.scenario().duration == pytest.approx(1.0 / PRINTED.frequency, abs=1e-3)
@@ -89,48 +89,48 @@ class TestData:
         ids=("8mm", "16mm", "joint"),
     )
     def test_smallest_errors(self, data, slope, E_M, ratio):
-        found = data_claims.errors(data, PRINTED)
+        found = data_numbers.errors(data, PRINTED)
         assert found.numbers["dsigma_dT"] / 1e6 == pytest.approx(slope, rel=0.06)
         assert found.numbers["E_M"] / 1e9 == pytest.approx(E_M, rel=0.04)
         if ratio is not None:
             assert found.ratio == pytest.approx(ratio, abs=0.007)
 
     def test_correlations(self):
-        near = data_claims.errors(NEAR, PRINTED).correlation
+        near = data_numbers.errors(NEAR, PRINTED).correlation
         assert near["T_L", "dsigma_dT"] == pytest.approx(0.996, abs=0.001)
         assert near["Delta_sigma", "dsigma_dT"] == pytest.approx(0.994, abs=0.002)
 
     def test_errors_are_those_of_the_normal_equations(self):
         begin = bench.table_problem(NEAR, PRINTED)
-        places = [begin.names.index(name) for name in data_claims.CHOSEN_ELSE]
+        places = [begin.names.index(name) for name in data_numbers.CHOSEN_ELSE]
         scales = [begin.free[i].slope(float(begin.start[i])) for i in places]
         jacobian = bench.at_table(NEAR, PRINTED).jacobian[:, places] / scales
         size = np.linalg.norm(jacobian, axis=0)
         spread = np.linalg.inv((jacobian / size).T @ (jacobian / size)) / np.outer(size, size)
-        found = data_claims.errors(NEAR, PRINTED)
+        found = data_numbers.errors(NEAR, PRINTED)
         assert np.sqrt(np.diag(spread)) == pytest.approx(list(found.numbers.values()), rel=1e-6)
         step = 1e-4 * TABLE["dsigma_dT"]
         width, slope = TABLE["Delta_sigma"], TABLE["dsigma_dT"]
         turn = np.zeros(len(places))
-        turn[data_claims.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
-        turn[data_claims.CHOSEN_ELSE.index("dsigma_dT")] = (
+        turn[data_numbers.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
+        turn[data_numbers.CHOSEN_ELSE.index("dsigma_dT")] = (
             width / (slope + step) - width / (slope - step)
         ) / (2.0 * step)
         assert math.sqrt(turn @ spread @ turn) == pytest.approx(found.ratio, rel=1e-5)
 
     @pytest.mark.parametrize("data", EVERY, ids=lambda data: data.key)
     def test_five_parameters_hold_one_exact_redundancy(self, data):
-        (lost,) = data_claims.held(data, PRINTED).weak
+        (lost,) = data_numbers.held(data, PRINTED).weak
         assert lost.exact
         assert set(lost.names) == {"T_L", "sigma_L"}
         change = dict(zip(lost.names, lost.changes, strict=True))
         assert change["sigma_L"] / change["T_L"] == pytest.approx(TABLE["dsigma_dT"], rel=1e-6)
 
     def test_four_parameters_hold_none(self):
-        found = data_claims.of_columns(NEAR, data_claims.CHOSEN_ELSE, PRINTED)
-        assert found.rank == len(data_claims.CHOSEN_ELSE)
+        found = data_numbers.of_columns(NEAR, data_numbers.CHOSEN_ELSE, PRINTED)
+        assert found.rank == len(data_numbers.CHOSEN_ELSE)
         assert all(map(math.isfinite, found.errors))
-        five = data_claims.of_columns(NEAR, PRINTED.names, PRINTED)
+        five = data_numbers.of_columns(NEAR, PRINTED.searched.column("name"), PRINTED)
         assert five.rank == 4
         assert [math.isinf(e) for e in five.errors] == [False, True, False, True, False]
 
@@ -154,14 +154,14 @@ class TestLeastSquares:
         fit = best(JOINT, PRINTED).fit
         assert fit["dsigma_dT"] / 1e6 == pytest.approx(4.01, abs=0.01)
         assert fit["E_M"] / 1e9 == pytest.approx(30.9, abs=0.1)
-        assert data_claims.cold(fit.numbers) == pytest.approx(319.75, abs=0.3)
-        assert data_claims.width(fit.numbers) == pytest.approx(13.0, abs=0.3)
+        assert data_numbers.cold(fit.numbers) == pytest.approx(319.75, abs=0.3)
+        assert data_numbers.width(fit.numbers) == pytest.approx(13.0, abs=0.3)
 
     def test_stays_where_nothing_moves_unless_it_starts_elsewhere_too(self):
         caught = search(FAR, STILL, SQUARES, PRINTED)
         assert caught.rms > 20.0
         assert np.abs(caught.fit.evaluation.jacobian).max() < 1e-12
-        cured = search(FAR, STILL, SQUARES, PRINTED, search_claims.MORE)
+        cured = search(FAR, STILL, SQUARES, PRINTED, search_numbers.MORE)
         assert cured.rms == pytest.approx(best(FAR, PRINTED).rms, abs=1e-6)
 
     def test_another_noise_ends_elsewhere(self):
@@ -170,7 +170,7 @@ class TestLeastSquares:
         angles = np.asarray(record.record["angle"]) + bench.NOISE * bench.noise()[4]
         columns = {**record.record.columns, "angle": angles.tolist()}
         other = replace(record, record=replace(record.record, columns=columns))
-        begin = bench.fitting((other,), PRINTED, PRINTED.table)
+        begin = bench.fitting((other,), PRINTED, PRINTED.searched.column("value"))
         found = begin.evaluate(begin.start)
         assert found is not None
         assert found.cost == pytest.approx(2.0, abs=0.4)
@@ -180,43 +180,43 @@ class TestLeastSquares:
 @pytest.mark.slow
 class TestGauges:
     def test_force(self):
-        found = [one for one in gauge_claims.held(gauge_claims.FORCE, PRINTED).weak if one.exact]
+        found = [one for one in gauge_numbers.held(gauge_numbers.FORCE, PRINTED).weak if one.exact]
         assert len(found) == 1
         assert found[0].gauge
-        assert set(found[0].names) == set(gauge_claims.FORCE)
+        assert set(found[0].names) == set(gauge_numbers.FORCE)
         moved = dict(zip(found[0].names, found[0].relative, strict=True))
         volume = moved.pop("layer_volume")
         assert list(moved.values()) == pytest.approx([-volume] * len(moved), rel=1e-6)
-        same = gauge_claims.scaled(gauge_claims.FORCE, 1.3, PRINTED)
-        assert gauge_claims.apart(same, PRINTED) < 1e-9
+        same = gauge_numbers.scaled(gauge_numbers.FORCE, 1.3, PRINTED)
+        assert gauge_numbers.apart(same, PRINTED) < 1e-9
         less = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L")
-        assert gauge_claims.apart(gauge_claims.scaled(less, 1.3, PRINTED), PRINTED) == (
+        assert gauge_numbers.apart(gauge_numbers.scaled(less, 1.3, PRINTED), PRINTED) == (
             pytest.approx(0.44, abs=0.02)
         )
-        assert not any(one.exact for one in gauge_claims.held(less, PRINTED).weak)
+        assert not any(one.exact for one in gauge_numbers.held(less, PRINTED).weak)
 
     def test_thermal(self):
-        (found,) = gauge_claims.held(gauge_claims.THERMAL, PRINTED).weak
+        (found,) = gauge_numbers.held(gauge_numbers.THERMAL, PRINTED).weak
         assert not found.exact
-        assert set(found.names) == set(gauge_claims.THERMAL)
-        warmed = gauge_claims.warmed(1.2, PRINTED)
-        assert gauge_claims.apart(warmed, PRINTED) == pytest.approx(0.04, abs=0.005)
-        assert gauge_claims.apart({**warmed, "T_L": TABLE["T_L"]}, PRINTED) > 5.0
+        assert set(found.names) == set(gauge_numbers.THERMAL)
+        warmed = gauge_numbers.warmed(1.2, PRINTED)
+        assert gauge_numbers.apart(warmed, PRINTED) == pytest.approx(0.04, abs=0.005)
+        assert gauge_numbers.apart({**warmed, "T_L": TABLE["T_L"]}, PRINTED) > 5.0
 
     def test_redundancy(self):
         moved = {"T_L": TABLE["T_L"] + 10.0, "sigma_L": TABLE["sigma_L"] + 40e6}
-        assert gauge_claims.apart(moved, PRINTED) < 1e-9
+        assert gauge_numbers.apart(moved, PRINTED) < 1e-9
 
     def test_wrong_arm(self):
-        found = gauge_claims.refitted(PRINTED, 9e-3)
+        found = gauge_numbers.refitted(PRINTED, 9e-3)
         assert found.rms == pytest.approx(0.06, abs=0.015)
         assert found.fit["dsigma_dT"] / 1e6 == pytest.approx(5.24, rel=0.02)
         assert found.fit["Delta_sigma"] / 1e6 == pytest.approx(67.9, rel=0.02)
-        near = gauge_claims.refitted(PRINTED, 7e-3)
+        near = gauge_numbers.refitted(PRINTED, 7e-3)
         assert "dsigma_dT" in near.fit.at_bound()
 
     def test_effects(self):
-        found = gauge_claims.effects(PRINTED)
+        found = gauge_numbers.effects(PRINTED)
         assert len(found) == 10
         assert next(iter(found)) == "T_L"
         assert list(found)[-1] == "E_M"
@@ -267,7 +267,7 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        errors = [data_claims.errors(data, PRINTED) for data in EVERY]
+        errors = [data_numbers.errors(data, PRINTED) for data in EVERY]
         rows = [f"{found.numbers['dsigma_dT'] / 1e6:.3f} (0." for found in errors]
         rows += [f"| {found.numbers['E_M'] / 1e9:.1f} (" for found in errors]
         rows += [f"| {found.ratio:.3f} " for found in errors]
@@ -302,9 +302,8 @@ def test_sources_are_known():
 
 
 def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
-    for module in ("study", "figure"):
-        path = f"martensite.studies.finger_calibration.{module}.compiler"
-        monkeypatch.setattr(path, lambda: None)
+    for module in ("tables", "finger_calibration.figure"):
+        monkeypatch.setattr(f"martensite.studies.{module}.compiler", lambda: None)
     (claim,) = FingerCalibration().claims()
     assert claim.verdict == "not checkable"
     assert "C compiler" in claim.why
@@ -317,7 +316,10 @@ def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
 def test_a_wrong_number_is_noticed():
     """A table with another hysteresis than the record was made with is not found again."""
     other = [
-        replace(one, value=60e6) if one.name == "Delta_sigma" else one for one in PRINTED.searched
+        one.with_numbers(value=60e6) if one.name == "Delta_sigma" else one
+        for one in PRINTED.searched
     ]
-    claims = data_claims.again(NEAR, replace(PRINTED, searched=tuple(other)))
-    assert with_verdict(claims, "not reproduced") == {"ratio-8mm"}
+    wrong = PRINTED.with_numbers(searched=PrintedRows(other))
+    numbers = {"again": data_numbers.list_again(NEAR, wrong)}
+    found = settle_some(FingerCalibration(wrong), "data", numbers, "{name}-{key}")
+    assert {id for id, verdict in found.items() if verdict == "not reproduced"} == {"ratio-8mm"}

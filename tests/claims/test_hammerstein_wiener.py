@@ -14,7 +14,7 @@ from martensite.runtimes.c99 import compiler
 from martensite.studies.base import Claim, load_study
 from martensite.studies.hammerstein_wiener import judged, loop, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
-from martensite.studies.hammerstein_wiener.fit_claims import BETTER, PAPER, WHOLE
+from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
 from martensite.studies.hammerstein_wiener.study import HammersteinWiener
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")

@@ -12,16 +12,18 @@ from dataclasses import replace
 import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
+from martensite.characterise.film_coefficient import film_r_squared, fit_film
 from martensite.errors import DataError, ParameterError, UnknownNameError
-from martensite.identify.film import film_r_squared, fit_film
 from martensite.io.citations import bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
-from martensite.studies.migaone import bench, film_claims, motion_claims, wire_claims
-from martensite.studies.migaone.printed import Printed, Step
+from martensite.studies.migaone import bench, film_numbers, motion_numbers, wire_numbers
 from martensite.studies.migaone.study import MigaOne
+from martensite.studies.tables import Printed, PrintedRows, printed_numbers
 
-PRINTED = Printed()
+PRINTED = printed_numbers("migaone")
+POINTS = PRINTED.steps.column("temperature"), PRINTED.steps.column("film")
+COEFFICIENTS = PRINTED.h0, PRINTED.h1, PRINTED.h2
 REPRODUCED = {
     "geometry-volume-misprint", "steady-1.0V", "steady-1.5V", "steady-2.0V", "steady-2.5V",
     "actuation-time",
@@ -56,22 +58,22 @@ def test_each_published_number_decides_its_verdict(claims: dict[str, Claim]) -> 
 
 
 def test_a_wrong_published_number_is_not_reproduced() -> None:
-    wrong = replace(PRINTED, actuation_time=3.0)
+    wrong = PRINTED.with_numbers(actuation_time=3.0)
     assert verdict_of(MigaOne(wrong).claims(), "actuation-time") == "not reproduced"
-    row = Step(2.0, 80.0, 57.28)
+    row = Printed(voltage=2.0, temperature=80.0, film=57.28)
     steps = (*PRINTED.steps[:2], row, PRINTED.steps[3])
-    steady = film_claims.claims(replace(PRINTED, steps=steps))
+    steady = MigaOne(PRINTED.with_numbers(steps=PrintedRows(steps))).part_claims("film")
     assert verdict_of(steady, "steady-2.0V") == "not reproduced"
     assert verdict_of(steady, "steady-2.5V") == "reproduced"
 
 
 def test_a_corrected_misprint_is_reproduced() -> None:
-    length = wire_claims.printed_length(PRINTED)
-    right = replace(PRINTED, diameter=0.381e-3, surface=math.pi * 0.381e-3 * length)
-    assert verdict_of(wire_claims.claims(right), "geometry-surface") == "reproduced"
-    fit = film_claims.no_linear(PRINTED)
-    right = replace(PRINTED, h0=fit.coefficients[0], h2=fit.coefficients[2])
-    assert verdict_of(film_claims.claims(right), "fit-no-linear-h0") == "reproduced"
+    length = wire_numbers.printed_length(PRINTED)
+    right = PRINTED.with_numbers(diameter=0.381e-3, surface=math.pi * 0.381e-3 * length)
+    assert verdict_of(MigaOne(right).part_claims("wire"), "geometry-surface") == "reproduced"
+    fit = film_numbers.no_linear(PRINTED)
+    right = PRINTED.with_numbers(h0=fit.coefficients[0], h2=fit.coefficients[2])
+    assert verdict_of(MigaOne(right).part_claims("film"), "fit-no-linear-h0") == "reproduced"
 
 
 def test_a_verdict_against_its_numbers_cannot_be_made(claims: dict[str, Claim]) -> None:
@@ -93,7 +95,7 @@ def test_a_verdict_against_its_numbers_cannot_be_made(claims: dict[str, Claim]) 
 def test_geometry_and_resistance(claims: dict[str, Claim]) -> None:
     wire = bench.base_wire()
     assert wire.diameter == pytest.approx(PRINTED.diameter_in_text)
-    assert wire.length == pytest.approx(wire_claims.printed_length(PRINTED), abs=0.5e-3)
+    assert wire.length == pytest.approx(wire_numbers.printed_length(PRINTED), abs=0.5e-3)
     assert wire.surface() == pytest.approx(3.27e-4, abs=0.005e-4)
     assert wire.surface() / PRINTED.surface == pytest.approx(10.0, rel=0.005)
     assert wire.section() * wire.length / PRINTED.volume == pytest.approx(100.0, rel=0.005)
@@ -102,7 +104,7 @@ def test_geometry_and_resistance(claims: dict[str, Claim]) -> None:
     assert powers[-1] == pytest.approx(1.021, abs=3e-3)  # noted for a length of 272.5 mm
     assert claims["resistance-1.0V"].computed == pytest.approx(7.0, abs=0.05)
     assert claims["resistance-2.5V"].computed == pytest.approx(6.1, abs=0.05)
-    series = [wire_claims.series_resistance(v, PRINTED) for v in (1.0, 2.5)]
+    series = [wire_numbers.series_resistance(v, PRINTED) for v in (1.0, 2.5)]
     assert series == pytest.approx([1.65, 1.36], abs=0.01)
 
 
@@ -110,12 +112,12 @@ def test_scenario_says_what_the_paper_does() -> None:
     scenario = bench.scenario()
     assert bench.number("environment.temperature") == pytest.approx(PRINTED.ambient + bench.ZERO)
     coefficients = tuple(bench.number(f"cooling.h{k}") for k in range(3))
-    assert coefficients == pytest.approx(PRINTED.coefficients)
+    assert coefficients == pytest.approx(COEFFICIENTS)
     wire = bench.base_wire()
     ohms = bench.number("rho_M") * wire.length / wire.section()
     assert ohms == pytest.approx(PRINTED.resistance, abs=0.01)
     assert bench.number("series_resistance") == pytest.approx(
-        wire_claims.series_resistance(2.5, PRINTED), abs=0.005
+        wire_numbers.series_resistance(2.5, PRINTED), abs=0.005
     )
     assert scenario.waveform.value(100.0) == pytest.approx(PRINTED.steps[-1].voltage)
 
@@ -133,7 +135,8 @@ def test_scenario_moves_and_returns() -> None:
 
 def test_fits() -> None:
     full, even, line = (
-        fit(PRINTED) for fit in (film_claims.quadratic, film_claims.no_linear, film_claims.straight)
+        fit(PRINTED)
+        for fit in (film_numbers.quadratic, film_numbers.no_linear, film_numbers.straight)
     )
     assert full.coefficients == pytest.approx((30.729, 0.34525, 4.701e-4), rel=3e-5)
     assert even.coefficients == pytest.approx((41.888, 0.0, 0.0030103), rel=3e-5)
@@ -142,15 +145,17 @@ def test_fits() -> None:
     assert found == pytest.approx([0.98896, 0.98417, 0.98879], abs=6e-6)
     adjusted = [fit.adjusted for fit in (full, even, line)]
     assert adjusted == pytest.approx([0.967, 0.976, 0.983], abs=6e-4)
-    assert film_claims.printed_r_squared(PRINTED) == pytest.approx(0.98090, abs=6e-6)
+    assert film_numbers.printed_r_squared(PRINTED) == pytest.approx(0.98090, abs=6e-6)
 
 
 def test_no_parabola_beats_the_fit() -> None:
-    best = film_claims.quadratic(PRINTED)
+    best = film_numbers.quadratic(PRINTED)
     for k in range(3):
         for factor in (0.999, 1.001):
             moved = [c * (factor if i == k else 1.0) for i, c in enumerate(best.coefficients)]
-            r_squared = film_r_squared(PRINTED.temperatures, PRINTED.films, moved)
+            r_squared = film_r_squared(
+                PRINTED.steps.column("temperature"), PRINTED.steps.column("film"), moved
+            )
             assert r_squared < best.r_squared < PRINTED.r_squared
 
 
@@ -187,20 +192,22 @@ def root_of_balance(power: float, surface: float, coefficients: tuple[float, ...
 
 
 def test_steady_temperatures() -> None:
-    errors = film_claims.steady_errors("polynomial", PRINTED)
+    errors = film_numbers.steady_errors("polynomial", PRINTED)
     assert max(map(abs, errors)) < 0.3
     for step, error in zip(PRINTED.steps, errors, strict=True):
         power = bench.heating_power(step, PRINTED)
-        root = root_of_balance(power, bench.base_wire().surface(), PRINTED.coefficients)
+        root = root_of_balance(power, bench.base_wire().surface(), COEFFICIENTS)
         assert step.temperature + error == pytest.approx(root, abs=1e-3)
-    assert max(map(abs, film_claims.steady_errors("refitted", PRINTED))) < 0.45
-    mean = film_claims.steady_errors("constant", PRINTED)
+    assert max(map(abs, film_numbers.steady_errors("refitted", PRINTED))) < 0.45
+    mean = film_numbers.steady_errors("constant", PRINTED)
     assert max(mean, key=abs) == pytest.approx(7.7, abs=0.05)
 
 
 def test_film_rests_on_the_ambient_temperature() -> None:
-    assert film_claims.films_at_ambient(38.5, PRINTED) == pytest.approx(PRINTED.films)
-    found = film_claims.films_at_ambient(41.0, PRINTED)
+    assert film_numbers.films_at_ambient(38.5, PRINTED) == pytest.approx(
+        PRINTED.steps.column("film")
+    )
+    found = film_numbers.films_at_ambient(41.0, PRINTED)
     assert found == pytest.approx([65.8, 61.1, 61.9, 68.1], abs=0.05)
 
 
@@ -227,11 +234,11 @@ def test_sine(key: str, hottest: float, rise: float, fall: float, stroke: float)
 
 def test_actuation_time() -> None:
     """The reference is for a room of 25 °C, and to two digits."""
-    assert motion_claims.fastest(PRINTED) == pytest.approx(0.38, abs=0.01)
-    assert motion_claims.slowest(PRINTED) == pytest.approx(1.7, abs=0.05)
-    assert motion_claims.thin(PRINTED, motion_claims.ROOM) == pytest.approx(0.016, abs=0.0005)
+    assert motion_numbers.fastest(PRINTED) == pytest.approx(0.38, abs=0.01)
+    assert motion_numbers.slowest(PRINTED) == pytest.approx(1.7, abs=0.05)
+    assert motion_numbers.thin(PRINTED, motion_numbers.ROOM) == pytest.approx(0.016, abs=0.0005)
     here = bench.actuation_time(PRINTED, PRINTED.ambient)
-    assert motion_claims.fastest(PRINTED) < here < motion_claims.slowest(PRINTED)
+    assert motion_numbers.fastest(PRINTED) < here < motion_numbers.slowest(PRINTED)
 
 
 # ---------------------------------------------------------------- the study
@@ -262,12 +269,12 @@ def test_readme_has_the_computed_numbers() -> None:
         r = bench.response(key, PRINTED)
         row = f"| {r.hottest:.1f} °C | {r.rise:.1f} s | {r.fall:.1f} s | {1e3 * r.stroke:.2f} mm |"
         assert row in text
-    even, line = film_claims.no_linear(PRINTED), film_claims.straight(PRINTED)
+    even, line = film_numbers.no_linear(PRINTED), film_numbers.straight(PRINTED)
     h0, _, h2 = even.coefficients
     assert f"| {h0:.3f}, 0, {h2:.7f} | {even.r_squared:.5f} |" in text
     assert f"| {line.coefficients[0]:.3f}, {line.coefficients[1]:.5f}, 0 |" in text
     assert f"about 1 s: {bench.actuation_time(PRINTED, PRINTED.ambient):.2f} s" in text
-    spread = f"{motion_claims.fastest(PRINTED):.2f} to {motion_claims.slowest(PRINTED):.2f} s"
+    spread = f"{motion_numbers.fastest(PRINTED):.2f} to {motion_numbers.slowest(PRINTED):.2f} s"
     assert spread in text
-    mean = film_claims.steady_errors("constant", PRINTED)
+    mean = film_numbers.steady_errors("constant", PRINTED)
     assert "{:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} K".format(*mean) in text

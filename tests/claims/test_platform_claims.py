@@ -24,17 +24,16 @@ from martensite.studies import readings
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.platform import (
     bench,
-    control_claims,
-    equation_claims,
-    geometry_claims,
+    control_numbers,
+    equation_numbers,
     loop,
-    response_claims,
+    response_numbers,
 )
 from martensite.studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
-from martensite.studies.platform.printed import Printed
 from martensite.studies.platform.study import Platform
+from martensite.studies.tables import printed_numbers
 
-PRINTED = Printed()
+PRINTED = printed_numbers("platform")
 REPRODUCED = {"centroid", "contraction", "spring-mass", "set-C-3V"}
 NOT_REPRODUCED = {
     "lever", "eq8-finish", "eq8-start", "printed-5V", "printed-3V", "slowest-5V", "slowest-3V",
@@ -85,17 +84,19 @@ def test_each_published_number_decides_its_verdict(listed: dict[str, Claim]) -> 
 
 
 def test_a_wrong_published_number_is_not_reproduced() -> None:
-    wrong = geometry_claims.claims(replace(PRINTED, contraction=0.04))
+    wrong = Platform(PRINTED.with_numbers(contraction=0.04)).part_claims("geometry")
     assert verdict_of(wrong, "contraction") == "not reproduced"
-    wrong = response_claims.claims(replace(PRINTED, slow=40.0))
+    wrong = Platform(PRINTED.with_numbers(slow=40.0)).part_claims("response")
     assert verdict_of(wrong, "set-C-3V") == "not reproduced"
 
 
 def test_a_corrected_misprint_is_reproduced() -> None:
-    right = geometry_claims.claims(replace(PRINTED, centroid=PRINTED.side / math.sqrt(3.0)))
+    right = Platform(PRINTED.with_numbers(centroid=PRINTED.side / math.sqrt(3.0))).part_claims(
+        "geometry"
+    )
     assert verdict_of(right, "lever") == "reproduced"
     assert verdict_of(right, "centroid") == "not reproduced"
-    right = response_claims.claims(replace(PRINTED, fast=2.1, slow=7.5, current=2.8))
+    right = Platform(PRINTED.with_numbers(fast=2.1, slow=7.5, current=2.8)).part_claims("response")
     for id in ("printed-5V", "printed-3V", "slowest-5V", "slowest-3V", "needed-current"):
         assert verdict_of(right, id) == "reproduced"
 
@@ -137,9 +138,9 @@ def test_stroke_reach_and_vibration(listed: dict[str, Claim]) -> None:
 
 
 def test_equation_8_as_printed() -> None:
-    found = [equation_claims.equation_8(PRINTED, t) for t in (PRINTED.M_f, PRINTED.M_s)]
+    found = [equation_numbers.equation_8(PRINTED, t) for t in (PRINTED.M_f, PRINTED.M_s)]
     assert found == pytest.approx([0.75, -0.25])
-    assert equation_claims.equation_8(PRINTED, PRINTED.M_f, 1.0) == 0.0
+    assert equation_numbers.equation_8(PRINTED, PRINTED.M_f, 1.0) == 0.0
 
 
 # ---------------------------------------------------------------- response times
@@ -149,7 +150,7 @@ def test_equation_8_as_printed() -> None:
 @pytest.mark.parametrize("name", [*VARIANTS, *IN_SERIES])
 def test_readings_agree_with_the_integral(name: str, volts: float) -> None:
     case = (VARIANTS | IN_SERIES)[name]
-    found = dict(zip((5.0, 3.0), response_claims.free_times(case, PRINTED), strict=True))
+    found = dict(zip((5.0, 3.0), response_numbers.free_times(case, PRINTED), strict=True))
     plain = reference(case, volts)
     if case.film == 0.0:
         plain = replace(plain, film=1e-6)  # the integral divides by it
@@ -160,16 +161,16 @@ def test_readings_agree_with_the_integral(name: str, volts: float) -> None:
 def test_calibrated_sets_agree_with_the_integral(key: str) -> None:
     """To 0.1 ms; and they are calibrated."""
     for angle, at in ((PRINTED.angle, AT_25), (PRINTED.target, AT_30)):
-        found = response_claims.times(key, PRINTED, angle)
+        found = response_numbers.times(key, PRINTED, angle)
         expected = [reference(CASES[key], volts).arrival(at) for volts in (5.0, 3.0)]
         assert found == pytest.approx(expected, abs=1e-4)
-    times = response_claims.times(key, PRINTED, PRINTED.angle)
+    times = response_numbers.times(key, PRINTED, PRINTED.angle)
     assert times == pytest.approx((PRINTED.fast, PRINTED.slow), abs=0.01)
 
 
 def test_no_reading_is_below_the_bound() -> None:
     """t(3 V)/t(5 V) ≥ 25/9 with equality without heat loss."""
-    found = response_claims.ratios(PRINTED)
+    found = response_numbers.ratios(PRINTED)
     assert set(found) == {*VARIANTS, *IN_SERIES}
     assert min(found.values()) >= 25 / 9 - 1e-5
     assert found["no heat loss"] == pytest.approx(25 / 9, abs=1e-5)
@@ -191,7 +192,7 @@ def test_current_limit(listed: dict[str, Claim]) -> None:
 
 def test_just_less_current_stalls_and_just_more_arrives() -> None:
     """The needed current by long runs, against the balance of heat that the claim uses."""
-    needed = response_claims.needed_current(PRINTED)
+    needed = response_numbers.needed_current(PRINTED)
     for share, arrives in ((0.995, False), (1.005, True)):
         case = replace(AS_PRINTED, limits=(share * needed, share * needed))
         time = bench.arrival(case, PRINTED, PRINTED.high, PRINTED.angle, 200.0, 0.05)
@@ -225,7 +226,7 @@ def test_cooling(listed: dict[str, Claim]) -> None:
 
 def test_limit_cycle() -> None:
     """Within two samples of 20 ms of what was found in steps of 5 ms."""
-    first, period, on = control_claims.cycle(PRINTED)
+    first, period, on = control_numbers.cycle(PRINTED)
     assert first == pytest.approx(reference(CASES["A"], 5.0).arrival(AT_30), abs=0.02)
     assert period == pytest.approx(16.63, abs=0.04)
     assert on == pytest.approx(8.94, abs=0.04)
@@ -303,15 +304,15 @@ def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
     )
     fast, slow = (computed(listed, f"printed-{v}V") for v in (5, 3))
     assert f"would take {fast:.2f} s and {slow:.2f} s" in text
-    both = [response_claims.free_times(case, PRINTED) for case in VARIANTS.values()]
+    both = [response_numbers.free_times(case, PRINTED) for case in VARIANTS.values()]
     fasts, slows = zip(*both, strict=True)
     spread = f"{min(fasts):.2f} to {max(fasts):.2f} s and {min(slows):.2f} to {max(slows):.2f} s"
     assert spread in re.sub(r"\s+", " ", text)
     assert f"stalls at {computed(listed, 'limited-angle'):.2f}°" in text
     assert f"{computed(listed, 'needed-current'):.3f} A" in text
     for key, short in (("A", "A"), ("A'", "A2")):
-        early = " / ".join(f"{t:.2f}" for t in response_claims.times(key, PRINTED, 25.0))
-        late = " / ".join(f"{t:.2f}" for t in response_claims.times(key, PRINTED, 30.0))
+        early = " / ".join(f"{t:.2f}" for t in response_numbers.times(key, PRINTED, 25.0))
+        late = " / ".join(f"{t:.2f}" for t in response_numbers.times(key, PRINTED, 30.0))
         row = next(line for line in text.splitlines() if line.startswith(f"| {key}:"))
         assert f"| {early} s | {late} s |" in row, short
     for key, row in (
@@ -320,6 +321,6 @@ def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
         ("A", "set A | none"), ("A-late", "set A | 0.3 s"), ("C", "set C | none"),
     ):  # fmt: skip
         assert f"| {row} | {computed(listed, f'overshoot-{key}'):.2f}° |" in text
-    first, period, on = control_claims.cycle(PRINTED)
+    first, period, on = control_numbers.cycle(PRINTED)
     assert f"first off after {first:.2f} s, then every {period:.2f} s" in text
     assert f"{on:.2f} s of them on" in text

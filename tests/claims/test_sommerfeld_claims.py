@@ -10,13 +10,12 @@ between one and two per cent.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, with_verdict
+from claim_checks import check_complete, check_decides, settle_some, with_verdict
 from scipy import integrate, optimize
 
 from martensite.errors import DataError
@@ -31,19 +30,19 @@ from martensite.studies.readings import runtime
 from martensite.studies.sommerfeld import (
     actuator,
     averages,
-    beam_claims,
+    beam_numbers,
     machines,
-    ramp_claims,
+    ramp_numbers,
     rk4,
     runs,
     wire,
-    wire_claims,
 )
-from martensite.studies.sommerfeld.printed import Printed
 from martensite.studies.sommerfeld.study import Sommerfeld
+from martensite.studies.tables import printed_numbers
 from martensite.system import Machine
 
-PRINTED = Printed()
+PRINTED = printed_numbers("sommerfeld")
+FREQUENCIES = "stiffness", "frequency-{mass:.2f}kg", "frequency-{second_mass:.2f}kg"
 K, C, M, U, ECC = 541.0, 0.07, 0.25, 0.012, 0.02
 KT, J, L, B, R = 0.0211, 0.82e-4, 3.1e-3, 8.17e-7, 41.0
 VERDICTS = ("reproduced", "not reproduced", "calibrated", "not checkable")
@@ -56,12 +55,14 @@ def by_id(claims: list[Claim]) -> dict[str, Claim]:
 
 @cache
 def of_motor() -> dict[str, Claim]:
-    return by_id([*beam_claims.claims(PRINTED), *ramp_claims.claims(PRINTED)])
+    return by_id(
+        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramps")]
+    )
 
 
 @cache
 def of_wire() -> dict[str, Claim]:
-    return by_id(wire_claims.claims(PRINTED))
+    return by_id(Sommerfeld(PRINTED).part_claims("wire"))
 
 
 def computed(claims: dict[str, Claim], id: str) -> float:
@@ -112,15 +113,19 @@ def test_verdicts_on_the_wire() -> None:
 
 def test_other_printed_numbers_would_change_the_verdicts() -> None:
     """The numbers of the thesis decide: right ones are reproduced, a wrong one is not."""
-    right = replace(PRINTED, simulated_jump=6.7, mass=541.0 / (2.0 * math.pi * 8.42) ** 2)
-    frequencies = {c.id: c.verdict for c in beam_claims._beam(right)}  # pyright: ignore[reportPrivateUsage]
+    right = PRINTED.with_numbers(simulated_jump=6.7, mass=541.0 / (2.0 * math.pi * 8.42) ** 2)
+    numbers = beam_numbers.compute_frequencies(right)
+    frequencies = settle_some(Sommerfeld(right), "beam", numbers, *FREQUENCIES)
     assert "reproduced" in frequencies.values()
     assert list(frequencies.values()).count("not reproduced") == 1
-    wrong = replace(PRINTED, computed_stiffness=545.0)
-    stiffness = beam_claims._beam(wrong)[0]  # pyright: ignore[reportPrivateUsage]
-    assert stiffness.verdict == "not reproduced"
-    earlier = replace(PRINTED, jump_with_wire=4.4)
-    assert {c.id: c.verdict for c in ramp_claims._numbers(earlier)}["earlier"] == "reproduced"  # pyright: ignore[reportPrivateUsage]
+    wrong = PRINTED.with_numbers(computed_stiffness=545.0)
+    numbers = beam_numbers.compute_frequencies(wrong)
+    stiffness = settle_some(Sommerfeld(wrong), "beam", numbers, "stiffness")
+    assert stiffness == {"stiffness": "not reproduced"}
+    earlier = PRINTED.with_numbers(jump_with_wire=4.4)
+    numbers = ramp_numbers.compare_jumps(earlier)
+    found = settle_some(Sommerfeld(earlier), "ramps", numbers, "earlier")
+    assert found == {"earlier": "reproduced"}
 
 
 # ---------------------------------------------------------------- from rest
@@ -236,7 +241,7 @@ def test_sweeps_turn_at_the_folds() -> None:
     slow, fast = (runs.upward(motor, rate, 90.0).jump for rate in (0.5, 1.0))
     assert 0.97 * upper.voltage < slow < upper.voltage
     assert fast < slow
-    found = runs.downward(motor, *beam_claims.DOWN)
+    found = runs.downward(motor, *beam_numbers.DOWN)
     assert 0.8 * lower.voltage < runs.dropped_below(found, lower.speed) < lower.voltage
     at_fold = np.interp(upper.voltage * 0.9, *_of_ramp(motor))
     assert at_fold == pytest.approx(averages.amplitude(motor, upper.speed), rel=0.08)
@@ -288,13 +293,13 @@ def test_required_changes() -> None:
 
 def test_stiffness_alone_moves_the_jump_up_and_damping_alone_down() -> None:
     base = runs.upward(machines.calibrated_motor(), wire.RATE, 8.0).jump
-    found = ramp_claims.variants(PRINTED)
+    found = ramp_numbers.variants(PRINTED)
     assert found["stiffness"].jump > base + 1.0
     assert found["damping"].jump < found["both"].jump < base - 0.5
 
 
 def test_whole_millimetres() -> None:
-    assert ramp_claims.whole_millimetres(PRINTED) == (54, 31)
+    assert ramp_numbers.whole_millimetres(PRINTED) == (54, 31)
     assert [b for b in range(52) if round(100 * (1 - b / 52), 2) == 42.59] == []
 
 
@@ -333,7 +338,7 @@ def test_fit_of_the_slack() -> None:
 @needs_c
 def test_another_target_would_choose_another_slack() -> None:
     """The fit follows the published numbers; it is not fixed."""
-    other = replace(PRINTED, jump_with_wire=5.9, reduction=0.26)
+    other = PRINTED.with_numbers(jump_with_wire=5.9, reduction=0.26)
     assert wire.best(other).slack == 0.025
     assert wire.best(PRINTED).slack == 0.015
 
@@ -381,7 +386,7 @@ def test_actuator_curves() -> None:
     assert actuator.at_end(1.3, "current") / run["current"][1] == pytest.approx(1.5 / 1.3, rel=2e-3)
     assert run["martensite_fraction"][-1] == pytest.approx(1.0, abs=1e-3)
     assert actuator.complete_from(PRINTED) == 1.2
-    assert math.isnan(actuator.complete_from(replace(PRINTED, heating_voltages=(0.5,))))
+    assert math.isnan(actuator.complete_from(PRINTED.with_numbers(heating_voltages=(0.5,))))
 
 
 # ---------------------------------------------------------------- the study

@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
-from martensite.identify.tangent_fit import TangentFit, tangent_fit
-from martensite.identify.tangents import TangentPoints
+from martensite.characterise.tangent_fit import TangentFit, tangent_fit
+from martensite.characterise.tangent_points import TangentPoints
 from martensite.io import datasets
 from martensite.io.tables import read_table
 

@@ -8,22 +8,21 @@ closures, and the numbers noted for this project from separate code: h from 40 t
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, with_verdict
+from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 from scipy import optimize
 
 from martensite.errors import DataError
 from martensite.io.citations import bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
-from martensite.studies.wire_heating import bench, claims, closures
-from martensite.studies.wire_heating.printed import Printed, Row
+from martensite.studies.tables import Printed, printed_numbers
+from martensite.studies.wire_heating import bench, closures, numbers
 from martensite.studies.wire_heating.study import WireHeating
 
-PRINTED = Printed()
+PRINTED = printed_numbers("wire_heating")
 D, L = 375e-6, 0.1
 SURFACE = math.pi * D * L
 VOLTS = np.arange(5, 14) / 10
@@ -105,12 +104,12 @@ def test_each_published_number_decides_its_verdict(listed: dict[str, Claim]) -> 
 
 
 def test_other_printed_numbers_would_be_reproduced() -> None:
-    right = replace(PRINTED, resistance_A=1.3, resistance_M=1.5)
-    assert claims.resistances(right)[0].verdict == "reproduced"
+    right = PRINTED.with_numbers(resistance_A=1.3, resistance_M=1.5)
+    assert verdict_of(WireHeating(right).claims(), "resistance") == "reproduced"
     ohms = closures.closure_a(PRINTED).resistance
     assert ohms is not None
-    right = replace(PRINTED, resistance_A=ohms, resistance_M=ohms)
-    verdicts = [claim.verdict for claim in claims.steady(right)[: len(PRINTED.rows)]]
+    right = PRINTED.with_numbers(resistance_A=ohms, resistance_M=ohms)
+    verdicts = [c.verdict for c in WireHeating(right).claims() if c.id.startswith("steady-as-")]
     assert verdicts.count("reproduced") == 8  # all but 0.9 V, which no closure meets
 
 
@@ -132,7 +131,7 @@ def test_film_coefficients(listed: dict[str, Claim]) -> None:
 def test_a_swapped_ratio_would_be_noticed() -> None:
     """With d/l in place of l/d in (3.2), h falls to a plate's value."""
     row = PRINTED.rows[4]
-    swapped = replace(PRINTED, diameter=PRINTED.length**2 / PRINTED.diameter)
+    swapped = PRINTED.with_numbers(diameter=PRINTED.length**2 / PRINTED.diameter)
     assert bench.printed_film(row, swapped) < 0.3 * bench.printed_film(row, PRINTED)
 
 
@@ -143,7 +142,14 @@ def test_textbook_air_agrees_with_the_printed_rows() -> None:
         assert found == pytest.approx(bench.printed_film(row, PRINTED), rel=0.01)
     ambients = [bench.implied_ambient(row) for row in PRINTED.rows]
     assert ambients[:4] == pytest.approx([17.0, 21.0, 24.0, 22.0])
-    hot = Row(2.0, 300.0, 0.04, 5e-5, 4e-5, 0.7)
+    hot = Printed(
+        voltage=2.0,
+        temperature=300.0,
+        conductivity=0.04,
+        diffusivity=5e-5,
+        viscosity=4e-5,
+        prandtl=0.7,
+    )
     assert math.isnan(bench.implied_ambient(hot))
 
 
@@ -206,8 +212,8 @@ def test_scenarios_are_the_closures(closure: str) -> None:
 
 def test_simulated_closures(listed: dict[str, Claim]) -> None:
     fit = closures.closure_a(PRINTED)
-    assert claims.simulated_errors("a", PRINTED) == pytest.approx(fit.errors, abs=0.05)
-    errors = claims.simulated_errors("b", PRINTED)
+    assert numbers.simulated_errors("a", PRINTED) == pytest.approx(fit.errors, abs=0.05)
+    errors = numbers.simulated_errors("b", PRINTED)
     for volts, at, error in zip(VOLTS, AT, errors, strict=True):
         hot, cold = (22.0 + volts**2 / (ohm * SURFACE * 128.6) for ohm in (1.3, 1.5))
         assert cold - 0.1 < at + error < hot + 0.1  # the resistance lies between both phases'

@@ -15,7 +15,7 @@ import pytest
 
 import martensite as ms
 from martensite.runtimes import floats
-from martensite.studies.migaone.printed import Printed
+from martensite.studies.tables import printed_numbers
 from martensite.thermal.base import Cylinder
 from martensite.thermal.morgan import LAWS
 
@@ -127,7 +127,9 @@ def test_a_wrong_exponent_is_noticed():
 
     found = film(Fifth(), 72.0, 38.5, 0.381e-3)
     assert found != pytest.approx(film(ms.ChurchillChu(), 72.0, 38.5, 0.381e-3), rel=0.02)
-    assert not inside([Fifth()], 0.038e-3, 38.5, Printed().temperatures, 270, 346)
+    assert not inside(
+        [Fifth()], 0.038e-3, 38.5, printed_numbers("migaone").steps.column("temperature"), 270, 346
+    )
 
 
 # ---------------------------------------------------------------- wires of the papers
@@ -141,17 +143,17 @@ def inside(models, diameter, ambient, celsius, low, high):
 
 
 def test_the_wire_of_the_migaone_bench():
-    paper = Printed()
-    wire = paper.diameter_in_text, paper.ambient, paper.temperatures
+    paper = printed_numbers("migaone")
+    wire = paper.diameter_in_text, paper.ambient, paper.steps.column("temperature")
     assert inside([ms.Morgan()], *wire, 45.2, 58.6)
     assert inside([ms.ChurchillChu()], *wire, 44.5, 52.9)
 
 
 def test_the_printed_diameter_of_the_migaone_wire_cannot_be():
-    paper = Printed()
+    paper = printed_numbers("migaone")
     both = [ms.Morgan(), ms.ChurchillChu()]
-    assert inside(both, paper.diameter, paper.ambient, paper.temperatures, 270, 346)
-    assert max(paper.films) < 0.25 * 270
+    assert inside(both, paper.diameter, paper.ambient, paper.steps.column("temperature"), 270, 346)
+    assert max(paper.steps.column("film")) < 0.25 * 270
 
 
 def test_the_springs_of_the_platform():

@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from martensite.errors import DataError, ParameterError, SolveError
-from martensite.identify import film_sensitivity
-from martensite.identify.film import FORMS, fit_film
-from martensite.identify.film_ambient import free_ambient
-from martensite.identify.film_points import (
+from martensite.characterise import film_sensitivity
+from martensite.characterise.film_ambient import fit_free_ambient
+from martensite.characterise.film_coefficient import FORMS, fit_film
+from martensite.characterise.film_points import (
     ABSOLUTE_ZERO,
     FilmPoints,
     points_from_power,
     powers_from_voltage,
 )
-from martensite.identify.film_report import judge_film
-from martensite.identify.linear import LinearFit, fit_powers
-from martensite.identify.nonlinear import least_squares
-from martensite.identify.student import central, quantile, two_sided
+from martensite.characterise.film_report import judge_film
+from martensite.characterise.nonlinear_regression import fit_residuals
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
+from martensite.confidence import student_quantile, two_sided_probability
+from martensite.errors import DataError, ParameterError, SolveError
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
@@ -43,24 +43,25 @@ def kossoski(ohms: float = 1.3, ambient: float = 22.0) -> FilmPoints:
 
 @pytest.mark.parametrize("freedom", [1, 2, 3, 4, 5, 8, 17, 40, 401])
 def test_student(freedom: int) -> None:
+    """The level is split between both tails, and the square of t has the F distribution."""
     for level in (0.5, 0.9, 0.95, 0.999):
         expected = float(stats.t.ppf(0.5 + 0.5 * level, freedom))
-        assert quantile(level, freedom) == pytest.approx(expected, rel=1e-10)
+        assert student_quantile(level, freedom) == pytest.approx(expected, rel=1e-10)
     for t in (0.0, 0.3, -2.2, 9.0):
         expected = float(2.0 * stats.t.sf(abs(t), freedom))
-        assert two_sided(t, freedom) == pytest.approx(expected, abs=1e-14)
-    assert two_sided(2.2, freedom) == pytest.approx(
+        assert two_sided_probability(t, freedom) == pytest.approx(expected, abs=1e-14)
+    assert two_sided_probability(2.2, freedom) == pytest.approx(
         float(stats.f.sf(2.2**2, 1, freedom)), abs=1e-14
     )  # the F-test of one term
 
 
 def test_student_by_hand_and_its_limits() -> None:
-    assert quantile(0.95, 2) == pytest.approx(1.9 / math.sqrt(2.0 * 0.975 * 0.025) / 2.0)
-    assert quantile(0.5, 1) == pytest.approx(1.0)
+    assert student_quantile(0.95, 2) == pytest.approx(1.9 / math.sqrt(2.0 * 0.975 * 0.025) / 2.0)
+    assert student_quantile(0.5, 1) == pytest.approx(1.0)
     with pytest.raises(ParameterError, match="at least 1"):
-        central(1.0, 0)
+        two_sided_probability(1.0, 0)
     with pytest.raises(ParameterError, match="between 0 and 1"):
-        quantile(1.0, 3)
+        student_quantile(1.0, 3)
 
 
 # ---------------------------------------------------------------- linear least squares
@@ -189,7 +190,7 @@ def test_sensitivity_to_the_ambient_against_differences() -> None:
         slopes = [fit_film(*points_of(p), (0, 1)).coefficients[1] for p in (above, below)]
         found = film_sensitivity.slope_per_kelvin(points)
         assert found == pytest.approx((slopes[0] - slopes[1]) / (2 * step), rel=1e-6)
-        level = points.at_ambient(film_sensitivity.ambient_without_slope(points))
+        level = points.at_ambient(film_sensitivity.find_level_ambient(points))
         assert fit_film(*points_of(level), (0, 1)).coefficients[1] == pytest.approx(0.0, abs=1e-8)
         assert level.at_ambient(ambient).h == pytest.approx(points.h)
 
@@ -204,7 +205,7 @@ def test_free_ambient_is_the_nonlinear_fit_of_h_and_ambient() -> None:
     found = optimize.least_squares(
         residuals, [30.0, 0.4, 38.0], x_scale=[30.0, 0.4, 1.0], xtol=1e-14
     )
-    fit = free_ambient(MIGAONE, 1)
+    fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     assert fit.ambient == pytest.approx(found.x[2], abs=1e-4)
     assert fit.leading == pytest.approx(found.x[1], rel=1e-4)
@@ -215,7 +216,7 @@ def test_of_two_parts_of_the_ambient_interval_the_one_about_the_best_is_taken() 
     """q = h1 (θ + 100)(θ - 20) is zero at -100 degC too, which is no ambient."""
     at = np.linspace(30.0, 150.0, 30)
     h = 30.0 + 0.3 * at + np.random.default_rng(2).normal(0.0, 1e-3, 30)
-    fit = free_ambient(FilmPoints(tuple(at), tuple(h), 20.0), 1)
+    fit = fit_free_ambient(FilmPoints(tuple(at), tuple(h), 20.0), 1)
     assert fit is not None
     low, high = fit.ambient_interval()
     assert 19.9 < low < fit.ambient < high < 20.1
@@ -228,7 +229,7 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
     noise = np.random.default_rng(5).normal(0.0, 4.0, 12)
     h = 30.0 + (0.5 * at if degree else 0.0 * at) + noise / (at - 25.0)
     points = FilmPoints(tuple(at), tuple(h), 25.0)
-    fit = free_ambient(points, degree)
+    fit = fit_free_ambient(points, degree)
     assert fit is not None and fit.bounded()
     t = stats.t.ppf(0.975, fit.flux.freedom)
     for end in fit.ambient_interval():
@@ -245,7 +246,7 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
 
 
 def test_the_ambient_is_unbounded_where_the_slope_may_be_zero() -> None:
-    fit = free_ambient(MIGAONE, 1)
+    fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     low, high = fit.leading_interval()
     assert low < 0.0 < high
@@ -268,7 +269,7 @@ def test_correlation_and_condition_by_finite_differences() -> None:
     jacobian = np.stack(columns, axis=1)
     covariance = np.linalg.inv(jacobian.T @ jacobian)
     expected = covariance[1, 2] / np.sqrt(covariance[1, 1] * covariance[2, 2])
-    found = film_sensitivity.confounding(MIGAONE)
+    found = film_sensitivity.find_confounding(MIGAONE)
     assert found.correlation == pytest.approx(expected, rel=1e-5)
     scaled = jacobian / np.linalg.norm(jacobian, axis=0)
     assert found.condition == pytest.approx(np.linalg.cond(scaled), rel=1e-5)
@@ -351,19 +352,18 @@ def test_points_from_power_by_hand() -> None:
 # ---------------------------------------------------------------- nonlinear least squares
 
 
-def test_gauss_newton_against_scipy() -> None:
+def test_a_linear_problem_has_the_errors_of_linear_regression() -> None:
+    """Nonlinear least squares of a straight line is the linear fit, standard errors too."""
     x = np.linspace(0.1, 3.0, 15)
-    y = 2.0 * np.exp(-0.7 * x) + 0.02 * np.sin(9.0 * x)
-
-    def residuals(p: tuple[float, ...]) -> list[float]:
-        return list(p[0] * np.exp(-p[1] * x) - y)
-
-    found = least_squares(residuals, (1.0, 1.0))
-    expected = optimize.least_squares(residuals, (1.0, 1.0), xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    assert found.values == pytest.approx(expected.x, rel=1e-6)
-    assert found.rms == pytest.approx(math.sqrt(2.0 * expected.cost / 15))
+    y = 2.0 - 0.7 * x + 0.02 * np.sin(9.0 * x)
+    found = fit_residuals(lambda p: p[0] + p[1] * x - y, (1.0, 1.0))
+    expected = fit_powers(x.tolist(), y.tolist(), (0, 1))
+    assert found.values == pytest.approx(expected.values, rel=1e-9)
+    errors = [one.error for one in found.estimates]
+    assert errors == pytest.approx([expected.error(k) for k in (0, 1)], rel=1e-8)
+    assert found.rms == pytest.approx(math.sqrt(expected.squares / 15))
 
 
-def test_gauss_newton_says_when_it_does_not_settle() -> None:
+def test_a_number_that_makes_no_difference_is_refused() -> None:
     with pytest.raises(SolveError, match="not settled"):
-        least_squares(lambda p: [math.exp(-p[0]), 0.0], (1.0,))
+        fit_residuals(lambda p: [p[0] - 1.0, p[0] + 1.0, p[0]], (0.5, 0.5))

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.identify.film import FORMS, fit_film
-from martensite.identify.film_ambient import free_ambient
-from martensite.identify.film_points import FilmPoints
-from martensite.identify.film_report import judge_film
-from martensite.identify.linear import Interval, contains
+from martensite.characterise.film_ambient import fit_free_ambient
+from martensite.characterise.film_coefficient import FORMS, fit_film
+from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_report import judge_film
+from martensite.confidence import Interval, interval_contains
 
 REPETITIONS = 200
 AT = np.linspace(45.0, 95.0, 7)
@@ -27,7 +27,7 @@ ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
 
 def share_held(interval_of: Callable[[int], Interval], truth: float) -> int:
     """In how many repetitions the interval holds the truth."""
-    return sum(contains(interval_of(seed), truth) for seed in range(REPETITIONS))
+    return sum(interval_contains(interval_of(seed), truth) for seed in range(REPETITIONS))
 
 
 def film(seed: int, noise: float = 0.8, h2: float = H2) -> np.ndarray:
@@ -63,12 +63,12 @@ def test_intervals_with_the_ambient_free_hold_the_truth(noise: float) -> None:
     """Also where the noise is so strong that the interval of the ambient is cut off."""
 
     def slope(seed: int) -> Interval:
-        fit = free_ambient(heated(seed, noise), 1)
+        fit = fit_free_ambient(heated(seed, noise), 1)
         assert fit is not None
         return fit.leading_interval()
 
     def ambient(seed: int) -> Interval:
-        fit = free_ambient(heated(seed, noise), 1)
+        fit = fit_free_ambient(heated(seed, noise), 1)
         assert fit is not None
         return fit.ambient_interval()
 

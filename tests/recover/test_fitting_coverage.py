@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.confidence import Interval, interval_contains
 from martensite.identify.fitting.uncertainty import Uncertainty, uncertainty
 from martensite.identify.fitting.whiteness import whiteness
-from martensite.identify.linear import Interval, contains
 
 REPETITIONS = 400
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
@@ -51,7 +51,7 @@ def held(judge: Judge, place: int, count: int, phi: float) -> int:
     """In how many repetitions the interval holds the truth."""
     name = "ab"[place]
     fits = (fitted(seed, count, phi) for seed in range(REPETITIONS))
-    return sum(contains(judge(fit, name), TRUTH[place]) for fit in fits)
+    return sum(interval_contains(judge(fit, name), TRUTH[place]) for fit in fits)
 
 
 @pytest.mark.parametrize("place", [0, 1])

@@ -16,11 +16,14 @@ import pytest
 from isobaric_cases import Bent, chord, edited, isobar, record
 from scipy import stats
 
-from martensite.identify.linear import Interval, contains
-from martensite.identify.tangent_fit import TangentFit, tangent_fit
-from martensite.identify.tangent_lines import CORE
-from martensite.identify.tangents import TangentPoints, tangent_points
-from martensite.identify.transformation_strain import fit_transformation_strain, saturating
+from martensite.characterise.tangent_fit import TangentFit, tangent_fit
+from martensite.characterise.tangent_lines import CORE
+from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.transformation_strain import (
+    fit_transformation_strain,
+    saturating_strain,
+)
+from martensite.confidence import Interval, interval_contains
 from martensite.laws.brinson import Brinson
 from martensite.laws.liang_rogers import LiangRogers
 from martensite.signals.records import Record
@@ -278,7 +281,7 @@ def held(
     for fit in fits:
         low, high = interval(fit)
         middle, half = 0.5 * (low + high), 0.5 * factor * (high - low)
-        count += contains((middle - half, middle + half), truth)
+        count += interval_contains((middle - half, middle + half), truth)
     return count
 
 
@@ -308,7 +311,7 @@ def test_wrong_intervals_are_noticed(fits: list[TangentFit], factor: float) -> N
 
 def strains(stresses: tuple[float, ...], *numbers: float) -> list[float]:
     low, high, rate, crit = numbers
-    return [saturating(low, high, rate, crit, s) for s in stresses]
+    return [saturating_strain(low, high, rate, crit, s) for s in stresses]
 
 
 MANY = (10e6, 50e6, 100e6, 150e6, 200e6, 300e6, 400e6, 500e6)
@@ -360,5 +363,5 @@ def test_intervals_of_the_saturating_form_hold_the_truth() -> None:
         noise = np.random.default_rng(seed).normal(0.0, 4e-4, clean.size)
         fit = fit_transformation_strain(MANY, (clean + noise).tolist())
         for name, value in truth.items():
-            count[name] += contains(getattr(fit, name).interval(), value)
+            count[name] += interval_contains(getattr(fit, name).interval(), value)
     assert all(ALLOWED[0] <= share <= ALLOWED[1] for share in count.values()), count

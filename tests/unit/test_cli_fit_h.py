@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from command import Command
 
-from martensite.identify.film import FORMS
-from martensite.identify.film_points import FilmPoints
-from martensite.identify.film_report import judge_film
+from martensite.characterise.film_coefficient import FORMS
+from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_report import judge_film
 from martensite.io.scenario import read
 from martensite.plot.film_fit import plot_film
 from martensite.system import System
@@ -54,17 +54,16 @@ def test_migaone() -> None:
 
 
 def test_the_example_is_the_studys_table() -> None:
-    from martensite.studies.migaone.printed import Printed
-    from martensite.studies.wire_heating.printed import Printed as Thesis
+    from martensite.studies.tables import printed_numbers
 
-    found = report(MIGAONE, *AMBIENT)["points"]
-    assert found["temperatures_degC"] == pytest.approx(Printed().temperatures)
-    assert found["h"] == pytest.approx(Printed().films)
+    found, steps = report(MIGAONE, *AMBIENT)["points"], printed_numbers("migaone").steps
+    assert found["temperatures_degC"] == pytest.approx(steps.column("temperature"))
+    assert found["h"] == pytest.approx(steps.column("film"))
     found = report(KOSSOSKI, *WIRE, "--resistance", "1 ohm")["points"]
-    assert found["temperatures_degC"] == pytest.approx(Thesis().temperatures)
-    surface = math.pi * 375e-6 * 0.1
-    pairs = zip(Thesis().voltages, Thesis().temperatures, strict=True)
-    assert found["h"] == pytest.approx([v * v / surface / (at - 22.0) for v, at in pairs])
+    rows, surface = printed_numbers("wire_heating").rows, math.pi * 375e-6 * 0.1
+    assert found["temperatures_degC"] == pytest.approx(rows.column("temperature"))
+    expected = [row.voltage**2 / surface / (row.temperature - 22.0) for row in rows]
+    assert found["h"] == pytest.approx(expected)
 
 
 def test_kossoski() -> None:

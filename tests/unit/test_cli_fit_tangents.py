@@ -1,7 +1,7 @@
 """`martensite fit tangents`: what is read, printed and drawn, and one sentence on bad input.
 
-Source of truth: the options as documented, and `martensite.identify.tangents`, which is tested by
-what it recovers.
+Source of truth: the options as documented, and `martensite.characterise.tangent_points`, which is
+tested by what it recovers.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import pytest
 from isobaric_cases import Bent
 from typer.testing import CliRunner, Result
 
+from martensite.characterise.tangent_fit import tangent_fit
+from martensite.characterise.tangent_points import tangent_points
 from martensite.cli import app
-from martensite.identify.tangent_fit import tangent_fit
-from martensite.identify.tangents import tangent_points
 from martensite.io import datasets
 from martensite.plot.tangents import MOST_PANELS, plot_tangents
 

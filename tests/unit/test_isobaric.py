@@ -13,12 +13,18 @@ import numpy as np
 import pytest
 from isobaric_cases import Bent, edited, record
 
+from martensite.characterise.isobaric_cycles import cut_cycle, find_turning_points
+from martensite.characterise.straight_lines import (
+    average_cells,
+    fit_isotonic,
+    fit_line,
+    fit_three_lines,
+    smooth_median,
+)
+from martensite.characterise.tangent_fit import tangent_fit
+from martensite.characterise.tangent_points import tangent_points
+from martensite.characterise.transformation_strain import fit_transformation_strain
 from martensite.errors import DataError, ParameterError
-from martensite.identify.isobaric import cut_cycle, turning_points
-from martensite.identify.straight import averaged, fit_line, monotone, smooth, three_lines
-from martensite.identify.tangent_fit import tangent_fit
-from martensite.identify.tangents import tangent_points
-from martensite.identify.transformation_strain import fit_transformation_strain
 from martensite.signals.records import Record
 
 SAMPLE = Bent()
@@ -59,13 +65,13 @@ def changed(**columns: object) -> Record:
     ],
 )
 def test_turning_points(pieces: tuple[np.ndarray, ...], turns: list[int]) -> None:
-    found = turning_points(np.concatenate(pieces).tolist())
+    found = find_turning_points(np.concatenate(pieces).tolist())
     temperatures = np.concatenate(pieces)
     assert temperatures[found] == pytest.approx(temperatures[turns])
     assert len(found) == len(turns)
     noise = np.random.default_rng(1).normal(0.0, 0.8, temperatures.size)
     if turns:
-        rough = turning_points((temperatures + noise).tolist())
+        rough = find_turning_points((temperatures + noise).tolist())
         assert np.abs(np.asarray(rough) - turns).max() <= 22  # within a hold or a small reversal
         assert len(rough) == len(turns)
 
@@ -100,15 +106,15 @@ def test_isotonic_regression_is_the_nearest_monotone_sequence() -> None:
     from scipy.optimize import isotonic_regression
 
     noise = np.random.default_rng(3).normal(0.0, 1.0, 200) + np.linspace(0.0, 3.0, 200)
-    assert monotone(noise) == pytest.approx(isotonic_regression(noise).x)
+    assert fit_isotonic(noise) == pytest.approx(isotonic_regression(noise).x)
     rising = np.sort(noise)
-    assert monotone(rising) == pytest.approx(rising)
-    assert smooth(rising) == pytest.approx(rising)
+    assert fit_isotonic(rising) == pytest.approx(rising)
+    assert smooth_median(rising) == pytest.approx(rising)
 
 
 def test_means_of_cells_stay_on_a_line() -> None:
     x = np.sort(np.random.default_rng(5).uniform(300.0, 400.0, 500))
-    t, e = averaged(x, 0.04 - 1e-4 * (x - 300.0), 20)
+    t, e = average_cells(x, 0.04 - 1e-4 * (x - 300.0), 20)
     assert len(t) == 20
     assert e == pytest.approx(0.04 - 1e-4 * (t - 300.0), abs=1e-15)
 
@@ -116,7 +122,7 @@ def test_means_of_cells_stay_on_a_line() -> None:
 def test_a_line_leaves_spikes_out_and_three_lines_find_corners() -> None:
     t = np.arange(300.0, 390.0)
     e = np.where(t < 330.0, 0.04, np.where(t >= 350.0, 0.0, 0.04 - 0.002 * (t - 329.5)))
-    cold, steep, hot = three_lines(t, e)
+    cold, steep, hot = fit_three_lines(t, e)
     assert (cold.rows, steep.rows, hot.rows) == (30, 20, 40)
     assert steep.slope == pytest.approx(-0.002)
     assert steep.meets(cold) == pytest.approx(329.5)

@@ -16,17 +16,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.errors import DataError, ParameterError
-from martensite.identify.estimate import Estimate
-from martensite.identify.linear import Interval, contains
-from martensite.identify.motor import LONG, UNITS, MotorConstants, motor_constants
-from martensite.identify.motor_tests import (
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.motor_constants import LONG, UNITS, MotorConstants, motor_constants
+from martensite.characterise.motor_tests import (
     SteadyRunning,
     Winding,
     steady_running,
     winding_resistance,
 )
-from martensite.identify.rise import Rise, fit_rise
+from martensite.characterise.time_constant import Rise, fit_rise
+from martensite.confidence import Interval, interval_contains
+from martensite.errors import DataError, ParameterError
 
 R, L, K, B, F_C, J = 6.22, 3.1e-3, 0.0211, 2e-6, 4e-4, 8.68e-5
 TRUTH = {"resistance": R, "inductance": L, "constant": K, "friction": B, "dry_friction": F_C,
@@ -86,7 +86,7 @@ def made(seed: int) -> MotorConstants:
 def held(interval_of: Callable[[Estimate], Interval], name: str) -> int:
     """In how many of the repetitions the interval holds the truth."""
     found = (getattr(made(seed), name) for seed in range(REPETITIONS))
-    return sum(contains(interval_of(one), TRUTH[name]) for one in found)
+    return sum(interval_contains(interval_of(one), TRUTH[name]) for one in found)
 
 
 def half_as_wide(found: Estimate) -> Interval:

@@ -15,13 +15,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.errors import DataError, ParameterError
-from martensite.identify.estimate import Estimate, propagated
-from martensite.identify.linear import Interval, contains
-from martensite.identify.smoothing import moving_average, moving_average_gain
-from martensite.identify.spectrum import natural_frequency
-from martensite.identify.strain_gauge import bending_strain, half_bridge, ina129_gain
-from martensite.identify.vibration import (
+from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.free_vibration import (
     LogDecrement,
     critical_damping,
     damping_ratio,
@@ -29,6 +24,11 @@ from martensite.identify.vibration import (
     log_decrement,
     moving_mass,
 )
+from martensite.characterise.moving_average import moving_average, moving_average_gain
+from martensite.characterise.spectrum import natural_frequency
+from martensite.characterise.strain_gauge import bending_strain, half_bridge, ina129_gain
+from martensite.confidence import Interval, interval_contains
+from martensite.errors import DataError, ParameterError
 
 Rows = tuple[list[float], list[float]]
 F, ZETA, OFFSET = 8.42, 0.02, 0.3
@@ -62,7 +62,7 @@ def half_as_wide(found: Estimate) -> Interval:
 
 def held(interval_of: Callable[[LogDecrement], Interval], truth: float) -> int:
     """In how many of the repetitions the interval holds the truth."""
-    return sum(contains(interval_of(noisy(seed)), truth) for seed in range(REPETITIONS))
+    return sum(interval_contains(interval_of(noisy(seed)), truth) for seed in range(REPETITIONS))
 
 
 # ---------------------------------------------------------------- spectrum
@@ -285,14 +285,14 @@ def test_strain_gauge() -> None:
 
 def test_propagation() -> None:
     a, b = Estimate(3.0, 0.3, 12), Estimate(4.0, 0.4, 5)
-    total = propagated(lambda x, y: 2.0 * x - y, a, b)
+    total = propagate_errors(lambda x, y: 2.0 * x - y, a, b)
     assert (total.value, total.freedom) == (2.0, 5)
     assert total.error == pytest.approx(math.hypot(0.6, 0.4))
-    alone = propagated(lambda x, y: x * x, a, b)
+    alone = propagate_errors(lambda x, y: x * x, a, b)
     assert (alone.error, alone.freedom) == (pytest.approx(1.8), 12)
     given = Estimate(7.0)
     assert given.interval() == (7.0, 7.0)
-    assert propagated(lambda x: 2.0 * x, given).interval() == (14.0, 14.0)
+    assert propagate_errors(lambda x: 2.0 * x, given).interval() == (14.0, 14.0)
     assert Estimate(1.0, math.nan, 0).interval() == (-math.inf, math.inf)
     low, high = a.interval()
     assert high - low == pytest.approx(2.0 * 0.3 * float(stats.t.ppf(0.975, 12)))

@@ -14,7 +14,7 @@ from martensite.cli.options import Figure, Force, Json
 from martensite.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
-    from martensite.identify.film_report import FilmReport
+    from martensite.characterise.film_report import FilmReport
 
 LOGS = "logs"
 """What is meant where no command is named."""
@@ -88,7 +88,7 @@ def film(
     _check_form(form, out)
     outputs = Outputs(out, figure).check(force, data=(".toml",))
     points, origin = read_points(table, Wire.read(diameter, length, ambient, resistance))
-    from martensite.identify.film_report import judge_film
+    from martensite.characterise.film_report import judge_film
 
     report = judge_film(points)
     forms = _shown(report, form)
@@ -137,8 +137,8 @@ def vibration(
 
     oscillator = Oscillator.read(stiffness, mass)
     times, values, label = read_vibration(record, column, start, end)
-    from martensite.identify.spectrum import natural_frequency
-    from martensite.identify.vibration import log_decrement
+    from martensite.characterise.free_vibration import log_decrement
+    from martensite.characterise.spectrum import natural_frequency
 
     peak = natural_frequency(times, values)
     found = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)
@@ -186,7 +186,7 @@ def motor(
 
     winding, coil = read_winding(locked, resistance), read_inductance(inductance)
     states = read_steady(steady)
-    from martensite.identify.motor import motor_constants
+    from martensite.characterise.motor_constants import motor_constants
 
     found = motor_constants(
         states,
@@ -249,7 +249,7 @@ def tangents(
 
 
 def _check_form(form: str, out: Path | None) -> None:
-    from martensite.identify.film import FORMS
+    from martensite.characterise.film_coefficient import FORMS
 
     if form not in (ALL, *FORMS):
         raise UnknownNameError("form of h(T)", form, (ALL, *FORMS))

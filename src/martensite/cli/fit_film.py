@@ -13,9 +13,9 @@ from martensite.cli.options import quantity
 from martensite.errors import DataError, InputError
 
 if TYPE_CHECKING:
-    from martensite.identify.film import FilmFit
-    from martensite.identify.film_points import FilmPoints
-    from martensite.identify.film_report import FilmReport
+    from martensite.characterise.film_coefficient import FilmFit
+    from martensite.characterise.film_points import FilmPoints
+    from martensite.characterise.film_report import FilmReport
     from martensite.signals.records import Record
     from martensite.thermal.base import AbstractCooling
 
@@ -70,7 +70,7 @@ def read_points(table: Path, wire: Wire) -> tuple[FilmPoints, str]:
         DataError: the table has no temperatures, or nothing that h follows from.
         InputError: an option is missing, or has no effect.
     """
-    from martensite.identify.film_points import FilmPoints, points_from_power
+    from martensite.characterise.film_points import FilmPoints, points_from_power
     from martensite.io.tables import read_table
 
     record = read_table(table, interval=1.0)
@@ -97,7 +97,7 @@ def _celsius(kelvin: float) -> float:
 
 def _powers(record: Record, wire: Wire) -> tuple[list[float], str]:
     """Heating powers [W], and what they were computed from."""
-    from martensite.identify.film_points import powers_from_voltage
+    from martensite.characterise.film_points import powers_from_voltage
 
     has = record.columns
     if "power" in has:

@@ -10,9 +10,9 @@ from martensite.cli.options import quantity
 from martensite.errors import DataError, InputError
 
 if TYPE_CHECKING:
-    from martensite.identify.motor import MotorConstants
-    from martensite.identify.motor_tests import SteadyRunning, Winding
-    from martensite.identify.rise import Rise
+    from martensite.characterise.motor_constants import MotorConstants
+    from martensite.characterise.motor_tests import SteadyRunning, Winding
+    from martensite.characterise.time_constant import Rise
     from martensite.signals.records import Record
 
 SYMBOLS = {
@@ -35,8 +35,8 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
         InputError: neither or both of the two are there, or the resistance is not above 0.
         DataError: the table does not hold what is needed.
     """
-    from martensite.identify.estimate import Estimate
-    from martensite.identify.motor_tests import Winding, winding_resistance
+    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.motor_tests import Winding, winding_resistance
     from martensite.io.tables import read_table
 
     if (locked is None) == (resistance is None):
@@ -63,7 +63,7 @@ def read_steady(path: Path) -> SteadyRunning:
     Raises:
         DataError: the table does not hold what is needed.
     """
-    from martensite.identify.motor_tests import steady_running
+    from martensite.characterise.motor_tests import steady_running
     from martensite.io.tables import read_table
 
     record = read_table(path, interval=1.0)
@@ -76,7 +76,7 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
     Raises:
         DataError: the record does not hold what is needed.
     """
-    from martensite.identify.rise import fit_rise
+    from martensite.characterise.time_constant import fit_rise
     from martensite.io.tables import read_table
 
     if path is None:
@@ -110,9 +110,9 @@ def _positive(name: str, text: str, unit: str) -> float:
 
 def print_motor(found: MotorConstants, states: int) -> None:
     """Print the constants, and what is doubtful."""
+    from martensite.characterise.motor_constants import UNITS
     from martensite.cli import show
-    from martensite.identify.linear import LEVEL
-    from martensite.identify.motor import UNITS
+    from martensite.confidence import LEVEL
 
     show.text(f"DC motor from {states} steady states", "bold")
     rows = [

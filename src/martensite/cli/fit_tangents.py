@@ -11,10 +11,10 @@ from martensite.cli.options import quantity
 from martensite.errors import InputError
 
 if TYPE_CHECKING:
-    from martensite.identify.estimate import Estimate
-    from martensite.identify.linear import Interval
-    from martensite.identify.tangent_fit import TangentFit
-    from martensite.identify.tangents import TangentPoints
+    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.tangent_fit import TangentFit
+    from martensite.characterise.tangent_points import TangentPoints
+    from martensite.confidence import Interval
 
 ZERO = 273.15
 """0 °C [K]."""
@@ -30,7 +30,7 @@ def read_cycles(
         DataError: a log is missing, malformed, or holds no isobaric cycle.
         UnitError: a stress is none.
     """
-    from martensite.identify.tangents import tangent_points
+    from martensite.characterise.tangent_points import tangent_points
     from martensite.io.tables import read_table
 
     if cycle is not None and cycle < 1:
@@ -52,7 +52,7 @@ def read_cycles(
 
 def fitted(levels: Sequence[TangentPoints]) -> TangentFit | None:
     """What the logs say together; None for a single one."""
-    from martensite.identify.tangent_fit import tangent_fit
+    from martensite.characterise.tangent_fit import tangent_fit
 
     return tangent_fit(levels) if len(levels) > 1 else None
 

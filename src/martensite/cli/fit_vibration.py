@@ -12,9 +12,9 @@ from martensite.cli.options import quantity
 from martensite.errors import DataError, InputError, suggestion
 
 if TYPE_CHECKING:
-    from martensite.identify.estimate import Estimate
-    from martensite.identify.spectrum import SpectralPeak
-    from martensite.identify.vibration import LogDecrement
+    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.free_vibration import LogDecrement
+    from martensite.characterise.spectrum import SpectralPeak
     from martensite.signals.records import Record
 
 
@@ -46,8 +46,8 @@ class Oscillator:
 
     def derived(self, fit: LogDecrement) -> dict[str, tuple[Estimate, str]]:
         """Mass or stiffness, and damping, by name with their units; empty if nothing is given."""
-        from martensite.identify.estimate import propagated
-        from martensite.identify.vibration import damping_ratio, moving_mass
+        from martensite.characterise.estimate import propagate_errors
+        from martensite.characterise.free_vibration import damping_ratio, moving_mass
 
         def rate(period: float, delta: float) -> float:
             return math.hypot(2.0 * math.pi, delta) / period
@@ -57,14 +57,14 @@ class Oscillator:
             half = self.mass * omega if self.mass is not None else (self.stiffness or 0.0) / omega
             return 2.0 * damping_ratio(delta) * half
 
-        c = propagated(damping, fit.period, fit.decrement)
+        c = propagate_errors(damping, fit.period, fit.decrement)
         if self.stiffness is not None:
             k = self.stiffness
-            found = propagated(lambda f: moving_mass(k, f), fit.frequency)
+            found = propagate_errors(lambda f: moving_mass(k, f), fit.frequency)
             return {"moving_mass": (found, "kg"), "damping": (c, "N*s/m")}
         if self.mass is not None:
             m = self.mass
-            found = propagated(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
+            found = propagate_errors(lambda f: m * (2.0 * math.pi * f) ** 2, fit.frequency)
             return {"stiffness": (found, "N/m"), "damping": (c, "N*s/m")}
         return {}
 
@@ -128,7 +128,7 @@ def print_vibration(
 ) -> None:
     """Print frequency, decay and what follows for a given stiffness or mass."""
     from martensite.cli import show
-    from martensite.identify.linear import LEVEL
+    from martensite.confidence import LEVEL
 
     show.text(f"Free vibration of {label}, {rows} rows, {fit.cycles:g} cycles used", "bold")
     show.text(

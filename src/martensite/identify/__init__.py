@@ -1,1 +1,1 @@
-"""Identification: from measurements to parameters, with what the data cannot determine."""
+"""Identification: parameters of laws and models of blocks from logs, and what logs leave open."""

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from martensite.confidence import EVERYTHING, Interval
 from martensite.identify.fit_rows import HELD_OUT, TRAINING, Compared, compared
 from martensite.identify.fit_verdicts import amount
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.free import Free
-from martensite.identify.linear import EVERYTHING, Interval
 from martensite.io.datasets import dataset_names, describe
 from martensite.io.exact_text import exact_text, shown, shown_range
 from martensite.io.fitting.task import LogFit

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from statistics import fmean, stdev
 
+from martensite.characterise.polynomial_regression import fit_powers
 from martensite.errors import DataError, ParameterError
-from martensite.identify.linear import fit_powers
 from martensite.signals.records import Record
 
 COUNT = "count"

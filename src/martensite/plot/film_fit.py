@@ -25,8 +25,8 @@ from martensite.plot.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.identify.film_report import FilmReport
-    from martensite.identify.film_sensitivity import AtAmbient
+    from martensite.characterise.film_report import FilmReport
+    from martensite.characterise.film_sensitivity import AtAmbient
 
 LOOKS: dict[str, tuple[str, Any]] = {
     "constant": (MEASURED[0], (0, (1, 1.3))),

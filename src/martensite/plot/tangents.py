@@ -18,11 +18,11 @@ from martensite.plot.style import COOLING, HEATING, INK, QUIET, SIMULATED, new_f
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.identify.clausius_clapeyron import Direction
-    from martensite.identify.isobaric import Branch
-    from martensite.identify.tangent_fit import TangentFit
-    from martensite.identify.tangent_lines import BranchTangents
-    from martensite.identify.tangents import TangentPoints
+    from martensite.characterise.clausius_clapeyron import Direction
+    from martensite.characterise.isobaric_cycles import Branch
+    from martensite.characterise.tangent_fit import TangentFit
+    from martensite.characterise.tangent_lines import BranchTangents
+    from martensite.characterise.tangent_points import TangentPoints
 
 TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
 STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")
@@ -42,7 +42,7 @@ def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
         found: what `tangent_fit` or `tangent_points` found.
         title: headline.
     """
-    from martensite.identify.tangents import TangentPoints
+    from martensite.characterise.tangent_points import TangentPoints
 
     with styled():
         if isinstance(found, TangentPoints):

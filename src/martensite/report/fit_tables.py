@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from martensite import units
+from martensite.confidence import Interval
 from martensite.identify.fit_rows import HELD_OUT, Compared, compared
 from martensite.identify.fit_verdicts import amount
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.free import Free
 from martensite.identify.fitting.scores import Score
 from martensite.identify.fitting.words import number
-from martensite.identify.linear import Interval
 from martensite.io.exact_text import shown
 from martensite.io.fit_provenance import digest
 from martensite.report.blocks import Grid, Row

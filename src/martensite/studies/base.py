@@ -71,9 +71,16 @@ class Claim:
 
     @classmethod
     def checked(
-        cls, id: str, statement: str, source: str, published: float, computed: float,
-        unit: str, tolerance: float, why: str,
-    ) -> Claim:  # fmt: skip
+        cls,
+        id: str,
+        statement: str,
+        source: str,
+        published: float,
+        computed: float,
+        unit: str,
+        tolerance: float,
+        why: str,
+    ) -> Claim:
         """A claim whose verdict follows from its numbers."""
         if not tolerance >= 0.0:
             raise ParameterError(
@@ -84,9 +91,15 @@ class Claim:
 
     @classmethod
     def calibrated(
-        cls, id: str, statement: str, source: str, published: float | None, computed: float,
-        unit: str, why: str,
-    ) -> Claim:  # fmt: skip
+        cls,
+        id: str,
+        statement: str,
+        source: str,
+        published: float | None,
+        computed: float,
+        unit: str,
+        why: str,
+    ) -> Claim:
         """A number chosen so that the published one comes out."""
         return cls(id, statement, source, published, computed, unit, None, "calibrated", why)
 
@@ -112,6 +125,8 @@ class AbstractStudy:
     guide: ClassVar[str] = ""
     """What the paper did, what is rebuilt, what to look at: paragraphs with a blank line between
     them."""
+    caption: ClassVar[str] = ""
+    """What its figure shows, in a sentence."""
     scenario_files: ClassVar[tuple[str, ...]] = ()
     """Scenarios of the study that run by themselves: files in its folder."""
     data: ClassVar[tuple[str, ...]] = ()

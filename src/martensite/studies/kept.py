@@ -26,8 +26,14 @@ SOURCES = (".py", ".toml", ".json", ".csv")
 """Endings of files that a result may depend on."""
 COMPUTING = ("numpy", "scipy")
 UNREADABLE = (
-    OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError
-)  # fmt: skip
+    OSError,
+    EOFError,
+    pickle.UnpicklingError,
+    AttributeError,
+    ImportError,
+    IndexError,
+    ValueError,
+)
 """What `pickle` raises over a file that is none of its own."""
 PROGRAMS = 3
 """Versions of the program whose results are kept; those of others are removed."""

@@ -40,7 +40,7 @@ def about(study: AbstractStudy) -> dict[str, Any]:
         "title": study.title,
         "guide": [paragraph for paragraph in guide if paragraph],
         "sources": [reference(key) for key in study.cites],
-        "figure": (inspect.getdoc(type(study).figure) or "").partition("\n")[0],
+        "figure": study.caption or (inspect.getdoc(type(study).figure) or "").partition("\n")[0],
         "missing": missing(study),
     }
 

@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
+from martensite.confidence import LEVEL, Interval
 from martensite.errors import MartensiteError, ParameterError
 from martensite.identify.fitting.fit import Fit
-from martensite.identify.linear import LEVEL, Interval
 from martensite.runtimes.jax_setup import jax_namespace
 
 FORBIDDEN = 1e10

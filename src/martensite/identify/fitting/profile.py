@@ -20,10 +20,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 
+from martensite.confidence import LEVEL, student_quantile
 from martensite.errors import ParameterError, SolveError
 from martensite.identify.fitting.profiles import End, Point, Profile
-from martensite.identify.linear import LEVEL
-from martensite.identify.student import quantile
 
 Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
 """Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
@@ -96,7 +95,7 @@ def _limit(cost: float, freedom: int | None, noise: float | None, level: float) 
     if (freedom is None) == (noise is None):
         raise ParameterError("A profile takes either `freedom` or `noise`, not both or neither.")
     if freedom is not None:
-        limit = cost * quantile(level, min(freedom, _MANY)) ** 2 / freedom
+        limit = cost * student_quantile(level, min(freedom, _MANY)) ** 2 / freedom
     else:
         limit = ((noise or 0.0) * NormalDist().inv_cdf(0.5 + 0.5 * level)) ** 2
     if not 0.0 < limit < math.inf:

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from martensite.confidence import LEVEL
 from martensite.errors import DataError, SolveError, UnknownNameError
 from martensite.identify.fitting.fit import Fit
 from martensite.identify.fitting.losses import loss_named, robust_scale
 from martensite.identify.fitting.profile import MOST, profile
 from martensite.identify.fitting.profiles import Profile
-from martensite.identify.linear import LEVEL
 
 REFIT = 50
 """Evaluations of one refit."""

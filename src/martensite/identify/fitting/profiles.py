@@ -6,8 +6,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from martensite.confidence import Interval
 from martensite.identify.fitting.words import quantity
-from martensite.identify.linear import Interval
 
 Reason = Literal["limit", "bound", "failed", "refits"]
 

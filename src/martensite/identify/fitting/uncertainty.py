@@ -21,13 +21,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 from martensite.errors import DataError, UnknownNameError
 from martensite.identify.fitting.autocorrelation import effective_samples
 from martensite.identify.fitting.axes import axes, balanced, squared
 from martensite.identify.fitting.identifiability import PRECISION
 from martensite.identify.fitting.words import listed, number
-from martensite.identify.linear import EVERYTHING, LEVEL, Interval
-from martensite.identify.student import quantile
 
 if TYPE_CHECKING:
     import numpy as np
@@ -148,7 +147,7 @@ class Uncertainty:
         value, error = self.values[place], self.errors[place]
         if freedom < 1 or not math.isfinite(error):
             return EVERYTHING
-        half = quantile(level, min(freedom, _MANY)) * error * factor
+        half = student_quantile(level, min(freedom, _MANY)) * error * factor
         return value - half, value + half
 
 

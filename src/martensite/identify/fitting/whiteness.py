@@ -17,10 +17,10 @@ from importlib import import_module
 from statistics import NormalDist
 from typing import Any
 
+from martensite.confidence import LEVEL
 from martensite.errors import DataError, ParameterError
 from martensite.identify.fitting.autocorrelation import autocorrelation
 from martensite.identify.fitting.words import number
-from martensite.identify.linear import LEVEL
 
 FEWEST = 10
 """Samples below which whiteness is not tested."""

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.plot.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.electrothermal import model, record
-from martensite.studies.electrothermal.checks import ABSENT
-from martensite.studies.electrothermal.model_claims import KEPT, calibration
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.electrothermal.model_numbers import KEPT, calibration
 from martensite.studies.electrothermal.record import Staircase
 from martensite.studies.electrothermal.resistance_figure import over_offset, over_temperature
+from martensite.studies.electrothermal.study import ElectrothermalStaircase
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,15 +28,22 @@ LOOKS = {
 }
 
 
-def draw(stated: Stated) -> Figure:
+def draw(stated: Printed) -> Figure:
     """Draw the figure."""
     run = Staircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
     with styled():
         figure = new_figure(11.0, 4.6 if run is None else 8.6)
         grid = figure.add_gridspec(
-            1 if run is None else 2, 2, left=0.06, right=0.98, top=0.82 if run is None else 0.9,
-            bottom=0.12 if run is None else 0.07, width_ratios=(1.5, 1.0), wspace=0.16, hspace=0.28,
-        )  # fmt: skip
+            1 if run is None else 2,
+            2,
+            left=0.06,
+            right=0.98,
+            top=0.82 if run is None else 0.9,
+            bottom=0.12 if run is None else 0.07,
+            width_ratios=(1.5, 1.0),
+            wspace=0.16,
+            hspace=0.28,
+        )
         axes = figure.add_subplot(grid[0, :] if run is None else grid[0, 0])
         _simulated(axes, stated, run)
         if run is not None:
@@ -50,12 +57,16 @@ def draw(stated: Stated) -> Figure:
 def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
     top = 0.955 if run is None else 0.974
     figure.text(
-        0.02, top, "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of "
-        "voltage", fontsize=12.5, fontweight="bold", va="center",
-    )  # fmt: skip
+        0.02,
+        top,
+        "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of voltage",
+        fontsize=12.5,
+        fontweight="bold",
+        va="center",
+    )
     below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
     below += "on these points; hollow ones below were kept back."
-    said, gap = (ABSENT, 0.05) if run is None else (below, 0.027)
+    said, gap = (ElectrothermalStaircase.table["absent"], 0.05) if run is None else (below, 0.027)
     figure.text(0.02, top - gap, said, color=QUIET, va="center")
     axes.set_title("resistance against current")
     axes.set_xlabel("$I$ [A]")
@@ -65,7 +76,7 @@ def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _simulated(axes: Any, stated: Stated, run: Staircase | None) -> None:
+def _simulated(axes: Any, stated: Printed, run: Staircase | None) -> None:
     for key, (label, colour, dashes) in LOOKS.items():
         if key == "calibrated" and run is None:
             continue
@@ -74,21 +85,37 @@ def _simulated(axes: Any, stated: Stated, run: Staircase | None) -> None:
         if run is not None:
             label += f", rms {model.rms(table, run, *KEPT):.3f} Ω"
         axes.plot(
-            table["current"], table["resistance"], color=colour, linestyle=dashes, label=label,
+            table["current"],
+            table["resistance"],
+            color=colour,
+            linestyle=dashes,
+            label=label,
             linewidth=1.8 if key == "calibrated" else 1.2,
-        )  # fmt: skip
+        )
 
 
 def _measured(axes: Any, run: Staircase) -> None:
     kept, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
     current, found = run.table["current"], run.resistance
     axes.errorbar(
-        [current[i] for i in kept], [found[i] for i in kept],
-        yerr=[error / current[i] for i in kept], fmt="o", color=INK, markersize=3.8,
-        elinewidth=0.6, ecolor=QUIET, label="run 5; bars: offset ± error", zorder=4,
-    )  # fmt: skip
+        [current[i] for i in kept],
+        [found[i] for i in kept],
+        yerr=[error / current[i] for i in kept],
+        fmt="o",
+        color=INK,
+        markersize=3.8,
+        elinewidth=0.6,
+        ecolor=QUIET,
+        label="run 5; bars: offset ± error",
+        zorder=4,
+    )
     left = [i for i in range(len(found)) if i not in kept]
     axes.plot(
-        [current[i] for i in left], [found[i] for i in left], "o", color=QUIET,
-        markerfacecolor="none", markersize=3.8, label="run 5, 1.0 to 1.2 V",
-    )  # fmt: skip
+        [current[i] for i in left],
+        [found[i] for i in left],
+        "o",
+        color=QUIET,
+        markerfacecolor="none",
+        markersize=3.8,
+        label="run 5, 1.0 to 1.2 V",
+    )

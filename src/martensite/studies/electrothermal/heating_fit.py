@@ -49,17 +49,23 @@ def experiment(offset: float) -> Experiment:
     seen = fitted("mixture", offset)
     values = {name: seen[name] for name in ("rho_A", "rho_M")}
     record = Record(
-        "run 5", {"time": column("time"), "current": column("current")},
+        "run 5",
+        {"time": column("time"), "current": column("current")},
         {"time": "s", "current": "A"},
-    )  # fmt: skip
+    )
     volts = staircase().table["set_point"]
     waveform = Staircase(
         first=volts[0] - offset, increment=volts[1] - volts[0], hold=32.0, count=len(volts)
     )
     return Experiment(
-        "run 5", base.with_parts(environment=environment).with_values(values), waveform, record,
-        {"current": "current"}, step=_STEP, held=kept_back(PLACE),
-    )  # fmt: skip
+        "run 5",
+        base.with_parts(environment=environment).with_values(values),
+        waveform,
+        record,
+        {"current": "current"},
+        step=_STEP,
+        held=kept_back(PLACE),
+    )
 
 
 @cache
@@ -92,7 +98,8 @@ def apparent_films(offset: float) -> list[float]:
     ambient, resistance = model.number("environment.temperature"), staircase().resistances(offset)
     table = staircase().table
     return [
-        table["current"][i] ** 2 * resistance[i]
+        table["current"][i] ** 2
+        * resistance[i]
         / (surface * (table["apparent_temperature"][i] - ambient))
         for i in places()
-    ]  # fmt: skip
+    ]

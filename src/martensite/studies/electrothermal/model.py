@@ -17,15 +17,15 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
+from martensite.characterise.nonlinear_regression import root_mean_square
 from martensite.elements.wire import Wire
-from martensite.identify.nonlinear import root_mean_square
 from martensite.io.scenario import Scenario, load
 from martensite.io.staircase import plateaus
 from martensite.runtimes import floats
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
-from martensite.studies.electrothermal.printed import Stated
 from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.tables import Printed
 from martensite.system import System
 from martensite.thermal.base import AbstractCooling, Cylinder
 from martensite.thermal.constant import ConstantCooling
@@ -99,7 +99,7 @@ def calibrate(staircase: Staircase) -> Calibration:
     return Calibration(hot * per_ohm, cold * per_ohm, power / (surface * warmer))
 
 
-def build(key: str, stated: Stated, calibration: Calibration | None = None) -> System:
+def build(key: str, stated: Printed, calibration: Calibration | None = None) -> System:
     """The system of one of `VARIANTS`; only `calibrated` needs a calibration."""
     base = scenario().system
     if key == "maker":
@@ -112,12 +112,15 @@ def build(key: str, stated: Stated, calibration: Calibration | None = None) -> S
 
 
 @cache
-def predicted(key: str, stated: Stated, calibration: Calibration | None = None) -> Record:
+def predicted(key: str, stated: Printed, calibration: Calibration | None = None) -> Record:
     """Plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
     run = simulate(
-        build(key, stated, calibration), scenario().waveform, scenario().duration,
-        tolerance=_TOLERANCE, samples=scenario().samples,
-    )  # fmt: skip
+        build(key, stated, calibration),
+        scenario().waveform,
+        scenario().duration,
+        tolerance=_TOLERANCE,
+        samples=scenario().samples,
+    )
     names = ("time", "drive", "current", "resistance", "temperature", "martensite_fraction")
     columns = {name: run[name] for name in names}
     units = {name: run.unit(name) for name in names}

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from statistics import fmean
 
-from martensite.identify.linear import fit_powers
+from martensite.characterise.polynomial_regression import fit_powers
 from martensite.io import datasets
 from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
 from martensite.io.tables import read_table
 from martensite.signals.records import Record
 from martensite.sizing.cycle import crossing
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.tables import Printed
 
 DATA = "flexinol-electrothermal"
 UNTRAINED = f"{DATA}/untrained_wire_voltage_current_run5.txt"
@@ -32,7 +32,7 @@ _SLACK = 1e-6
 class Staircase:
     """Plateaus of run 5, and what is read off them."""
 
-    stated: Stated
+    stated: Printed
 
     @cached_property
     def table(self) -> Record:

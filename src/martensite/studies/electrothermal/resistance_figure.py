@@ -10,7 +10,7 @@ from typing import Any
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal import resistance_fit as fitting
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.tables import Printed
 
 LOOKS = {
     "mixture": ("plain mixture", SIMULATED, "solid"),
@@ -22,14 +22,19 @@ _STEPS = 9
 _OFFSETS = tuple(0.16 + 0.02 * k for k in range(11))
 
 
-def over_temperature(axes: Any, stated: Stated) -> None:
+def over_temperature(axes: Any, stated: Printed) -> None:
     """R over apparent temperature: measured, fitted, kept back, and the band of offsets."""
     low, high = (fitting.fitted("mixture", offset) for offset in (fitting.UPPER, fitting.LOWER))
     warmth, below = curve(low)
     axes.fill_between(
-        warmth, below, curve(high)[1], color=SIMULATED, alpha=0.14, linewidth=0.0,
+        warmth,
+        below,
+        curve(high)[1],
+        color=SIMULATED,
+        alpha=0.14,
+        linewidth=0.0,
         label=f"plain mixture, $V_0$ = {fitting.LOWER:g} to {fitting.UPPER:g} V",
-    )  # fmt: skip
+    )
     for shape, (label, colour, dashes) in LOOKS.items():
         fit = fitting.fitted(shape, stated.offset)
         label += f", rms {fitting.rms(fit):.3f} Ω, kept back {fitting.rms(fit, 'held-out'):.3f} Ω"
@@ -42,7 +47,7 @@ def over_temperature(axes: Any, stated: Stated) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _points(axes: Any, stated: Stated) -> None:
+def _points(axes: Any, stated: Printed) -> None:
     """Measured plateaus, with what the band of offsets does to each."""
     at = [kelvin - model.ZERO for kelvin in fitting.column("apparent_temperature")]
     ohms, least, most = (
@@ -54,9 +59,15 @@ def _points(axes: Any, stated: Stated) -> None:
     for flag, fill, label in ((False, INK, "run 5"), (True, "white", "run 5, kept back")):
         rows = [k for k in range(len(at)) if bool(held[k]) is flag]
         axes.plot(
-            [at[k] for k in rows], [ohms[k] for k in rows], "o", color=INK, markersize=4.2,
-            markerfacecolor=fill, label=label, zorder=4,
-        )  # fmt: skip
+            [at[k] for k in rows],
+            [ohms[k] for k in rows],
+            "o",
+            color=INK,
+            markersize=4.2,
+            markerfacecolor=fill,
+            label=label,
+            zorder=4,
+        )
 
 
 def curve(fit: Any) -> tuple[list[float], list[float]]:
@@ -68,20 +79,29 @@ def curve(fit: Any) -> tuple[list[float], list[float]]:
     return [kelvin - model.ZERO for kelvin in warmth], fitting.resistances(fit, warmth)
 
 
-def over_offset(axes: Any, stated: Stated) -> None:
+def over_offset(axes: Any, stated: Printed) -> None:
     """ρ_M - ρ_A over the offset of the supply, for every shape, with its best offset."""
     axes.axvspan(
-        fitting.LOWER, fitting.UPPER, color=SIMULATED, alpha=0.14, linewidth=0.0,
+        fitting.LOWER,
+        fitting.UPPER,
+        color=SIMULATED,
+        alpha=0.14,
+        linewidth=0.0,
         label="offsets of the record",
-    )  # fmt: skip
+    )
     axes.axvline(stated.offset, color=QUIET, linewidth=0.8)
     for shape in LOOKS:
         _difference(axes, shape)
     material = _SCALE * (stated.rho_M - stated.rho_A)
     axes.plot(
-        [stated.offset], [material], "s", color=HEATING, markersize=5.0,
-        label="material `flexinol-90`", zorder=5,
-    )  # fmt: skip
+        [stated.offset],
+        [material],
+        "s",
+        color=HEATING,
+        markersize=5.0,
+        label="material `flexinol-90`",
+        zorder=5,
+    )
     axes.set_title("how much more martensite resists, over the offset")
     axes.set_xlabel("set-point less voltage, $V_0$ [V]; diamonds: best")
     axes.set_ylabel("$\\rho_M - \\rho_A$ [µΩ cm]")

@@ -36,9 +36,9 @@ from martensite.signals.records import Record, table_waveform
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal import model
-from martensite.studies.electrothermal.model_claims import KEPT
-from martensite.studies.electrothermal.printed import Stated
+from martensite.studies.electrothermal.model_numbers import KEPT
 from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.tables import printed_numbers
 
 LOWER, UPPER = 0.18, 0.27
 """Offsets that the record has by itself, from 1.3 to 2.2 V and to 2.0 V [V]."""
@@ -74,7 +74,7 @@ _COEFFICIENT = (-1e-3, 5e-3)
 @cache
 def staircase() -> Staircase:
     """The record."""
-    return Staircase(Stated())
+    return Staircase(printed_numbers("electrothermal"))
 
 
 @cache
@@ -106,13 +106,18 @@ def experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
     resistance = [staircase().resistances(offset)[i] for i in places()]
     columns = {"time": column("time"), "temperature": column("apparent_temperature")}
     record = Record(
-        "run 5", columns | {"resistance": resistance},
+        "run 5",
+        columns | {"resistance": resistance},
         {"time": "s", "temperature": "K", "resistance": "ohm"},
-    )  # fmt: skip
+    )
     return Experiment(
-        "run 5", _system(shape, offset), table_waveform(record, "temperature"), record,
-        {"resistance": "resistance"}, held=kept_back(place),
-    )  # fmt: skip
+        "run 5",
+        _system(shape, offset),
+        table_waveform(record, "temperature"),
+        record,
+        {"resistance": "resistance"},
+        held=kept_back(place),
+    )
 
 
 def _system(shape: str, offset: float) -> Any:
@@ -121,7 +126,7 @@ def _system(shape: str, offset: float) -> Any:
     As it was neither trained nor loaded it keeps its length, except where strain is the question;
     there the strip is that of the plain mixture.
     """
-    stated, base = Stated(), model.scenario().system
+    stated, base = printed_numbers("electrothermal"), model.scenario().system
     resistivities = {"rho_A": stated.rho_A, "rho_M": stated.rho_M}
     resistance: Any = MixtureResistance(**resistivities)
     if shape != "mixture":
@@ -231,9 +236,17 @@ def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
     unsure = fit_at(best).uncertainty
     spare = int(unsure.effective) - unsure.rank - 1
     return profile(
-        lambda held, start: ((held[0],), cost(held[0])), (best,), cost(best), 0, low=OFFSETS[0],
-        high=OFFSETS[1], freedom=spare, step=0.02, name="V_0", unit="V",
-    )  # fmt: skip
+        lambda held, start: ((held[0],), cost(held[0])),
+        (best,),
+        cost(best),
+        0,
+        low=OFFSETS[0],
+        high=OFFSETS[1],
+        freedom=spare,
+        step=0.02,
+        name="V_0",
+        unit="V",
+    )
 
 
 @cache

@@ -22,8 +22,8 @@ from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.finger.printed import Printed
 from martensite.studies.readings import between, passing, runtime
+from martensite.studies.tables import Printed
 from martensite.system import System
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -75,9 +75,13 @@ def trapezoid(watts: float, printed: Printed) -> Table:
 
 @cache
 def bent(
-    watts: float, offset: float, printed: Printed, arm: float | None = None, law: Law = SINGLE,
+    watts: float,
+    offset: float,
+    printed: Printed,
+    arm: float | None = None,
+    law: Law = SINGLE,
     step: float = STEP,
-) -> Result:  # fmt: skip
+) -> Result:
     """The trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
     places = {"mechanism.offset": offset} | ({} if arm is None else {"mechanism.arm": arm})
     return simulated(finger(law, tuple(places.items())), watts, printed, step)
@@ -108,9 +112,12 @@ def rise(result: Result, share: float, printed: Printed) -> float:
 
 @cache
 def loop(
-    frequency: float, arm: float | None, printed: Printed,
-    values: tuple[tuple[str, float], ...] = (), law: Law = SINGLE,
-) -> Result:  # fmt: skip
+    frequency: float,
+    arm: float | None,
+    printed: Printed,
+    values: tuple[tuple[str, float], ...] = (),
+    law: Law = SINGLE,
+) -> Result:
     """Two periods of a raised cosine from 0 to 2 W at r = 1.5 mm."""
     places = {"mechanism.offset": printed.offsets[0]} | dict(values)
     if arm is not None:

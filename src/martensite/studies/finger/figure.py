@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.plot.labels import mathematical
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
-from martensite.studies.finger import bench, bending_claims, crystal_claims, loop_claims
-from martensite.studies.finger.printed import Printed
+from martensite.studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,9 +31,15 @@ def draw(printed: Printed) -> Figure:
     with styled():
         figure = new_figure(12.0, 7.2)
         left, right = figure.add_gridspec(
-            1, 2, left=0.055, right=0.985, top=0.9, bottom=0.075, width_ratios=(1.0, 1.15),
+            1,
+            2,
+            left=0.055,
+            right=0.985,
+            top=0.9,
+            bottom=0.075,
+            width_ratios=(1.0, 1.15),
             wspace=0.24,
-        )  # fmt: skip
+        )
         rows = left.subgridspec(3, 1, height_ratios=(1.0, 1.0, 0.55), hspace=0.28)
         first = figure.add_subplot(rows[0])
         panels = [first, figure.add_subplot(rows[1], sharex=first)]
@@ -94,17 +100,25 @@ def _loop(axes: Any, printed: Printed) -> None:
     frequency = printed.frequency
     looks = (
         (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz"),
-        (loop_claims.SLOW * frequency, (), HEATING, "solid",
-         f"{loop_claims.SLOW * frequency:g} Hz"),
+        (
+            loop_numbers.SLOW * frequency,
+            (),
+            HEATING,
+            "solid",
+            f"{loop_numbers.SLOW * frequency:g} Hz",
+        ),
         (frequency, bench.STATIC, INK, DASHED, "no stored heat"),
-    )  # fmt: skip
+    )
     for f, values, colour, style, label in looks:
         run = bench.loop(f, None, printed, values)
         half = len(run.times) // 2
         axes.plot(
-            run["power"][half:], degrees(run)[half:], color=colour, linestyle=style,
+            run["power"][half:],
+            degrees(run)[half:],
+            color=colour,
+            linestyle=style,
             label=f"{label}: {bench.width(run):.2f} W",
-        )  # fmt: skip
+        )
     axes.set_title(f"calibration loop, {frequency:g} Hz, r = 1.5 mm: not quasi-stationary")
     axes.set_xlabel(f"{mathematical('P')} [W]")
     axes.set_ylabel(f"{mathematical('θ')} [°]")
@@ -113,17 +127,23 @@ def _loop(axes: Any, printed: Printed) -> None:
 
 
 def _crystals(axes: Any, printed: Printed) -> None:
-    powers, r = crystal_claims.MIDDLE, printed.offsets[1]
+    powers, r = crystal_numbers.MIDDLE, printed.offsets[1]
     here = bench.finger().value_of("mechanism.arm")
-    for arm, style in ((None, "solid"), (crystal_claims.OUTER_ARM, DASHED)):
+    for arm, style in ((None, "solid"), (crystal_numbers.OUTER_ARM, DASHED)):
         for law, colour, name in (
-            (bench.SINGLE, SIMULATED, "single"), (bench.POLYCRYSTAL, HEATING, "poly"),
-        ):  # fmt: skip
+            (bench.SINGLE, SIMULATED, "single"),
+            (bench.POLYCRYSTAL, HEATING, "poly"),
+        ):
             runs = [bench.bent(watts, r, printed, arm, law) for watts in powers]
             axes.plot(
-                powers, [bench.top(run, printed) for run in runs], color=colour, linestyle=style,
-                marker="o", markersize=3.0, label=f"{name}, a = {1e3 * (arm or here):.0f} mm",
-            )  # fmt: skip
+                powers,
+                [bench.top(run, printed) for run in runs],
+                color=colour,
+                linestyle=style,
+                marker="o",
+                markersize=3.0,
+                label=f"{name}, a = {1e3 * (arm or here):.0f} mm",
+            )
     axes.set_title("single and polycrystal, 13 s, r = 3.5 mm")
     axes.set_xlabel(f"{mathematical('P')} [W]")
     axes.set_ylabel(f"{mathematical('θ')} [°]")
@@ -132,9 +152,9 @@ def _crystals(axes: Any, printed: Printed) -> None:
 
 
 def _places(axes: Any, printed: Printed) -> None:
-    arms, low = bending_claims.ARMS, min(printed.powers)
+    arms, low = bending_numbers.ARMS, min(printed.powers)
     for i, (r, colour) in enumerate(zip(printed.offsets, COLOURS, strict=True)):
-        tops = [bending_claims.tops(low, printed, arm)[i] for arm in arms]
+        tops = [bending_numbers.tops(low, printed, arm)[i] for arm in arms]
         axes.plot([1e3 * arm for arm in arms], tops, color=colour, label=f"{1e3 * r:.1f} mm")
     here = 1e3 * bench.finger().value_of("mechanism.arm")
     axes.axvline(here, color=QUIET, linewidth=0.8, linestyle=DASHED)

@@ -23,7 +23,7 @@ from martensite.identify.fitting.free import Wish
 from martensite.identify.fitting.problem import Evaluation, Problem, problem
 from martensite.io.scenario import Scenario, load
 from martensite.signals.records import Record
-from martensite.studies.finger_calibration.printed import Printed
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from martensite.system import AbstractSystem
@@ -91,9 +91,13 @@ def clean(
 
 
 def experiments(
-    data: Data, printed: Printed, *, noisy: bool = True, arm: float | None = None,
+    data: Data,
+    printed: Printed,
+    *,
+    noisy: bool = True,
+    arm: float | None = None,
     values: tuple[tuple[str, float], ...] = (),
-) -> tuple[Experiment, ...]:  # fmt: skip
+) -> tuple[Experiment, ...]:
     """The records of a set, to be explained by the finger.
 
     Args:
@@ -133,7 +137,7 @@ def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[flo
 @cache
 def table_problem(data: Data, printed: Printed) -> Problem:
     """The search on a set of records, starting from Table 1."""
-    return fitting(experiments(data, printed), printed, printed.table)
+    return fitting(experiments(data, printed), printed, printed.searched.column("value"))
 
 
 @cache

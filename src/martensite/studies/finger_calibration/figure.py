@@ -18,9 +18,8 @@ from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_
 from martensite.runtimes.c99 import compiler
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite.studies.finger_calibration.data_claims import errors
-from martensite.studies.finger_calibration.gauge_claims import WRONG_ARMS, refitted
-from martensite.studies.finger_calibration.printed import Printed, Range
+from martensite.studies.finger_calibration.data_numbers import errors
+from martensite.studies.finger_calibration.gauge_numbers import WRONG_ARMS, refitted
 from martensite.studies.finger_calibration.searches import (
     COORDINATE,
     SQUARES,
@@ -32,6 +31,7 @@ from martensite.studies.finger_calibration.searches import (
     search,
     tried,
 )
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,9 +61,15 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
         )
         figure.text(0.02, 0.937, line, color=QUIET, va="center")
         left, right = figure.add_gridspec(
-            1, 2, left=0.05, right=0.985, top=0.885, bottom=0.075, width_ratios=(2.1, 1.0),
+            1,
+            2,
+            left=0.05,
+            right=0.985,
+            top=0.885,
+            bottom=0.075,
+            width_ratios=(2.1, 1.0),
             wspace=0.2,
-        )  # fmt: skip
+        )
         cells = left.subgridspec(2, 2, hspace=0.33, wspace=0.22)
         last = right.subgridspec(2, 1, hspace=0.33)
         for column, data in enumerate((NEAR, FAR)):
@@ -113,7 +119,9 @@ def _once(axes: Any, name: str) -> str | None:
 
 def _ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
     """Δσ and dσ/dT [MPa, MPa/K] about Table 1."""
-    table = dict(zip(printed.names, printed.table, strict=True))
+    table = dict(
+        zip(printed.searched.column("name"), printed.searched.column("value"), strict=True)
+    )
     found, pair = errors(data, printed), ("Delta_sigma", "dsigma_dT")
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
     both = found.correlation[pair]
@@ -166,10 +174,11 @@ def _loops(axes: Any, printed: Printed) -> None:
 
 
 def _intervals(axes: Any, name: str, printed: Printed) -> None:
-    one: Range = next(one for one in printed.searched if one.name == name)
+    one: Printed = next(one for one in printed.searched if one.name == name)
     unit, shown, symbol = {
-        "dsigma_dT": (1e6, "MPa/K", "dσ/dT"), "E_M": (1e9, "GPa", "E_M"),
-    }[name]  # fmt: skip
+        "dsigma_dT": (1e6, "MPa/K", "dσ/dT"),
+        "E_M": (1e9, "GPa", "E_M"),
+    }[name]
     names = [data.name.removeprefix("a = ") for data in EVERY]
     for row, data in enumerate(EVERY):
         fit = best(data, printed).fit

@@ -18,8 +18,8 @@ from martensite.identify.fitting.solve import solve
 from martensite.identify.fitting.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite.studies.finger_calibration.printed import Printed
 from martensite.studies.kept import kept
+from martensite.studies.tables import Printed
 
 STARTS = (
     (25e9, 345.0, 80e6, 10e6, 5.5e6),

@@ -1,37 +1,18 @@
-"""The study: its claims and its figure, from the numbers that the paper prints."""
+"""The study of the finger's calibration."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
-from martensite.runtimes.c99 import compiler
-from martensite.studies.base import STUDIES, AbstractStudy, Claim
-from martensite.studies.finger_calibration.printed import METHOD, Printed
-
-WITHOUT = "each search takes hundreds to thousands of runs, which needs a C compiler (gcc, clang)"
+from martensite.studies.base import STUDIES
+from martensite.studies.tables import Printed, TableStudy
 
 
 @STUDIES.register("finger-calibration")
-class FingerCalibration(AbstractStudy):
+class FingerCalibration(TableStudy):
     """Section 5.2 of the finger paper on synthetic records: two searches, and what data hold."""
-
-    title = "Calibration of a robotic finger: coordinate search, and what the test determines"
-    cites = ("finger-paper", "kolda2003", "branch1999", "martensite")
-    guide = """\
-The paper of the finger finds five numbers of its wire from one slow test, E_M, T_L, Δσ, σ_L and
-dσ/dT, by coordinate search within printed ranges. Its record is in a figure that is not in the
-text at hand.
-
-Here records are made with its own Table 1 and white noise of 1°, and the same five numbers are
-searched for, by coordinate search and by least squares with exact derivatives: what search and
-test are worth shows where the answer is known.
-
-Look at the paths: coordinate search stops in a narrow valley across all axes, with an error that
-looks like noise; least squares do not. And look at the intervals: the test determines four
-numbers of the five, and those only for a spring whose place is known.
-"""
-    scenario_files = ("scenario.toml",)
 
     def __init__(self, printed: Printed | None = None, *, full: bool = False) -> None:
         """Take the paper's numbers as printed, or others in their place.
@@ -40,33 +21,23 @@ numbers of the five, and those only for a spring whose place is known.
             printed: the paper's numbers.
             full: coordinate search from all four starts instead of two.
         """
-        self.printed, self.full = printed or Printed(), full
+        super().__init__(printed)
+        self.full = full
 
-    def parts(self) -> dict[str, Callable[[], list[Claim]]]:
-        """Every claim with its verdict; without a C compiler one that says so."""
-        from martensite.studies.finger_calibration import (
-            data_claims,
-            gauge_claims,
-            search_claims,
-        )
+    def computations(self) -> dict[str, Callable[[], Mapping[str, Any]]]:
+        """Searches, data, gauges."""
+        from martensite.studies.finger_calibration import data_numbers, gauge_numbers
+        from martensite.studies.finger_calibration.search_numbers import compute_searches
 
-        if compiler() is None:
-            return {"a C compiler": lambda: [_absent()]}
         return {
-            "both searches": lambda: search_claims.claims(self.printed, full=self.full),
-            "what the test determines": lambda: data_claims.claims(self.printed),
-            "what it leaves open": lambda: gauge_claims.claims(self.printed),
+            "searches": lambda: compute_searches(self.printed, full=self.full),
+            "data": lambda: data_numbers.compute_data(self.printed),
+            "gauges": lambda: gauge_numbers.compute_gauges(self.printed),
         }
 
     def figure(self, path: Path) -> None:
-        """Paths and costs of both searches, records with their fits, and intervals."""
+        """Write the figure, with as many starts as the claims."""
         from martensite.plot.files import write_figure
         from martensite.studies.finger_calibration.figure import draw
 
-        write_figure(draw(self.printed, full=self.full), Path(path))
-
-
-def _absent() -> Claim:
-    """What takes the place of all claims where they cannot be computed."""
-    unknown, verdict = (None, None), "not checkable"
-    return Claim("compiler", "all of this study", METHOD, *unknown, "1", None, verdict, WITHOUT)
+        write_figure(draw(self.printed, full=self.full), path)

@@ -99,7 +99,7 @@ def derived() -> str:
     Raises:
         DataError: the measurements are not on this machine.
     """
-    from martensite.identify.isobaric import cut_cycle
+    from martensite.characterise.isobaric_cycles import cut_cycle
     from martensite.io.tables import read_table
 
     columns = [GRID[SHOWN] - ZERO]

@@ -15,7 +15,8 @@ from martensite.plot.style import HEATING, INK, QUIET, SIMULATED, new_figure, st
 from martensite.runtimes.c99 import compiler
 from martensite.studies.hammerstein_wiener import judged, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
-from martensite.studies.hammerstein_wiener.fit_claims import BETTER, PAPER, WHOLE
+from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +29,7 @@ PART = slice(0, 42_000)
 COLOURS = {PAPER: HEATING, BETTER: SIMULATED, WHOLE: SIMULATED, "stage 1": HEATING}
 
 
-def draw() -> Figure:
+def draw(printed: Printed) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
     with styled():
         figure = new_figure(13.0, 7.4)
@@ -43,9 +44,15 @@ def draw() -> Figure:
         )
         figure.text(0.02, 0.937, line, color=QUIET, va="center")
         left, middle, right = figure.add_gridspec(
-            1, 3, left=0.05, right=0.985, top=0.875, bottom=0.075, width_ratios=(1.25, 1.0, 1.1),
+            1,
+            3,
+            left=0.05,
+            right=0.985,
+            top=0.875,
+            bottom=0.075,
+            width_ratios=(1.25, 1.0, 1.1),
             wspace=0.24,
-        )  # fmt: skip
+        )
         rows = left.subgridspec(3, 1, height_ratios=(0.5, 1.0, 1.2), hspace=0.16)
         _record([figure.add_subplot(row) for row in rows])
         halves = middle.subgridspec(2, 1, hspace=0.32)

@@ -116,8 +116,10 @@ def rest(model: str) -> float:
     """Largest position that a model gives in a minute without power, from the bench's rest [m]."""
     ambient = Plant(Bench()).temperature
     signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
-    one = models.series(model.removeprefix("series ")) if model.startswith("series") else (
-        models.model(model)
-    )  # fmt: skip
+    one = (
+        models.series(model.removeprefix("series "))
+        if model.startswith("series")
+        else (models.model(model))
+    )
     still = np.full((30_000, 1), signal)
     return float(np.abs(one.simulate(still)[:, -1]).max())

@@ -39,9 +39,12 @@ def sine() -> Numbers:
 
 
 def controlled(
-    gains: Gains, reference: Numbers, bench: Bench | None = None, seed: int = 3,
+    gains: Gains,
+    reference: Numbers,
+    bench: Bench | None = None,
+    seed: int = 3,
     law: PidLaw | None = None,
-) -> Trajectory:  # fmt: skip
+) -> Trajectory:
     """A run of the bench from rest; the position is the one measured [m].
 
     Args:

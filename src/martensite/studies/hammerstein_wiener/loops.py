@@ -89,9 +89,10 @@ def steps(name: str) -> Both:
     """Both on a staircase."""
     reference, found = loop.staircase(), gains(name)
     return Both(
-        found, controlled(name).run(found.gains, reference),
+        found,
+        controlled(name).run(found.gains, reference),
         loop.controlled(found.gains, reference),
-    )  # fmt: skip
+    )
 
 
 @cache

@@ -67,8 +67,11 @@ def record(name: str) -> Sampled:
     kind, _, seed = name.partition(" ")
     if kind == "sealed":
         return records.record(records.sealed(int(seed)))
-    makers = {"estimation": records.estimation, "validation": records.validation,
-              "slow": records.slow}  # fmt: skip
+    makers = {
+        "estimation": records.estimation,
+        "validation": records.validation,
+        "slow": records.slow,
+    }
     return records.record(makers[kind]())
 
 
@@ -86,9 +89,11 @@ def model(name: str) -> Chain:
     if name == RESTLESS:
         full = full.rows(round(AFTER / full.interval))
     thin = replace(
-        full, interval=THIN * full.interval, inputs=full.inputs[::THIN],
+        full,
+        interval=THIN * full.interval,
+        inputs=full.inputs[::THIN],
         outputs=full.outputs[::THIN],
-    )  # fmt: skip
+    )
     found = replace(estimate(recipe.text, thin, recipe.options).chain, interval=full.interval)
     if recipe.polish:
         polished = refine(found, [full], replace(recipe.options, iterations=recipe.polish))

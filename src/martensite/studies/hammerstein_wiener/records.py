@@ -26,13 +26,29 @@ from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
 LEAD = 2.0
 """Time without power before the excitation begins [s]."""
 PULSES = (
-    (18, 9, 13), (22, 8, 20), (26, 7, 14), (30, 6, 24), (36, 4.5, 15), (30, 5.5, 12),
-    (24, 7, 22), (20, 8.5, 14), (28, 6, 25), (34, 4.5, 12), (22, 7.5, 20), (32, 5, 14),
-)  # fmt: skip
+    (18, 9, 13),
+    (22, 8, 20),
+    (26, 7, 14),
+    (30, 6, 24),
+    (36, 4.5, 15),
+    (30, 5.5, 12),
+    (24, 7, 22),
+    (20, 8.5, 14),
+    (28, 6, 25),
+    (34, 4.5, 12),
+    (22, 7.5, 20),
+    (32, 5, 14),
+)
 """Of the estimation record: duty [%], time on [s], time off [s]."""
 OTHER_PULSES = (
-    (20, 8, 12), (27, 6.5, 22), (33, 5, 13), (23, 7, 20), (38, 4, 15), (25, 7, 24), (29, 6, 14),
-)  # fmt: skip
+    (20, 8, 12),
+    (27, 6.5, 22),
+    (33, 5, 13),
+    (23, 7, 20),
+    (38, 4, 15),
+    (25, 7, 24),
+    (29, 6, 14),
+)
 """Of the validation record."""
 RAMPS = ((6, 20), (13, 60), (8, 50), (11, 30), (7, 40), (14, 50), (5, 60))
 """Of the slow record: the first is a hold; then the level that is reached [%], and time [s]."""
@@ -152,9 +168,14 @@ def record(excitation: Excitation, bench: Bench | None = None) -> Sampled:
         rows.append(plant.measured())
         plant.step(duty)
     return Sampled(
-        excitation.name, INTERVAL, excitation.duty, np.array(rows), ("duty",),
-        ("temperature", "position"), {"duty": "1", "temperature": "K", "position": "m"},
-    )  # fmt: skip
+        excitation.name,
+        INTERVAL,
+        excitation.duty,
+        np.array(rows),
+        ("duty",),
+        ("temperature", "position"),
+        {"duty": "1", "temperature": "K", "position": "m"},
+    )
 
 
 def stages(whole: Sampled) -> tuple[Sampled, Sampled]:
@@ -163,14 +184,24 @@ def stages(whole: Sampled) -> tuple[Sampled, Sampled]:
     units = dict(whole.units)
     return (
         Sampled(
-            f"{whole.name}, stage 1", whole.interval, whole.inputs, temperature, ("duty",),
-            ("temperature",), units,
+            f"{whole.name}, stage 1",
+            whole.interval,
+            whole.inputs,
+            temperature,
+            ("duty",),
+            ("temperature",),
+            units,
         ),
         Sampled(
-            f"{whole.name}, stage 2", whole.interval, temperature, position, ("temperature",),
-            ("position",), units,
+            f"{whole.name}, stage 2",
+            whole.interval,
+            temperature,
+            position,
+            ("temperature",),
+            ("position",),
+            units,
         ),
-    )  # fmt: skip
+    )
 
 
 def sealed_bench(seed: int) -> tuple[Bench, float]:
@@ -187,7 +218,11 @@ def sealed_bench(seed: int) -> tuple[Bench, float]:
         {"factor": float(rng.uniform(0.5, 0.7)), "drift": float(rng.uniform(-0.05, 0.05)) / 600.0}
     )
     made = Bench(
-        fan=fan, ambient=ambient, load=float(rng.uniform(1.0, 2.0)), cells=4.0,
-        correlation=float(rng.uniform(0.6, 0.95)), thermometer=eye,
-    )  # fmt: skip
+        fan=fan,
+        ambient=ambient,
+        load=float(rng.uniform(1.0, 2.0)),
+        cells=4.0,
+        correlation=float(rng.uniform(0.6, 0.95)),
+        thermometer=eye,
+    )
     return made, fan

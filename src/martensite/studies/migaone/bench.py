@@ -27,8 +27,8 @@ from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.migaone.printed import Printed, Step
 from martensite.studies.readings import passing
+from martensite.studies.tables import Printed
 from martensite.system import System
 from martensite.thermal.base import AbstractCooling, Environment
 from martensite.thermal.constant import ConstantCooling
@@ -71,7 +71,7 @@ def polynomial(printed: Printed) -> PolynomialCooling:
 
 def mean_constant(printed: Printed) -> ConstantCooling:
     """The mean of the four film coefficients of Table 2."""
-    return ConstantCooling(h=sum(printed.films) / len(printed.films))
+    return ConstantCooling(h=sum(printed.steps.column("film")) / len(printed.steps.column("film")))
 
 
 def heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
@@ -95,7 +95,7 @@ def variant(key: str, printed: Printed) -> System:
     return heated(polynomial(printed), values)
 
 
-def heating_power(step: Step, printed: Printed) -> float:
+def heating_power(step: Printed, printed: Printed) -> float:
     """Power in the wire that holds a steady state of Table 2 [W]."""
     return step.film * base_wire().surface() * (step.temperature - printed.ambient)
 
@@ -128,9 +128,12 @@ def sine_run(key: str, printed: Printed) -> Result:
     volts = [sine.value(t) for t in times]
     powers = [v * v / equivalent_resistance(v, printed) for v in volts]
     return simulate(
-        variant(key, printed), Table(times=tuple(times), values=tuple(powers)), duration,
-        tolerance=_TOLERANCE, samples=samples,
-    )  # fmt: skip
+        variant(key, printed),
+        Table(times=tuple(times), values=tuple(powers)),
+        duration,
+        tolerance=_TOLERANCE,
+        samples=samples,
+    )
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ from martensite.plot.style import (
     new_figure,
     styled,
 )
-from martensite.studies.migaone import bench, film_claims
-from martensite.studies.migaone.printed import Printed
+from martensite.studies.migaone import bench, film_numbers
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,9 +44,17 @@ def draw(printed: Printed) -> Figure:
     with styled():
         figure = new_figure(11.5, 6.6)
         grid = figure.add_gridspec(
-            2, 2, left=0.06, right=0.985, top=0.875, bottom=0.085,
-            width_ratios=(1.45, 1.0), height_ratios=(1.55, 1.0), wspace=0.2, hspace=0.3,
-        )  # fmt: skip
+            2,
+            2,
+            left=0.06,
+            right=0.985,
+            top=0.875,
+            bottom=0.085,
+            width_ratios=(1.45, 1.0),
+            height_ratios=(1.55, 1.0),
+            wspace=0.2,
+            hspace=0.3,
+        )
         stroke = figure.add_subplot(grid[0, 0])
         _stroke(stroke, printed)
         _heat(figure.add_subplot(grid[1, 0], sharex=stroke), printed)
@@ -58,15 +66,21 @@ def draw(printed: Printed) -> Figure:
 
 def _title(figure: Any) -> None:
     figure.text(
-        0.02, 0.965, "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
-        fontsize=12.5, fontweight="bold", va="center",
-    )  # fmt: skip
+        0.02,
+        0.965,
+        "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
+        fontsize=12.5,
+        fontweight="bold",
+        va="center",
+    )
     figure.text(
-        0.02, 0.927,
+        0.02,
+        0.927,
         "Simulated for this project; points from the paper's Table 2. "
         "Assumed: 0 to 2.5 V, 90 °C alloy.",
-        color=QUIET, va="center",
-    )  # fmt: skip
+        color=QUIET,
+        va="center",
+    )
 
 
 def _period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
@@ -82,17 +96,24 @@ def _stroke(axes: Any, printed: Printed) -> None:
     position, named = 1e3 * columns["position"], set[int]()
     for sense, first, last in runs(senses(columns["temperature"])):
         axes.plot(
-            times[first : last + 1], position[first : last + 1],
-            color=HEATING if sense > 0 else COOLING, linewidth=2.2, zorder=3,
+            times[first : last + 1],
+            position[first : last + 1],
+            color=HEATING if sense > 0 else COOLING,
+            linewidth=2.2,
+            zorder=3,
             label="_nolegend_" if sense in named else "heating" if sense > 0 else "cooling",
-        )  # fmt: skip
+        )
         named.add(sense)
     for key, label, colour, dashes in OTHERS:
         times, columns = _period(key, printed)
         axes.plot(
-            times, 1e3 * columns["position"], color=colour, linestyle=dashes, linewidth=1.1,
+            times,
+            1e3 * columns["position"],
+            color=colour,
+            linestyle=dashes,
+            linewidth=1.1,
             label=label,
-        )  # fmt: skip
+        )
     axes.set_title("stroke in the second period; thick: printed h(T), 837 J/(kg K), latent heat")
     axes.set_ylabel("stroke [mm]")
     axes.set_ylim(-0.25, 8.6)
@@ -107,9 +128,13 @@ def _heat(axes: Any, printed: Printed) -> None:
         names = mark.low_name, mark.high_name
         axes.axhspan(mark.low, mark.high, color=mark.colour, alpha=0.12, linewidth=0.0)
         axes.text(
-            2.0, 0.5 * (mark.low + mark.high), " … ".join(map(mathematical, names)),
-            color=mark.colour, fontsize=8.0, va="center",
-        )  # fmt: skip
+            2.0,
+            0.5 * (mark.low + mark.high),
+            " … ".join(map(mathematical, names)),
+            color=mark.colour,
+            fontsize=8.0,
+            va="center",
+        )
     axes.set_title("wire temperature (solid), voltage (dashed), transformation at this stress")
     axes.set_ylabel("$T$ [°C]")
     axes.set_xlabel("time [s]")
@@ -117,9 +142,12 @@ def _heat(axes: Any, printed: Printed) -> None:
     start = bench.scenario().duration / 2.0
     volts = axes.twinx()
     volts.plot(
-        times, [bench.scenario().waveform.value(start + t) for t in times],
-        color=QUIET, linestyle=(0, (3, 1.5)), linewidth=1.0,
-    )  # fmt: skip
+        times,
+        [bench.scenario().waveform.value(start + t) for t in times],
+        color=QUIET,
+        linestyle=(0, (3, 1.5)),
+        linewidth=1.0,
+    )
     volts.set_ylim(0.0, 3.0)
     volts.set_ylabel("$V$ [V]", color=QUIET)
     volts.grid(False)
@@ -128,27 +156,41 @@ def _heat(axes: Any, printed: Printed) -> None:
 
 def _film(axes: Any, printed: Printed) -> None:
     at = np.linspace(40.0, 92.0, 105)
-    even, line = film_claims.no_linear(printed), film_claims.straight(printed)
+    even, line = film_numbers.no_linear(printed), film_numbers.straight(printed)
     printed_film = [printed.h0 + t * (printed.h1 + t * printed.h2) for t in at]
-    r_squared = film_claims.printed_r_squared(printed)
+    r_squared = film_numbers.printed_r_squared(printed)
     mean = bench.mean_constant(printed).h
     axes.plot(
-        at, printed_film, color=SIMULATED, linewidth=1.6,
+        at,
+        printed_film,
+        color=SIMULATED,
+        linewidth=1.6,
         label=f"printed coefficients, R² {r_squared:.4f} (printed: {printed.r_squared})",
-    )  # fmt: skip
+    )
     axes.plot(
-        at, [even.film(t) for t in at], color=REFIT, linestyle=(0, (5, 1.6)),
+        at,
+        [even.film(t) for t in at],
+        color=REFIT,
+        linestyle=(0, (5, 1.6)),
         label=f"least squares with $h_1$ = 0, R² {even.r_squared:.4f}",
-    )  # fmt: skip
+    )
     axes.plot(
-        at, [line.film(t) for t in at], color=LINE, linestyle=(0, (1, 1.3)),
+        at,
+        [line.film(t) for t in at],
+        color=LINE,
+        linestyle=(0, (1, 1.3)),
         label=f"least squares, straight line, R² {line.r_squared:.4f}",
-    )  # fmt: skip
+    )
     axes.axhline(mean, color=MEAN, linewidth=1.0, label=f"mean, {mean:.1f} W/(m² K)")
     axes.plot(
-        printed.temperatures, printed.films, "o", color=INK, markersize=5.5, zorder=4,
+        printed.steps.column("temperature"),
+        printed.steps.column("film"),
+        "o",
+        color=INK,
+        markersize=5.5,
+        zorder=4,
         label="Table 2",
-    )  # fmt: skip
+    )
     axes.set_title("film coefficient against wire temperature")
     axes.set_xlabel("$T$ [°C]")
     axes.set_ylabel("$h$ [W/(m² K)]")
@@ -163,15 +205,19 @@ def _steady(axes: Any, printed: Printed) -> None:
         ("constant", "mean constant h", MEAN),
     )
     for i, (key, label, colour) in enumerate(bars):
-        errors = film_claims.steady_errors(key, printed)
+        errors = film_numbers.steady_errors(key, printed)
         places = [v + 0.14 * (i - 1) for v in volts]
         axes.bar(places, errors, width=0.13, color=colour, label=label)
         for place, error in zip(places, errors, strict=True):
             axes.annotate(
-                f"{error:+.1f}", (place, error), xytext=(0, 2 if error > 0 else -2),
-                textcoords="offset points", ha="center", va="bottom" if error > 0 else "top",
+                f"{error:+.1f}",
+                (place, error),
+                xytext=(0, 2 if error > 0 else -2),
+                textcoords="offset points",
+                ha="center",
+                va="bottom" if error > 0 else "top",
                 fontsize=7.0,
-            )  # fmt: skip
+            )
     axes.axhline(0.0, color=QUIET, linewidth=0.7)
     axes.set_title("steady temperature, simulated less Table 2")
     axes.set_xlabel("voltage step [V]")

@@ -20,8 +20,8 @@ from martensite.mechanisms.parallel_platform import ParallelPlatform
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.platform.printed import Printed
 from martensite.studies.readings import passing, runtime
+from martensite.studies.tables import Printed, printed_numbers
 from martensite.system import Actuator, Group, Machine
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -107,20 +107,30 @@ def spring(case: Case, printed: Printed) -> CoilSpring:
     base = cast("CoilSpring", scenario().system.actuators()[HOT].element)
     outer = printed.coil_diameter if case.coil is None else case.coil + printed.diameter
     shape = base.with_values(
-        {"diameter": printed.diameter, "coil_diameter": outer, "turns": printed.turns,
-         "free_length": printed.turns * printed.diameter}
-    )  # fmt: skip
+        {
+            "diameter": printed.diameter,
+            "coil_diameter": outer,
+            "turns": printed.turns,
+            "free_length": printed.turns * printed.diameter,
+        }
+    )
     length, section = shape.wire_length(), shape.section()
     resistance = MixtureResistance(
         rho_A=printed.R_A * section / length, rho_M=printed.R_M * section / length
     )
     heat = {"heat_capacity": case.capacity, "latent_heat": case.latent}
-    numbers = {name: value for name, value in heat.items() if value is not None} | {
-        "density": printed.spring_mass / (section * length),
-        "eps_L": (printed.height - shape.free_length) / shape.reach(),
-        "E_A": 3.0 * printed.G_A, "E_M": 3.0 * printed.G_M,
-        "C_A": case.slope or 1e6 * printed.C_A, "C_M": case.slope or 1e6 * printed.C_M,
-    } | {name: getattr(printed, name) + ZERO for name in ("A_s", "A_f", "M_s", "M_f")}  # fmt: skip
+    numbers = (
+        {name: value for name, value in heat.items() if value is not None}
+        | {
+            "density": printed.spring_mass / (section * length),
+            "eps_L": (printed.height - shape.free_length) / shape.reach(),
+            "E_A": 3.0 * printed.G_A,
+            "E_M": 3.0 * printed.G_M,
+            "C_A": case.slope or 1e6 * printed.C_A,
+            "C_M": case.slope or 1e6 * printed.C_M,
+        }
+        | {name: getattr(printed, name) + ZERO for name in ("A_s", "A_f", "M_s", "M_f")}
+    )
     return shape.with_parts(resistance=resistance).with_values(numbers)
 
 
@@ -129,10 +139,14 @@ def machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanism: str
     base = scenario().system
     limit = case.limits[0 if voltage >= printed.high else 1]
     one = base.actuators()[HOT].with_parts(element=spring(case, printed))
-    one = one.with_values({
-        "environment.temperature": printed.ambient + ZERO, "cooling.h": case.film,
-        "series_resistance": case.series, "current_limit": limit,
-    })  # fmt: skip
+    one = one.with_values(
+        {
+            "environment.temperature": printed.ambient + ZERO,
+            "cooling.h": case.film,
+            "series_resistance": case.series,
+            "current_limit": limit,
+        }
+    )
     plates = {"side": printed.side, "height": printed.height, "mass": printed.plate_mass}
     moved = base.mechanism.with_values(plates | {"damping": case.damping}).with_parts(**mechanism)
     members: dict[str, Actuator] = dict.fromkeys(PORTS, one)
@@ -148,9 +162,13 @@ def platform(printed: Printed) -> ParallelPlatform:
 
 
 def heated(
-    case: Case, printed: Printed, voltage: float, duration: float, step: float = FINE,
+    case: Case,
+    printed: Printed,
+    voltage: float,
+    duration: float,
+    step: float = FINE,
     until: float = math.inf,
-) -> Result:  # fmt: skip
+) -> Result:
     """A voltage on the hot spring from rest, until a time [s]; one sample in every step."""
     return _heated(case, without_results(printed), voltage, duration, step, until)
 
@@ -162,18 +180,23 @@ def _heated(
     drive = {HOT: Step(high=voltage, until=until)}
     samples = round(duration / step) + 1
     return simulate(
-        machine(case, printed, voltage), drive, duration, step=step, samples=samples,
+        machine(case, printed, voltage),
+        drive,
+        duration,
+        step=step,
+        samples=samples,
         runtime=runtime(),
-    )  # fmt: skip
+    )
+
+
+RESULTS = ("centroid", "current", "contraction", "fast", "slow")
+"""Printed numbers that no run depends on."""
 
 
 def without_results(printed: Printed) -> Printed:
     """The numbers that a run depends on; the others as in the paper."""
-    plain = Printed()
-    return replace(
-        printed, centroid=plain.centroid, current=plain.current, contraction=plain.contraction,
-        fast=plain.fast, slow=plain.slow,
-    )  # fmt: skip
+    plain = vars(printed_numbers("platform"))
+    return printed.with_numbers(**{name: plain[name] for name in RESULTS})
 
 
 def step_of(case: Case) -> float:

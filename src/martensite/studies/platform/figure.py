@@ -27,10 +27,10 @@ from martensite.plot.style import (
 )
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.simulate.result import Result
-from martensite.studies.platform import bench, geometry_claims, loop
+from martensite.studies.platform import bench, geometry_numbers, loop
 from martensite.studies.platform.bench import CASES, FINE, LATE, LIMITED, step_of
 from martensite.studies.platform.loop import CYCLES, DELAY, LAGGING, QUICK, Sampling
-from martensite.studies.platform.printed import Printed
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,9 +54,16 @@ def draw(printed: Printed) -> Figure:
     with styled():
         figure = new_figure(11.5, 7.4)
         grid = figure.add_gridspec(
-            2, 3, left=0.055, right=0.985, top=0.885, bottom=0.075, wspace=0.24, hspace=0.34,
+            2,
+            3,
+            left=0.055,
+            right=0.985,
+            top=0.885,
+            bottom=0.075,
+            wspace=0.24,
+            hspace=0.34,
             height_ratios=(1.15, 1.0),
-        )  # fmt: skip
+        )
         _responses(figure.add_subplot(grid[0, :2]), printed)
         _reach(figure.add_subplot(grid[0, 2]), printed)
         _control(figure.add_subplot(grid[1, 0]), printed)
@@ -68,15 +75,21 @@ def draw(printed: Printed) -> Figure:
 
 def _title(figure: Any) -> None:
     figure.text(
-        0.02, 0.968, "Parallel platform on three shape-memory springs, one of them hot",
-        fontsize=12.5, fontweight="bold", va="center",
-    )  # fmt: skip
+        0.02,
+        0.968,
+        "Parallel platform on three shape-memory springs, one of them hot",
+        fontsize=12.5,
+        fontweight="bold",
+        va="center",
+    )
     figure.text(
-        0.02, 0.936,
+        0.02,
+        0.936,
         "Simulated for this project; circles are the paper's two response times. The sets A, A' "
         "and C were calibrated to them.",
-        color=QUIET, va="center",
-    )  # fmt: skip
+        color=QUIET,
+        va="center",
+    )
 
 
 # ---------------------------------------------------------------- response
@@ -91,10 +104,16 @@ def _responses(axes: Any, printed: Printed) -> None:
     stalled = bench.heated(LIMITED, printed, printed.high, 400.0, 0.05)
     axes.plot(stalled.times, bench.degrees(stalled), color=LIMIT_COLOUR, label=LIMITED.title)
     axes.plot(
-        (printed.fast, printed.slow), (printed.angle, printed.angle), "o", color=HEATING,
-        markersize=7.5, markerfacecolor="none", markeredgewidth=1.8, zorder=5,
+        (printed.fast, printed.slow),
+        (printed.angle, printed.angle),
+        "o",
+        color=HEATING,
+        markersize=7.5,
+        markerfacecolor="none",
+        markeredgewidth=1.8,
+        zorder=5,
         label="paper: 18 s at 5 V, around 30 s at 3 V",
-    )  # fmt: skip
+    )
     axes.plot([], [], color=QUIET, label="solid: 5 V")
     axes.plot([], [], color=QUIET, linestyle=DASHES, label="dashed: 3 V")
     axes.set(xlim=(0.0, LATE), ylim=(0.0, 36.0), xlabel="time [s]", ylabel="$α$ [°]")
@@ -117,7 +136,7 @@ def _response(key: str, printed: Printed, volts: float) -> tuple[list[float], li
 
 
 def _reach(axes: Any, printed: Printed) -> None:
-    found = geometry_claims.workspace(printed)
+    found = geometry_numbers.workspace(printed)
     x, y, room = _room(found)
     axes.contourf(x, y, room.T, [0.0, np.inf], colors=["#e9eff3"], zorder=0.5)
     axes.contour(x, y, room.T, [0.0], colors=[QUIET], linewidths=0.9, zorder=1.0)
@@ -126,10 +145,15 @@ def _reach(axes: Any, printed: Printed) -> None:
         axes.plot(*points.T, color=HEATING, linewidth=1.6)
         axes.plot(*points[-1:].T, "o", color=HEATING, markersize=4.0)
         axes.annotate(
-            f"spring {leg}", points[-1], xytext=(-6 if leg == 0 else 6, 6 if leg == 0 else 0),
-            textcoords="offset points", ha="right" if leg == 0 else "left", va="center",
-            color=HEATING, fontsize=8.0,
-        )  # fmt: skip
+            f"spring {leg}",
+            points[-1],
+            xytext=(-6 if leg == 0 else 6, 6 if leg == 0 else 0),
+            textcoords="offset points",
+            ha="right" if leg == 0 else "left",
+            va="center",
+            color=HEATING,
+            fontsize=8.0,
+        )
     axes.plot([0.0], [0.0], "o", color=INK, markersize=4.0)
     axes.set_aspect("equal")
     axes.set(xlim=(-36.0, 42.0), ylim=(-42.0, 42.0))
@@ -190,9 +214,12 @@ def _overshoot(axes: Any, printed: Printed) -> None:
         ]
         axes.plot(delays, found, "o-", color=COLOURS[key], markersize=4.0)
         axes.annotate(
-            "as printed" if key == "as-printed" else f"set {key}", (delays[-1], found[-1]),
-            xytext=(5, 6), textcoords="offset points", color=COLOURS[key],
-        )  # fmt: skip
+            "as printed" if key == "as-printed" else f"set {key}",
+            (delays[-1], found[-1]),
+            xytext=(5, 6),
+            textcoords="offset points",
+            color=COLOURS[key],
+        )
     axes.set(xlim=(-0.01, 0.58), ylim=(-0.1, 3.6), xlabel="delay of the measurement [s]")
     axes.set_ylabel("overshoot [°]")
     axes.set_title(f"overshoot over {printed.target:.0f}°")
@@ -207,9 +234,12 @@ def _hysteresis(axes: Any, printed: Printed) -> None:
     for k, (first, last) in enumerate(pairwise(edges)):
         on = k % 2 == 0
         axes.plot(
-            temperature[first : last + 1], fraction[first : last + 1], linewidth=1.6,
-            color=HEATING if on else COOLING, label=_words(on) if k < 2 else None,
-        )  # fmt: skip
+            temperature[first : last + 1],
+            fraction[first : last + 1],
+            linewidth=1.6,
+            color=HEATING if on else COOLING,
+            label=_words(on) if k < 2 else None,
+        )
     axes.set(ylim=(-0.03, 1.03), xlabel="temperature of the hot spring [°C]", ylabel="$ξ$")
     axes.set_title("martensite fraction, set A")
     axes.legend(loc="upper right")

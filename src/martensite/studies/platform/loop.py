@@ -20,8 +20,8 @@ from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 from martensite.studies.platform import bench
 from martensite.studies.platform.bench import Case
-from martensite.studies.platform.printed import Printed
 from martensite.studies.readings import runtime
+from martensite.studies.tables import Printed
 
 BAND = 0.5
 """How far the angle falls before it is on again: assumed [°]."""
@@ -56,14 +56,19 @@ def _controlled(
 ) -> Result:
     system = bench.machine(case, printed, printed.high, **({"motion": motion} if motion else {}))
     controller = OnOff(
-        measured="alpha", reference=Constant(level=math.radians(printed.target)),
-        band=math.radians(BAND), high=printed.high,
-    )  # fmt: skip
+        measured="alpha",
+        reference=Constant(level=math.radians(printed.target)),
+        band=math.radians(BAND),
+        high=printed.high,
+    )
     gyro = Mounted(sensor=IdealSensor(), of=("alpha",), delay=delay)
     looped = Bench(
-        plant=system, period=sampling.period, substeps=5 if motion else 1,
-        sensors=Sensors(alpha=gyro), controllers=Controllers(**{bench.HOT: controller}),
-    )  # fmt: skip
+        plant=system,
+        period=sampling.period,
+        substeps=5 if motion else 1,
+        sensors=Sensors(alpha=gyro),
+        controllers=Controllers(**{bench.HOT: controller}),
+    )
     return simulate_bench(looped, sampling.duration, runtime=runtime())
 
 

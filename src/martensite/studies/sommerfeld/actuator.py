@@ -14,7 +14,7 @@ from martensite.io.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.tables import Printed
 from martensite.studies.wire_heating.bench import CLOSURES
 
 HEATED, LENGTH = 60.0, 120.0

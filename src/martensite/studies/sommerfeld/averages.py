@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 from martensite.mechanisms.beam_motor import BeamMotor
 from martensite.studies.sommerfeld.machines import natural
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.tables import Printed
 
 
 @dataclass(frozen=True)

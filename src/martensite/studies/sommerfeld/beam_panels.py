@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from martensite.plot.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
-from martensite.studies.sommerfeld import averages, beam_claims, machines, runs
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs
 from martensite.studies.sommerfeld.runs import Settled
+from martensite.studies.tables import Printed
 
-FORMS = (("printed", "(3.15) as printed", MEASURED[1], "s"),
-         ("lagrange", "signs derived anew", SIMULATED, "o"))  # fmt: skip
+FORMS = (
+    ("printed", "(3.15) as printed", MEASURED[1], "s"),
+    ("lagrange", "signs derived anew", SIMULATED, "o"),
+)
 COARSE = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
 FINE = tuple(round(6.0 + 0.1 * k, 10) for k in range(1, 10))
 HERTZ = 1.0 / (2.0 * np.pi)
@@ -28,10 +30,15 @@ def _dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
     for form, label, colour, marker in FORMS:
         found = settled(printed, form)
         axes.plot(
-            [one.voltage for one in found], [scale * getattr(one, name) for one in found],
-            marker=marker, markersize=4.0 if form == "printed" else 2.6, linestyle="none",
-            color=colour, label=label, alpha=0.9,
-        )  # fmt: skip
+            [one.voltage for one in found],
+            [scale * getattr(one, name) for one in found],
+            marker=marker,
+            markersize=4.0 if form == "printed" else 2.6,
+            linestyle="none",
+            color=colour,
+            label=label,
+            alpha=0.9,
+        )
     axes.axvline(printed.simulated_jump, color=INK, linestyle=(0, (1, 1.5)), linewidth=0.9)
     axes.set_xlabel("voltage, constant from rest [V]")
     axes.set_xlim(0.0, 10.3)
@@ -43,9 +50,11 @@ def amplitude(axes: Any, printed: Printed) -> None:
     axes.set_title("jump: amplitude after 25 s at one voltage")
     axes.set_ylabel("amplitude [mm]")
     axes.text(
-        printed.simulated_jump + 0.15, 36.0, f"printed: {printed.simulated_jump:g} V",
+        printed.simulated_jump + 0.15,
+        36.0,
+        f"printed: {printed.simulated_jump:g} V",
         fontsize=8.0,
-    )  # fmt: skip
+    )
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.12))
 
 
@@ -87,11 +96,15 @@ def folds(axes: Any, printed: Printed) -> None:
     ):
         label = "averaged steady states" if part[0] else None
         axes.plot(
-            volts[part], HERTZ * speeds[part], color=INK, linestyle=dashes, linewidth=1.0,
+            volts[part],
+            HERTZ * speeds[part],
+            color=INK,
+            linestyle=dashes,
+            linewidth=1.0,
             label=label,
-        )  # fmt: skip
-    up = runs.upward(motor, *beam_claims.UP)
-    down = runs.downward(motor, *beam_claims.DOWN)
+        )
+    up = runs.upward(motor, *beam_numbers.UP)
+    down = runs.downward(motor, *beam_numbers.DOWN)
     for found, colour, label in ((up, HEATING, "ramp up"), (down, COOLING, "ramp down")):
         axes.plot(
             found.voltage, HERTZ * found.speed, color=colour, linewidth=2.2, alpha=0.6, label=label
@@ -99,10 +112,13 @@ def folds(axes: Any, printed: Printed) -> None:
     for fold, below in ((upper, False), (lower, True)):
         axes.plot(fold.voltage, HERTZ * fold.speed, "o", color=INK, markersize=4.5, zorder=4)
         axes.annotate(
-            f"{fold.voltage:.3g} V", (fold.voltage, HERTZ * fold.speed),
-            xytext=(8, -12) if below else (-4, -12), textcoords="offset points", fontsize=8.0,
+            f"{fold.voltage:.3g} V",
+            (fold.voltage, HERTZ * fold.speed),
+            xytext=(8, -12) if below else (-4, -12),
+            textcoords="offset points",
+            fontsize=8.0,
             ha="left" if below else "right",
-        )  # fmt: skip
+        )
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(0.5, 110.0)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from martensite.plot.style import QUIET, new_figure, styled
 from martensite.studies.sommerfeld import beam_panels, ramp_panels, wire_panels
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,19 +42,26 @@ def draw(printed: Printed) -> Figure:
 
 def _title(figure: Figure) -> None:
     figure.text(
-        0.012, 0.972, "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire "
-        "against it",
-        fontsize=13.0, fontweight="bold", va="center",
-    )  # fmt: skip
+        0.012,
+        0.972,
+        "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
+        fontsize=13.0,
+        fontweight="bold",
+        va="center",
+    )
     figure.text(
-        0.012, 0.942,
+        0.012,
+        0.942,
         "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
         "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
         "numbers that the thesis gives with it;",
-        color=QUIET, va="center",
-    )  # fmt: skip
+        color=QUIET,
+        va="center",
+    )
     figure.text(
-        0.012, 0.92,
+        0.012,
+        0.92,
         "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed values.",
-        color=QUIET, va="center",
-    )  # fmt: skip
+        color=QUIET,
+        va="center",
+    )

@@ -10,7 +10,7 @@ from typing import cast
 from martensite.io.scenario import Scenario, load
 from martensite.mechanisms.beam_motor import BeamMotor, modal_numbers
 from martensite.mechanisms.shared.beam_modes import BeamModes, CantileverBeam, beam_modes
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 ZERO = 273.15

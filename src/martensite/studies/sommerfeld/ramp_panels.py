@@ -10,8 +10,8 @@ from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.signals.ramp import Ramp
 from martensite.simulate.result import Result
 from martensite.studies.sommerfeld import machines, runs, wire
-from martensite.studies.sommerfeld.printed import Printed
 from martensite.studies.sommerfeld.runs import Windows
+from martensite.studies.tables import Printed
 
 WITHOUT, WITH = MEASURED[0], SIMULATED
 DOTTED = (0, (1, 1.5))
@@ -35,16 +35,23 @@ def displacement(axes: Any, printed: Printed) -> None:
     for run, (found, label, colour) in zip(both, pairs(printed), strict=True):
         volts, low, high = _extremes(run)
         axes.fill_between(
-            volts, 1e3 * low, 1e3 * high, color=colour, linewidth=0.0,
+            volts,
+            1e3 * low,
+            1e3 * high,
+            color=colour,
+            linewidth=0.0,
             alpha=0.55 if colour == WITHOUT else 0.8,
             label=f"{label}: jump at {found.jump:.2f} V, amplitude {1e3 * found.peak:.1f} mm",
-        )  # fmt: skip
+        )
     for volts in (printed.jump, printed.jump_with_wire):
         axes.axvline(volts, color=INK, linestyle=DOTTED, linewidth=0.9)
         axes.text(
-            volts + 0.05, -57.0, f"printed: {volts:g} V", fontsize=8.0,
+            volts + 0.05,
+            -57.0,
+            f"printed: {volts:g} V",
+            fontsize=8.0,
             ha="left" if volts == printed.jump else "right",
-        )  # fmt: skip
+        )
     axes.set_title(f"displacement of the tip in a ramp of {wire.RATE:g} V/s")
     axes.set_xlabel("motor voltage [V]")
     axes.set_ylabel("displacement [mm]")
@@ -90,9 +97,11 @@ def current(axes: Any, printed: Printed) -> None:
     _over_voltage(axes, printed, "current", 1.0)
     drop = wire.without(printed).most_current - wire.controlled(printed).sweep.most_current
     axes.text(
-        6.75, 0.62, f"peak lower by {drop:.2f} A\n(printed: about {printed.current_drop:g} A)",
+        6.75,
+        0.62,
+        f"peak lower by {drop:.2f} A\n(printed: about {printed.current_drop:g} A)",
         fontsize=8.0,
-    )  # fmt: skip
+    )
     axes.set_title("current of the motor, mean over 0.25 s")
     axes.set_ylabel("$i$ [A]")
 
@@ -102,17 +111,25 @@ def fit(axes: Any, printed: Printed) -> None:
     found = wire.trials(printed)
     slacks = [100.0 * one.slack for one in found]
     axes.plot(
-        slacks, [one.jump for one in found], marker="o", markersize=4.0, color=SIMULATED,
+        slacks,
+        [one.jump for one in found],
+        marker="o",
+        markersize=4.0,
+        color=SIMULATED,
         label="jump voltage (left)",
-    )  # fmt: skip
+    )
     axes.axhline(printed.jump_with_wire, color=SIMULATED, linestyle=DOTTED, linewidth=1.0)
     axes.set_ylabel("jump [V]", color=SIMULATED)
     axes.set_ylim(4.2, 6.2)
     other = axes.twinx()
     other.plot(
-        slacks, [100.0 * one.reduction for one in found], marker="s", markersize=4.0, color=HEATING,
+        slacks,
+        [100.0 * one.reduction for one in found],
+        marker="s",
+        markersize=4.0,
+        color=HEATING,
         label="reduction of the amplitude (right)",
-    )  # fmt: skip
+    )
     other.axhline(100.0 * printed.reduction, color=HEATING, linestyle=DOTTED, linewidth=1.0)
     other.set_ylabel("reduction [%]", color=HEATING)
     other.set_ylim(20.0, 60.0)

@@ -55,9 +55,13 @@ class Settled:
 def from_rest(motor: BeamMotor, volts: float) -> Settled:
     """A constant voltage [V] for 25 s."""
     run = simulate(
-        Machine(mechanism=motor), {"motor": Constant(level=volts)}, SETTLING, step=STEP,
-        samples=round(SETTLING / SPARSE) + 1, runtime=runtime(),
-    )  # fmt: skip
+        Machine(mechanism=motor),
+        {"motor": Constant(level=volts)},
+        SETTLING,
+        step=STEP,
+        samples=round(SETTLING / SPARSE) + 1,
+        runtime=runtime(),
+    )
     second = round(1.0 / SPARSE)
     speed = float(np.mean(run["rotor_speed"][-second:]))
     size = 0.5 * float(np.ptp(run["displacement"][-2 * second :]))
@@ -130,9 +134,13 @@ def windows(run: Result, motor: BeamMotor) -> Windows:
 def course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Result:
     """A run under a changing voltage."""
     return simulate(
-        Machine(mechanism=motor), {"motor": wave}, duration, step=STEP,
-        samples=round(duration / SAMPLING) + 1, runtime=runtime(),
-    )  # fmt: skip
+        Machine(mechanism=motor),
+        {"motor": wave},
+        duration,
+        step=STEP,
+        samples=round(duration / SAMPLING) + 1,
+        runtime=runtime(),
+    )
 
 
 def upward(motor: BeamMotor, rate: float, volts: float) -> Windows:
@@ -150,9 +158,12 @@ def downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> Windo
     found = windows(course(motor, wave, times[-1]), motor)
     late = slice(math.ceil(times[3] / WINDOW), None)
     return Windows(
-        found.voltage[late], found.amplitude[late], found.speed[late], found.current[late],
+        found.voltage[late],
+        found.amplitude[late],
+        found.speed[late],
+        found.current[late],
         found.limit,
-    )  # fmt: skip
+    )
 
 
 def dropped_below(found: Windows, speed: float) -> float:

@@ -26,8 +26,8 @@ from martensite.studies.sommerfeld.machines import (
     calibrated_motor,
     scenario,
 )
-from martensite.studies.sommerfeld.printed import Printed
 from martensite.studies.sommerfeld.runs import Windows, windows
+from martensite.studies.tables import Printed
 
 RATE = 0.2
 """Of the voltage in all ramps with the wire [V/s]: assumed."""
@@ -61,9 +61,13 @@ def run(slack: float, volts: float, drive: Step) -> Result:
     duration = volts / RATE
     waves = {"motor": Ramp(high=volts, end=duration), "drive": drive}
     return simulate(
-        system, waves, duration, step=STEP, samples=round(duration / PERIOD) + 1,
+        system,
+        waves,
+        duration,
+        step=STEP,
+        samples=round(duration / PERIOD) + 1,
         runtime=runtime(),
-    )  # fmt: skip
+    )
 
 
 def switchings(printed: Printed, found: Result) -> list[float]:

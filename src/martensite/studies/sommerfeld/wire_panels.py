@@ -8,7 +8,7 @@ import numpy as np
 
 from martensite.plot.style import COOLING, HEATING, QUIET, SIMULATED
 from martensite.studies.sommerfeld import actuator, machines, wire
-from martensite.studies.sommerfeld.printed import Printed
+from martensite.studies.tables import Printed
 
 SHOWN = 0.6
 """Length of the loops drawn, up to the jump: some turns of the rotor [s]."""
@@ -19,9 +19,12 @@ def control(axes: Any, printed: Printed) -> None:
     found = wire.controlled(printed).result
     volts = np.asarray(found["motor"])
     axes.plot(
-        volts, np.asarray(found["temperature"]) - machines.ZERO, color=HEATING, linewidth=1.0,
+        volts,
+        np.asarray(found["temperature"]) - machines.ZERO,
+        color=HEATING,
+        linewidth=1.0,
         label="temperature (left)",
-    )  # fmt: skip
+    )
     axes.set_ylabel("$T$ [°C]", color=HEATING)
     axes.set_ylim(15.0, 115.0)
     other = axes.twinx()
@@ -46,14 +49,23 @@ def loops(axes: Any, printed: Printed) -> None:
     part = slice(end - round(SHOWN / wire.PERIOD), end)
     x, force = (np.asarray(found.result[name])[part] for name in ("displacement", "force"))
     axes.plot(
-        1e3 * x, force, linestyle="none", marker=".", markersize=2.8, color=SIMULATED,
+        1e3 * x,
+        force,
+        linestyle="none",
+        marker=".",
+        markersize=2.8,
+        color=SIMULATED,
         label="tension of the hot wire",
-    )  # fmt: skip
+    )
     ends = np.array([0.0, x.max()])
     axes.plot(
-        1e3 * ends, machines.calibrated_motor().stiffness * ends, color=COOLING, linewidth=0.9,
-        linestyle=(0, (4, 1.5)), label="spring of the beam, $k x$",
-    )  # fmt: skip
+        1e3 * ends,
+        machines.calibrated_motor().stiffness * ends,
+        color=COOLING,
+        linewidth=0.9,
+        linestyle=(0, (4, 1.5)),
+        label="spring of the beam, $k x$",
+    )
     axes.set_title("last turns before the jump: slack, then a loop")
     axes.set_xlabel("displacement of the tip [mm]")
     axes.set_ylabel("force [N]")
@@ -72,9 +84,12 @@ def bench(axes: Any, printed: Printed, name: str) -> None:
         column = np.asarray(run[name])
         shown = 100.0 * (column[0] - column) if name == "strain" else column
         axes.plot(
-            run.times, shown, color=colours(0.92 - 0.92 * k / (count - 1)), linewidth=1.2,
+            run.times,
+            shown,
+            color=colours(0.92 - 0.92 * k / (count - 1)),
+            linewidth=1.2,
             label=f"{volts:.1f} V",
-        )  # fmt: skip
+        )
     words = "strain recovered" if name == "strain" else "current"
     axes.set_title(f"wire alone under 500 g, heated 60 s: {words}")
     axes.set_xlabel("time [s]")

@@ -19,7 +19,7 @@ from martensite.runtimes import floats
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.wire_heating.printed import Printed, Row
+from martensite.studies.tables import Printed
 from martensite.thermal.base import Cylinder
 from martensite.thermal.fluids.air_table import ROWS, AirTable
 from martensite.thermal.lefevre_ede import LeFevreEde
@@ -46,15 +46,17 @@ def _shape(printed: Printed) -> Cylinder:
     return Cylinder(printed.diameter, printed.length)
 
 
-def printed_film(row: Row, printed: Printed, ambient: float = AMBIENT) -> float:
+def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> float:
     """h of equations (3.2) to (3.4) with the properties printed in a row [W/(m² K)]."""
     film_temperature = 0.5 * (row.temperature + ambient) + ZERO
     difference = row.temperature - ambient
     size = printed.length
     rayleigh = (
-        COOLING.gravity * difference * size**3
+        COOLING.gravity
+        * difference
+        * size**3
         / (film_temperature * row.diffusivity * row.viscosity)
-    )  # fmt: skip
+    )
     nusselt = COOLING.nusselt(floats, rayleigh, row.prandtl, _shape(printed))
     return nusselt * row.conductivity / size
 
@@ -77,7 +79,7 @@ def steady_temperature(
     return 0.5 * (low + high)
 
 
-def implied_ambient(row: Row) -> float:
+def implied_ambient(row: Printed) -> float:
     """Ambient temperature [°C] for which a row's conductivity is that at the film temperature."""
     table = [(entry[0], entry[1]) for entry in ROWS["textbook"]]
     for (low, first), (high, last) in pairwise(table):

@@ -17,10 +17,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.identify.linear import fit_powers
-from martensite.identify.nonlinear import least_squares, root_mean_square
+from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
+from martensite.characterise.polynomial_regression import fit_powers
+from martensite.studies.tables import Printed
 from martensite.studies.wire_heating import bench
-from martensite.studies.wire_heating.printed import Printed
 
 PER_METRE = 0.1
 """Length [m] that turns the printed ohms, read as ohms per metre, into those of the wire."""
@@ -62,15 +62,23 @@ def closure_a(printed: Printed) -> Closure:
             for row in printed.rows
         ]
 
-    found = least_squares(errors, (4.0, bench.AMBIENT))
+    found = fit_residuals(errors, (4.0, bench.AMBIENT))
     ohms, ambient = found.values
     films = [bench.film(row.temperature, ambient, printed) for row in printed.rows]
     return Closure(ohms, sum(films) / len(films), ambient, found.residuals)
 
 
+def printed_resistance(voltage: float, printed: Printed) -> float:
+    """Resistance that the thesis uses at a voltage [V], as printed [ohm]."""
+    austenite = voltage > printed.austenite_from - 1e-9
+    return printed.resistance_A if austenite else printed.resistance_M
+
+
 def read_per_metre(printed: Printed) -> list[float]:
     """Resistances of the rows, the printed ones read as ohms per metre [ohm]."""
-    return [PER_METRE * printed.resistance(volts) for volts in printed.voltages]
+    return [
+        PER_METRE * printed_resistance(volts, printed) for volts in printed.rows.column("voltage")
+    ]
 
 
 def measured_resistance(printed: Printed) -> float:
@@ -82,7 +90,7 @@ def measured_resistance(printed: Printed) -> float:
 def closure_b(printed: Printed, ambient: float = bench.AMBIENT) -> Closure:
     """Resistances read as ohms per metre; h fitted for a given ambient temperature [°C]."""
     rises = _rises(printed, read_per_metre(printed))
-    over = [at - ambient for at in printed.temperatures]
+    over = [at - ambient for at in printed.rows.column("temperature")]
     pairs = list(zip(rises, over, strict=True))
     h = sum(x * x for x, _ in pairs) / sum(x * y for x, y in pairs)
     return Closure(None, h, ambient, tuple(x / h - y for x, y in pairs))
@@ -103,16 +111,18 @@ def closure_b_single(printed: Printed) -> Closure:
 
 def _rises(printed: Printed, resistances: Sequence[float]) -> list[float]:
     """V²/(R S) of the rows [W/m²]."""
-    pairs = zip(printed.voltages, resistances, strict=True)
+    pairs = zip(printed.rows.column("voltage"), resistances, strict=True)
     return [volts * volts / (ohms * bench.surface(printed)) for volts, ohms in pairs]
 
 
 def _line(printed: Printed, resistances: Sequence[float], single: float | None) -> Closure:
     """T = T_a + x/h by linear least squares."""
     rises = _rises(printed, resistances)
-    line = fit_powers(rises, printed.temperatures, (0, 1))
+    line = fit_powers(rises, printed.rows.column("temperature"), (0, 1))
     ambient, slope = line.values
-    errors = tuple(line.value(x) - at for x, at in zip(rises, printed.temperatures, strict=True))
+    errors = tuple(
+        line.value(x) - at for x, at in zip(rises, printed.rows.column("temperature"), strict=True)
+    )
     return Closure(single, 1.0 / slope, ambient, errors)
 
 

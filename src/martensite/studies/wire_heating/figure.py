@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.studies.tables import Printed
 from martensite.studies.wire_heating import bench, closures
-from martensite.studies.wire_heating.printed import Printed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,21 +30,35 @@ def draw(printed: Printed) -> Figure:
     with styled():
         figure = new_figure(11.0, 5.6)
         grid = figure.add_gridspec(
-            2, 2, left=0.06, right=0.98, top=0.85, bottom=0.09,
-            width_ratios=(1.25, 1.0), wspace=0.17, hspace=0.42,
-        )  # fmt: skip
+            2,
+            2,
+            left=0.06,
+            right=0.98,
+            top=0.85,
+            bottom=0.09,
+            width_ratios=(1.25, 1.0),
+            wspace=0.17,
+            hspace=0.42,
+        )
         _steady(figure.add_subplot(grid[:, 0]), printed)
         _film(figure.add_subplot(grid[0, 1]), printed)
         _course(figure.add_subplot(grid[1, 1]))
         figure.text(
-            0.02, 0.955, "Wire of 0.375 mm heated by a voltage: a balance that does not close",
-            fontsize=12.5, fontweight="bold", va="center",
-        )  # fmt: skip
+            0.02,
+            0.955,
+            "Wire of 0.375 mm heated by a voltage: a balance that does not close",
+            fontsize=12.5,
+            fontweight="bold",
+            va="center",
+        )
         figure.text(
-            0.02, 0.91, "Computed for this project; points from the thesis's Table 2. Assumed: an "
+            0.02,
+            0.91,
+            "Computed for this project; points from the thesis's Table 2. Assumed: an "
             f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
-            color=QUIET, va="center",
-        )  # fmt: skip
+            color=QUIET,
+            va="center",
+        )
         return figure
 
 
@@ -55,21 +69,34 @@ def labels(printed: Printed) -> dict[str, str]:
 
 
 def _steady(axes: Any, printed: Printed) -> None:
-    volts, at = printed.voltages, np.asarray(printed.temperatures)
+    volts, at = printed.rows.column("voltage"), np.asarray(printed.rows.column("temperature"))
     readings = (
-        ("13 and 15 Ω as printed", [printed.resistance(v) for v in volts], MEASURED[0], "v"),
+        (
+            "13 and 15 Ω as printed",
+            [closures.printed_resistance(v, printed) for v in volts],
+            MEASURED[0],
+            "v",
+        ),
         ("read as 1.3 and 1.5 Ω", closures.read_per_metre(printed), MEASURED[1], "^"),
     )
     for label, ohms, colour, marker in readings:
         axes.plot(
-            volts, closures.predicted(printed, ohms), color=colour, marker=marker, markersize=4.0,
-            linewidth=1.0, linestyle=(0, (4, 1.5)), label=f"h of (3.2), {label}",
-        )  # fmt: skip
+            volts,
+            closures.predicted(printed, ohms),
+            color=colour,
+            marker=marker,
+            markersize=4.0,
+            linewidth=1.0,
+            linestyle=(0, (4, 1.5)),
+            label=f"h of (3.2), {label}",
+        )
     for key, found in (("a", closures.closure_a(printed)), ("b", closures.closure_b(printed))):
         axes.plot(
-            volts, at + np.asarray(found.errors), color=COLOURS[key],
+            volts,
+            at + np.asarray(found.errors),
+            color=COLOURS[key],
             label=f"{labels(printed)[key]}, rms {found.rms:.1f} K",
-        )  # fmt: skip
+        )
     axes.plot(volts, at, "o", color=INK, markersize=5.5, zorder=4, label="Table 2")
     axes.set_title("steady temperature")
     axes.set_xlabel("voltage [V]")
@@ -80,13 +107,19 @@ def _steady(axes: Any, printed: Printed) -> None:
 def _film(axes: Any, printed: Printed) -> None:
     at = np.linspace(25.0, 105.0, 81)
     axes.plot(
-        at, [bench.film(float(t), bench.AMBIENT, printed) for t in at], color=SIMULATED,
+        at,
+        [bench.film(float(t), bench.AMBIENT, printed) for t in at],
+        color=SIMULATED,
         label="air of a textbook",
-    )  # fmt: skip
+    )
     axes.plot(
-        printed.temperatures, [bench.printed_film(row, printed) for row in printed.rows], "o",
-        color=INK, markersize=4.5, label="air as printed in Table 2",
-    )  # fmt: skip
+        printed.rows.column("temperature"),
+        [bench.printed_film(row, printed) for row in printed.rows],
+        "o",
+        color=INK,
+        markersize=4.5,
+        label="air as printed in Table 2",
+    )
     axes.set_title("film coefficient by (3.2); closure B needs three times as much")
     axes.set_xlabel("$T$ [°C]")
     axes.set_ylabel("$h$ [W/(m² K)]")
@@ -98,9 +131,11 @@ def _course(axes: Any) -> None:
     for key, colour in COLOURS.items():
         run = bench.heating_run(key)
         axes.plot(
-            run.times, np.asarray(run["temperature"]) - bench.ZERO, color=colour,
+            run.times,
+            np.asarray(run["temperature"]) - bench.ZERO,
+            color=colour,
             label=f"closure {key.upper()}",
-        )  # fmt: skip
+        )
     axes.set_title("1.2 V on for 60 s, simulated; no measured course is printed")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("$T$ [°C]")

@@ -1,0 +1,1 @@
+"""Characterisation: numbers from laboratory tests of wires, films of air, beams and motors."""

@@ -1,0 +1,71 @@
+"""A number with its standard error, and numbers computed from such numbers.
+
+An estimate from few points has a standard error that is itself uncertain: its interval is
+value ± t(level, ν) error with ν degrees of freedom, the points to spare. For y = f(x₁, x₂, …)
+of independent estimates
+
+    error(y)² = Σ ¼ [f(x_k + error_k) - f(x_k - error_k)]²
+
+to first order, with the degrees of freedom of the scarcest of them: on the safe side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value, its standard error in the same unit, and the degrees of freedom behind it."""
+
+    value: float
+    error: float = 0.0
+    """Standard error; 0 for a number that is given, NaN where there was no point to spare."""
+    freedom: float = math.inf
+    """Points to spare; infinite for a number that is given."""
+
+    def interval(self, level: float = LEVEL) -> Interval:
+        """Confidence interval; a point for a given number, unbounded without a point to spare."""
+        if self.error == 0.0:
+            return self.value, self.value
+        if self.freedom < 1 or math.isnan(self.error):
+            return EVERYTHING
+        half = student_quantile(level, int(self.freedom)) * self.error
+        return self.value - half, self.value + half
+
+    def scaled(self, factor: float, offset: float = 0.0) -> Estimate:
+        """The same number in another unit: offset + factor · value, with its error."""
+        return Estimate(offset + factor * self.value, abs(factor) * self.error, self.freedom)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        return {
+            "value": self.value,
+            "standard_error": self.error,
+            "interval": list(self.interval(level)),
+        }
+
+
+def propagate_errors(function: Callable[..., float], *inputs: Estimate) -> Estimate:
+    """A function of independent estimates, with its standard error to first order.
+
+    An estimate that makes no difference to the function does not count.
+    """
+    values = [one.value for one in inputs]
+    square, freedom = 0.0, math.inf
+    for place, one in enumerate(inputs):
+        if one.error == 0.0:
+            continue
+        above, below = (
+            function(*values[:place], one.value + sign * one.error, *values[place + 1 :])
+            for sign in (1.0, -1.0)
+        )
+        if above != below:
+            square += 0.25 * (above - below) ** 2
+            freedom = min(freedom, one.freedom)
+    return Estimate(function(*values), math.sqrt(square), freedom)

@@ -1,0 +1,122 @@
+"""A film coefficient fitted together with the ambient temperature it was computed with.
+
+Each point holds a temperature θ and a flux q = h (θ - a). If h is a polynomial of degree n in θ
+and the ambient a is free, then
+
+    q = (h₀ + … + h_n θⁿ)(θ - a) = c₀ + c₁ θ + … + c_{n+1} θ^{n+1}
+
+is a polynomial of degree n + 1 whose leading coefficient is h_n and which is zero at θ = a:
+fitting h and a together is again linear least squares. The confidence region of a holds every
+a at which the fitted q could be zero (Fieller's argument),
+
+    c(a)² ≤ t² vᵀ C v,    v = (1, a, a², …),    C the covariance of c,
+
+whose ends are roots of a polynomial; of several parts the one about the best a is taken. It is
+unbounded where the interval of h_n includes zero. Residuals are of equal size in q: a temperature
+read wrong by δ shifts q by h δ.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
+from martensite.confidence import LEVEL, Interval, student_quantile
+
+
+@dataclass(frozen=True)
+class FreeAmbient:
+    """A film coefficient of some degree fitted together with the ambient temperature."""
+
+    degree: int
+    """Degree of h in the temperature."""
+    flux: LinearFit
+    """Fitted flux [W/m²], of degree `degree` + 1."""
+    coldest: float
+    """Coldest point [°C]: the ambient lies below."""
+
+    @property
+    def leading(self) -> float:
+        """Highest coefficient of h: h₀, h₁ or h₂."""
+        return self.flux.values[-1]
+
+    def leading_interval(self, level: float = LEVEL) -> Interval:
+        """Confidence interval of the highest coefficient of h."""
+        return self.flux.interval(self.degree + 1, level)
+
+    @property
+    def ambient(self) -> float:
+        """Ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
+        import numpy as np
+
+        below = [
+            root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest
+        ]
+        return max(below, default=math.nan)
+
+    def ambient_interval(self, level: float = LEVEL) -> Interval:
+        """Confidence interval of the ambient [°C], cut off at the coldest point and at 0 K."""
+        import numpy as np
+        from numpy.polynomial import Polynomial
+
+        if not self.flux.freedom:
+            return ABSOLUTE_ZERO, self.coldest
+        c, covariance = np.asarray(self.flux.values), np.asarray(self.flux.covariance)
+        # coefficients of vᵀ C v as a polynomial in a are sums over antidiagonals
+        spread = [np.trace(covariance[:, ::-1], k) for k in range(len(c) - 1, -len(c), -1)]
+        allowed = student_quantile(level, self.flux.freedom) ** 2 * np.asarray(spread)
+        outside = Polynomial(np.convolve(c, c) - allowed)
+        edges = [e for e in _real_roots(outside.roots()) if ABSOLUTE_ZERO < e < self.coldest]
+        ends = sorted({ABSOLUTE_ZERO, self.coldest, *edges})
+        parts = [(a, b) for a, b in pairwise(ends) if outside(0.5 * (a + b)) <= 0.0]
+        return self._chosen(_join_intervals(parts))
+
+    def _chosen(self, parts: list[Interval]) -> Interval:
+        """The part that holds the best ambient; all of them together if there is none."""
+        held = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
+        return (held[0][0], held[-1][1]) if held else (math.nan, math.nan)
+
+    def bounded(self, level: float = LEVEL) -> bool:
+        """Whether there is a best ambient, with an interval that was not cut off."""
+        low, high = self.ambient_interval(level)
+        return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        return {
+            "degree": self.degree,
+            "leading": self.leading,
+            "leading_interval": list(self.leading_interval(level)),
+            "ambient_degC": self.ambient,
+            "ambient_interval_degC": list(self.ambient_interval(level)),
+            "bounded": self.bounded(level),
+        }
+
+
+def fit_free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
+    """Fit h of a degree and the ambient together; None if the points are too few for that."""
+    if len(set(points.temperatures_degC)) < degree + 2:
+        return None
+    powers = tuple(range(degree + 2))
+    flux = fit_powers(points.temperatures_degC, points.fluxes, powers)
+    return FreeAmbient(degree, flux, min(points.temperatures_degC))
+
+
+def _join_intervals(parts: list[Interval]) -> list[Interval]:
+    """Intervals with those that touch put together."""
+    joined: list[Interval] = []
+    for low, high in parts:
+        if joined and joined[-1][1] == low:
+            joined[-1] = joined[-1][0], high
+        else:
+            joined.append((low, high))
+    return joined
+
+
+def _real_roots(roots: Any) -> list[float]:
+    """Real ones among roots."""
+    return [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * max(abs(r), 1.0)]

@@ -1,0 +1,147 @@
+"""Film coefficient against temperature: linear least squares of h = Σ h_k θ^k.
+
+θ is the temperature in °C, the form of the cooling model `polynomial` with its default
+reference, and k runs over the `terms` asked for; a coefficient that is not asked for is
+zero. With residuals r over n points and p terms,
+
+    R² = 1 - Σ r²/Σ (h - mean h)²,    adjusted R² = 1 - (1 - R²) (n - 1)/(n - p),
+    AICc = n ln(Σ r²/n) + 2 (p + 1) + 2 (p + 1) (p + 2)/(n - p - 2).
+
+R² never falls when a term is added; the adjusted one does when the term is not worth it,
+and AICc (Hurvich and Tsai 1989) rises. Intervals: see
+`martensite.characterise.polynomial_regression`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.characterise.columns import check_columns
+from martensite.characterise.polynomial_regression import LinearFit, fit_powers
+from martensite.confidence import LEVEL, Interval
+from martensite.errors import DataError
+
+FORMS: dict[str, tuple[int, ...]] = {
+    "constant": (0,),
+    "linear": (0, 1),
+    "quadratic": (0, 1, 2),
+    "h1=0": (0, 2),
+}
+"""Name of a form -> powers of the temperature in it."""
+
+
+@dataclass(frozen=True)
+class FilmFit:
+    """A fitted polynomial, how much of the scatter it explains, and what is left open."""
+
+    coefficients: tuple[float, ...]
+    """h₀ [W/(m² K)], h₁ [W/(m² K²)], h₂ [W/(m² K³)], … for temperatures in °C."""
+    r_squared: float
+    adjusted: float
+    """Adjusted R²; NaN if there are no more points than terms."""
+    linear: LinearFit
+    """The fit with its covariance."""
+
+    @property
+    def terms(self) -> tuple[int, ...]:
+        """Powers of the temperature that were fitted."""
+        return self.linear.terms
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the residuals [W/(m² K)]."""
+        return self.linear.deviation
+
+    @property
+    def aicc(self) -> float:
+        """Akaike's criterion, corrected for few points; NaN if there are too few for it."""
+        n, p = self.linear.points, len(self.terms) + 1
+        if n - p < 2 or self.linear.squares == 0.0:
+            return math.nan
+        return n * math.log(self.linear.squares / n) + 2.0 * p + 2.0 * p * (p + 1) / (n - p - 1)
+
+    def film(self, temperature_degC: float) -> float:
+        """Film coefficient [W/(m² K)] at a temperature [°C]."""
+        return film_value(self.coefficients, temperature_degC)
+
+    def error(self, term: int) -> float:
+        """Standard error of the coefficient of a power of the temperature."""
+        return self.linear.error(term)
+
+    def interval(self, term: int, level: float = LEVEL) -> Interval:
+        """Confidence interval of the coefficient of a power of the temperature."""
+        return self.linear.interval(term, level)
+
+    def half_width(self, temperature_degC: float, level: float = LEVEL) -> float:
+        """Half the confidence band of h [W/(m² K)] at a temperature [°C]."""
+        return self.linear.half_width(temperature_degC, level)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON; coefficients by power."""
+        return {
+            "coefficients": list(self.coefficients),
+            "terms": list(self.terms),
+            "standard_errors": {str(k): self.error(k) for k in self.terms},
+            "intervals": {str(k): list(self.interval(k, level)) for k in self.terms},
+            "p_values": {str(k): self.linear.p_value(k) for k in self.terms},
+            "r_squared": self.r_squared,
+            "adjusted": self.adjusted,
+            "aicc": self.aicc,
+            "deviation": self.deviation,
+        }
+
+
+def check_film_points(temperatures_degC: Sequence[float], h: Sequence[float]) -> None:
+    """Raise `DataError` unless there are at least two finite points."""
+    columns = {"temperatures": temperatures_degC, "film_coefficients": h}
+    check_columns("a wire", "points", 2, **columns)
+
+
+def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
+    """Film coefficient [W/(m² K)] of a polynomial at a temperature [°C]."""
+    return sum(c * temperature_degC**k for k, c in enumerate(coefficients))
+
+
+def film_r_squared(
+    temperatures_degC: Sequence[float], h: Sequence[float], coefficients: Sequence[float]
+) -> float:
+    """R² of a given polynomial on given points: temperatures [°C], h [W/(m² K)].
+
+    Raises:
+        DataError: the points are too few, or all h are equal.
+    """
+    check_film_points(temperatures_degC, h)
+    mean = sum(h) / len(h)
+    scatter = sum((value - mean) ** 2 for value in h)
+    if scatter == 0.0:
+        raise DataError(f"All {len(h)} film coefficients are {h[0]:.6g}: R² is not defined.")
+    points = zip(temperatures_degC, h, strict=True)
+    left = sum((value - film_value(coefficients, at)) ** 2 for at, value in points)
+    return 1.0 - left / scatter
+
+
+def fit_film(
+    temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequence[int] = (0, 1, 2)
+) -> FilmFit:
+    """Fit a polynomial to film coefficients by linear least squares.
+
+    Args:
+        temperatures_degC: temperatures of the points [°C].
+        h: film coefficients [W/(m² K)].
+        terms: powers of the temperature that are fitted; the others are zero.
+
+    Raises:
+        ParameterError: the terms are not distinct whole numbers from 0 on.
+        DataError: the points are too few, not finite, or do not determine the terms.
+    """
+    check_film_points(temperatures_degC, h)
+    linear = fit_powers(temperatures_degC, h, terms)
+    by_power = dict(zip(linear.terms, linear.values, strict=True))
+    coefficients = tuple(by_power.get(k, 0.0) for k in range(max(terms) + 1))
+    r_squared = film_r_squared(temperatures_degC, h, coefficients)
+    n, p = len(h), len(terms)
+    adjusted = 1.0 - (1.0 - r_squared) * (n - 1) / (n - p) if n > p else math.nan
+    return FilmFit(coefficients, r_squared, adjusted, linear)

@@ -1,0 +1,206 @@
+"""Free vibration: logarithmic decrement, damping ratio and frequency from a record.
+
+A mass on a spring with viscous damping, released and left alone, turns at intervals of half a
+period T_d, each time nearer to rest by the same factor:
+
+    e_k = x₀ ± a exp(-δ k/2),    t_k = t₀ + k T_d/2,
+    δ = ln(a_j/a_{j+1}) = 2 π ζ/√(1 - ζ²),    ζ = δ/√(4 π² + δ²),
+    f_d = 1/T_d,    f_n = f_d/√(1 - ζ²).
+
+Each extreme, upper and lower ones, is that of a decaying sinusoid fitted to the rows within T_d/4
+of it, which averages noise; its decay and frequency are those of a first pass. x₀, a and δ are
+fitted to the extremes together: an offset of the sensor is no matter, and extremes near the noise
+weigh no more than they know. Standard errors are from the scatter about that curve, and about the
+line of t_k weighted by amplitude.
+
+In use: k = F/x or 3 E I/l³; M = k/ω_n²; c_c = 2 √(k M); c = ζ c_c.
+Source: Kossoski (2018), Appendix A, with c_c corrected and f_d told from f_n.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.extremes import Extremes, find_extremes
+from martensite.characterise.nonlinear_regression import fit_residuals
+from martensite.confidence import LEVEL
+from martensite.errors import DataError, ParameterError
+
+LEAST_SHARE = 0.05
+"""Extremes smaller than this share of the first are left out."""
+FEWEST_PEAKS = 3
+
+
+@dataclass(frozen=True)
+class LogDecrement:
+    """Decay of a free vibration."""
+
+    decrement: Estimate
+    """δ, natural logarithm of the ratio of amplitudes one period apart [-]."""
+    period: Estimate
+    """T_d [s]."""
+    offset: Estimate
+    """Position of rest x₀, in the unit of the values."""
+    amplitude: Estimate
+    """a, amplitude at the first extreme, in the unit of the values."""
+    extremes: Extremes
+    """What was fitted."""
+
+    @property
+    def zeta(self) -> Estimate:
+        """Damping ratio [-]."""
+        return propagate_errors(damping_ratio, self.decrement)
+
+    @property
+    def damped_frequency(self) -> Estimate:
+        """f_d [Hz]."""
+        return propagate_errors(lambda period: 1.0 / period, self.period)
+
+    @property
+    def frequency(self) -> Estimate:
+        """Natural frequency f_n of the undamped vibration [Hz]."""
+        return propagate_errors(
+            lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period,
+            self.period,
+            self.decrement,
+        )
+
+    @property
+    def cycles(self) -> float:
+        """Cycles from the first to the last extreme used."""
+        return 0.5 * (len(self.extremes.values) - 1)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        names = ("decrement", "zeta", "damped_frequency", "frequency", "offset", "amplitude")
+        return {name: getattr(self, name).to_dict(level) for name in names} | {
+            "cycles": self.cycles,
+            "noise": self.extremes.noise,
+            "extreme_times": list(self.extremes.times),
+            "extreme_values": list(self.extremes.values),
+        }
+
+
+def log_decrement(
+    times: Sequence[float],
+    values: Sequence[float],
+    *,
+    cycles: int | None = None,
+    least: float = LEAST_SHARE,
+    frequency: float | None = None,
+) -> LogDecrement:
+    """Fit the decay of a free vibration.
+
+    Args:
+        times: times of the rows [s], equally spaced, from the release on.
+        values: what vibrates, in any unit, about any offset.
+        cycles: use so many cycles only; all if left out.
+        least: extremes below this share of the first are left out, and those below the noise.
+        frequency: about how often it vibrates [Hz]; that of the spectrum if left out.
+
+    Raises:
+        ParameterError: `cycles`, `least` or `frequency` is not one.
+        DataError: the rows are no vibration, or have fewer than three peaks.
+    """
+    _check_options(cycles, least)
+    first = _fit_extremes(
+        find_extremes(times, values, cycles=cycles, least=least, frequency=frequency)
+    )
+    period = first.period.value
+    again = find_extremes(
+        times,
+        values,
+        cycles=cycles,
+        least=least,
+        frequency=1.0 / period,
+        decay=first.decrement.value / period,
+    )
+    return _fit_extremes(again)
+
+
+def _fit_extremes(found: Extremes) -> LogDecrement:
+    """The exponential through extremes."""
+    peaks = (len(found.values) + 1) // 2
+    if peaks < FEWEST_PEAKS:
+        raise DataError(
+            f"A logarithmic decrement needs at least {FEWEST_PEAKS} peaks, but "
+            f"{peaks} {'was' if peaks == 1 else 'were'} found; record longer, begin right after "
+            "the release, or use smaller extremes."
+        )
+    offset, amplitude, ratio = _fit_decay(found)
+    return LogDecrement(
+        decrement=propagate_errors(lambda r: -2.0 * math.log(r), ratio),
+        period=_fit_period(found, ratio.value),
+        offset=offset,
+        amplitude=amplitude,
+        extremes=found,
+    )
+
+
+def _fit_decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
+    """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
+    import numpy as np
+
+    count, values = len(found.values), np.asarray(found.values)
+    middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
+    last = 0.5 * abs(values[-1] - values[-2])
+    steps = np.arange(count)
+    signs, shares = found.first_sign * (-1.0) ** steps, (values - middle) / size
+
+    def residuals(guess: tuple[float, ...]) -> Any:
+        shift, amplitude, ratio = guess
+        return shares - shift - signs * amplitude * ratio**steps
+
+    start = 0.0, 1.0, float(last / size) ** (1.0 / (count - 2))
+    shift, amplitude, ratio = fit_residuals(residuals, start).estimates
+    return shift.scaled(size, middle), amplitude.scaled(size), ratio
+
+
+def _fit_period(found: Extremes, ratio: float) -> Estimate:
+    """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
+    import numpy as np
+
+    times = np.asarray(found.times) - found.times[0]
+    steps = np.arange(len(times))
+
+    def residuals(line: tuple[float, ...]) -> Any:
+        first, half = line
+        return (times / times[1] - first - half * steps) * ratio**steps
+
+    return fit_residuals(residuals, (0.0, 1.0)).estimates[1].scaled(2.0 * times[1])
+
+
+def _check_options(cycles: int | None, least: float) -> None:
+    if cycles is not None and cycles < FEWEST_PEAKS - 1:
+        raise ParameterError(
+            f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}."
+        )
+    if not 0.0 <= least < 1.0:
+        raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
+
+
+# ---------------------------------------------------------------- a mass on a spring
+
+
+def damping_ratio(decrement: float) -> float:
+    """ζ = δ/√(4 π² + δ²) [-]."""
+    return decrement / math.hypot(2.0 * math.pi, decrement)
+
+
+def frequency_of(stiffness: float, mass: float) -> float:
+    """Natural frequency √(k/M)/(2 π) [Hz] from stiffness [N/m] and moving mass [kg]."""
+    return math.sqrt(stiffness / mass) / (2.0 * math.pi)
+
+
+def moving_mass(stiffness: float, frequency: float) -> float:
+    """M = k/(2 π f_n)² [kg] from stiffness [N/m] and natural frequency [Hz]."""
+    return stiffness / (2.0 * math.pi * frequency) ** 2
+
+
+def critical_damping(stiffness: float, mass: float) -> float:
+    """c_c = 2 √(k M) [N s/m] from stiffness [N/m] and moving mass [kg]."""
+    return 2.0 * math.sqrt(stiffness * mass)

@@ -1,0 +1,238 @@
+"""Isobaric records cut into branches: one heating and one cooling under a constant stress.
+
+A leg goes from one extreme of the temperature to the next and spans at least `FULL` of the whole
+range, so that noise, holds and small reversals turn nothing. Two legs in a row are a cycle: cold,
+hot, cold again, or hot, cold, hot again. Cycles are counted from the first full leg on; rows
+before it, and half a cycle left over at the end, are not used.
+
+Rows are taken in the order of time. Strain counts as positive in elongation, so that it falls on
+heating under tension.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from martensite.errors import DataError, ParameterError
+from martensite.signals.records import Record, not_finite, out_of_order
+
+FEWEST_ROWS = 20
+"""Rows that a record must have."""
+FEWEST_IN_BRANCH = 8
+"""Rows that a branch must have."""
+LEAST_RANGE = 5.0
+"""Range of temperature below which nothing was heated [K]."""
+FULL = 0.8
+"""Least share of the temperature range of a record that a leg spans."""
+COLDEST, HOTTEST = 150.0, 1500.0
+"""Temperatures outside which a column holds something else [K]."""
+LARGEST_STRAIN = 0.5
+SMALLEST_STRESS, LARGEST_STRESS = 1e4, 5e9
+"""Stresses outside which, zero apart, the unit must be wrong [Pa]."""
+STEADY = 0.2
+"""Standard deviation of a stress, as a share of its mean, above which it is remarked upon."""
+WANDERING = 10e6
+"""The same in absolute terms; both must be exceeded [Pa]."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """The rows of one heating or one cooling, in their order."""
+
+    temperature: tuple[float, ...]
+    """[K]"""
+    strain: tuple[float, ...]
+    """[-]"""
+
+
+@dataclass(frozen=True)
+class IsobaricCycle:
+    """One heating and one cooling under one stress."""
+
+    name: str
+    """Name of the record."""
+    stress: float
+    """Mean stress over the cycle, or the one given [Pa]."""
+    stress_deviation: float
+    """Standard deviation of the stress over the cycle [Pa]; 0 for a stress given."""
+    heating: Branch
+    cooling: Branch
+    cold_start: bool
+    """Whether heating comes first."""
+    timed: bool
+    """Whether the rows have times of their own, which vouch for their order."""
+    number: int
+    """Which cycle of the record it is, from 1 on."""
+    cycles: int
+    """Cycles in the record."""
+    remarks: tuple[str, ...] = ()
+    """What a user should know, in sentences."""
+
+
+def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -> IsobaricCycle:
+    """Cut one cycle out of a record and split it into heating and cooling.
+
+    Args:
+        record: columns `temperature` [K], `strain` [-] and, unless it is given, `stress` [Pa].
+        stress: the constant stress [Pa]; the mean of the column over the cycle if left out.
+        cycle: which cycle, counted as in a list; the last if left out.
+
+    Raises:
+        DataError: a column is missing, too short or not what its name says, or there is no
+            full cycle.
+        ParameterError: there is no such cycle, or the stress is not finite.
+    """
+    rows = _rows_in_time(record)
+    kelvin, strain = ([record[name][k] for k in rows] for name in ("temperature", "strain"))
+    _check_columns(record.name, kelvin, strain)
+    legs = list(pairwise(find_turning_points(kelvin)))
+    cycles = len(legs) // 2
+    if not cycles:
+        raise DataError(_no_cycle(record.name, kelvin, len(legs)))
+    if not -cycles <= cycle < cycles:
+        raise ParameterError(
+            f"Argument `cycle` must be from {-cycles} to {cycles - 1}, since record "
+            f"`{record.name}` has {cycles} full cycle{'s' * (cycles > 1)}, but is {cycle}."
+        )
+    number = cycle % cycles
+    pair = legs[2 * number : 2 * number + 2]
+    branches = [_cut_branch(record.name, kelvin[a : b + 1], strain[a : b + 1]) for a, b in pair]
+    cold_start = kelvin[pair[0][0]] < kelvin[pair[0][1]]
+    level, deviation = _mean_stress(record, rows[pair[0][0] : pair[1][1] + 1], stress)
+    return IsobaricCycle(
+        record.name,
+        level,
+        deviation,
+        heating=branches[0 if cold_start else 1],
+        cooling=branches[1 if cold_start else 0],
+        cold_start=cold_start,
+        timed=record.interval is None,
+        number=number + 1,
+        cycles=cycles,
+        remarks=_list_remarks(level, deviation, number + 1, cycles),
+    )
+
+
+def find_turning_points(temperatures: Sequence[float]) -> list[int]:
+    """Rows at which the temperature [K] turns, both ends of all full legs included."""
+    span = max(temperatures) - min(temperatures)
+    if span < LEAST_RANGE:
+        return []
+    least = FULL * span
+    turns: list[int] = []
+    rising: bool | None = None
+    low = high = 0
+    for row, kelvin in enumerate(temperatures):
+        low = row if kelvin < temperatures[low] else low
+        high = row if kelvin > temperatures[high] else high
+        if not rising and kelvin - temperatures[low] >= least:
+            turns.append(low)
+            rising, high = True, row
+        elif rising is not False and temperatures[high] - kelvin >= least:
+            turns.append(high)
+            rising, low = False, row
+    return [*turns, high if rising else low] if turns else []
+
+
+def _rows_in_time(record: Record) -> list[int]:
+    """Indices of the rows in the order of their times."""
+    rows = range(len(record))
+    if out_of_order(record.times) is None:
+        return list(rows)
+    return sorted(rows, key=record.times.__getitem__)
+
+
+def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> Branch:
+    if len(kelvin) < FEWEST_IN_BRANCH:
+        way = "heating" if kelvin[-1] > kelvin[0] else "cooling"
+        raise DataError(
+            f"Record `{name}` has only {len(kelvin)} rows on {way}, but a branch needs at least "
+            f"{FEWEST_IN_BRANCH}; sample more often."
+        )
+    return Branch(tuple(kelvin), tuple(strain))
+
+
+def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[float, float]:
+    """Stress and its standard deviation [Pa]."""
+    if given is not None:
+        if not math.isfinite(given):
+            raise ParameterError(f"Argument `stress` must be finite, but is {given} Pa.")
+        return given, 0.0
+    if "stress" not in record.columns:
+        raise DataError(
+            f"Record `{record.name}` has no column `stress`; give the constant stress of the cycle."
+        )
+    values = [record["stress"][row] for row in rows]
+    _check_finite(record.name, "stress", values)
+    mean = math.fsum(values) / len(values)
+    deviation = math.sqrt(math.fsum((s - mean) ** 2 for s in values) / len(values))
+    small = 0.0 < abs(mean) < SMALLEST_STRESS and deviation < SMALLEST_STRESS
+    if small or abs(mean) > LARGEST_STRESS:
+        raise DataError(
+            f"The stress of record `{record.name}` is {mean:.4g} Pa on average; is its unit off, "
+            "or are columns swapped?"
+        )
+    return mean, deviation
+
+
+# ---------------------------------------------------------------- what is wrong, in words
+
+
+def _check_columns(name: str, kelvin: Sequence[float], strain: Sequence[float]) -> None:
+    """Raise `DataError` unless the columns can be a temperature [K] and a strain [-]."""
+    if len(kelvin) < FEWEST_ROWS:
+        raise DataError(
+            f"Record `{name}` has {len(kelvin)} rows, but a heating-cooling cycle needs at least "
+            f"{FEWEST_ROWS}."
+        )
+    _check_finite(name, "temperature", kelvin)
+    _check_finite(name, "strain", strain)
+    low, high = min(kelvin), max(kelvin)
+    if low < COLDEST or high > HOTTEST:
+        raise DataError(
+            f"The temperature of record `{name}` goes from {low:.4g} to {high:.4g} K, but must "
+            f"stay between {COLDEST:g} and {HOTTEST:g} K; is its unit off (degC, or by 10^3), or "
+            "are columns swapped?"
+        )
+    largest = max(map(abs, strain))
+    if largest > LARGEST_STRAIN:
+        raise DataError(
+            f"The strain of record `{name}` reaches {largest:.4g}, but must stay within "
+            f"{LARGEST_STRAIN:g}; is its unit off (percent, or by 10^3), or are columns swapped?"
+        )
+
+
+def _check_finite(name: str, column: str, values: Any) -> None:
+    row = not_finite(list(values))
+    if row is not None:
+        raise DataError(f"Column `{column}` of record `{name}` must be finite, but holds a gap.")
+
+
+def _no_cycle(name: str, kelvin: Sequence[float], legs: int) -> str:
+    if not legs:
+        return (
+            f"Record `{name}` holds no full cycle: its temperature stays between {min(kelvin):.4g} "
+            f"and {max(kelvin):.4g} K."
+        )
+    way = "rises" if kelvin[-1] > kelvin[0] else "falls"
+    return (
+        f"Record `{name}` holds no full cycle: its temperature only {way}, from {kelvin[0]:.4g} "
+        f"to {kelvin[-1]:.4g} K; record heating and cooling, each over at least "
+        f"{100 * FULL:g} % of the range."
+    )
+
+
+def _list_remarks(stress: float, deviation: float, number: int, cycles: int) -> tuple[str, ...]:
+    found: list[str] = []
+    if cycles > 1:
+        found.append(f"Cycle {number} of {cycles} is used.")
+    if deviation > WANDERING and deviation > STEADY * abs(stress):
+        found.append(
+            f"The stress of {stress / 1e6:.4g} MPa varies by {deviation / 1e6:.2g} MPa (standard "
+            "deviation): is the cycle isobaric?"
+        )
+    return tuple(found)

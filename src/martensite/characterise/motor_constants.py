@@ -1,0 +1,196 @@
+"""Constants of a DC motor from tests with a supply, an ammeter and a tachometer.
+
+    V = R i + L i' + K_B ω,    J ω' = K_T i - b ω - F_c sign(ω),    K_T = K_B = K in SI
+
+test                  what follows
+rotor held            V = R i: resistance R
+rotor held, V step    i rises with τ_e = L/R: inductance L
+steady running        V - R i = K ω: constant K;  K i = b ω + F_c: friction
+run-up                ω rises with τ_m: inertia J = τ_m [b + K²/(R - L/τ_m)]
+
+The last formula is exact for the slower of the motor's two time constants; without inductance
+it is τ_m (b + K²/R). Dry friction lowers the speed and leaves τ_m as it is. An unbalance m at the
+radius r that stays mounted is part of the inertia: J + m r².
+
+K, b, F_c and J all rest on R, and J on K twice: their errors are carried on from R, τ_e, τ_m and
+the lines of steady running, not from each other.
+
+Source: Kossoski (2018), Appendix B, with dry friction kept and the formula of J corrected.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.motor_tests import SteadyRunning, Winding
+from martensite.characterise.time_constant import Rise
+from martensite.confidence import LEVEL, interval_contains
+from martensite.errors import DataError, ParameterError
+
+Formula = Callable[..., float]
+
+LONG = 2.0
+"""R J/(K_T K_B) [s] above which J or R of a small motor is doubted."""
+UNITS = {
+    "resistance": "ohm",
+    "inductance": "H",
+    "constant": "N*m/A",
+    "friction": "N*m*s/rad",
+    "dry_friction": "N*m",
+    "inertia": "kg*m^2",
+}
+"""Name of a constant -> its SI unit."""
+
+
+@dataclass(frozen=True)
+class MotorConstants:
+    """What the tests of a DC motor say."""
+
+    resistance: Estimate
+    """R [ohm]"""
+    constant: Estimate
+    """K = K_T [N m/A] = K_B [V s/rad]"""
+    friction: Estimate
+    """b [N m s/rad], viscous"""
+    dry_friction: Estimate
+    """F_c [N m]"""
+    inductance: Estimate | None = None
+    """L [H]; None if it is not known."""
+    inertia: Estimate | None = None
+    """J [kg m²], with whatever was mounted; None without a run-up."""
+    remarks: tuple[str, ...] = ()
+    """What is doubtful, or not supported by the tests."""
+
+    @property
+    def run_up_time(self) -> float | None:
+        """R J/(K_T K_B) [s]: the time constant without friction and inductance."""
+        if self.inertia is None:
+            return None
+        return self.resistance.value * self.inertia.value / self.constant.value**2
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        estimates = {name: getattr(self, name) for name in UNITS}
+        numbers = {n: None if e is None else e.to_dict(level) for n, e in estimates.items()}
+        return numbers | {"run_up_time": self.run_up_time, "remarks": list(self.remarks)}
+
+
+def motor_constants(
+    states: SteadyRunning,
+    winding: Winding,
+    *,
+    current_rise: Rise | None = None,
+    inductance: float | None = None,
+    run_up: Rise | None = None,
+) -> MotorConstants:
+    """Constants of a motor from its tests.
+
+    Args:
+        states: steady running at several speeds.
+        winding: resistance, measured or given.
+        current_rise: rise of the current after a step of the voltage, with the rotor held.
+        inductance: L [H], if it is known otherwise.
+        run_up: rise of the speed [rad/s] after a step of the voltage, from rest or not.
+
+    Raises:
+        ParameterError: both `current_rise` and `inductance` are given.
+        DataError: steady running contradicts R, or the run-up is not slower than the current.
+    """
+    if current_rise is not None and inductance is not None:
+        raise ParameterError("Give `current_rise` or `inductance`, not both: each tells L.")
+    ohms = winding.resistance
+    coil = Estimate(inductance or 0.0) if current_rise is None else current_rise.tau
+    inputs = (
+        ohms,
+        states.constant(ohms.value),
+        states.friction_line.coefficient(1),
+        states.friction_line.coefficient(0),
+        coil,
+        Estimate(math.inf) if run_up is None else run_up.tau,
+    )
+    formulas = _constant_formulas(states.drop, ohms.value, current_rise is not None)
+    if run_up is not None:
+        _refuse_fast(run_up, formulas["inductance"](*(one.value for one in inputs)) / ohms.value)
+    numbers = {name: propagate_errors(formula, *inputs) for name, formula in formulas.items()}
+    coil_known = current_rise is not None or inductance is not None
+    found = MotorConstants(
+        resistance=ohms,
+        constant=numbers["constant"],
+        friction=numbers["friction"],
+        dry_friction=numbers["dry_friction"],
+        inductance=numbers["inductance"] if coil_known else None,
+        inertia=numbers["inertia"] if run_up is not None else None,
+    )
+    return replace(found, remarks=tuple(_list_remarks(found, winding, current_rise, run_up)))
+
+
+def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
+    """Every constant from what was measured: R, K at the best R, s, i₀, τ_e or L, and τ_m.
+
+    Args:
+        drop: by how much K falls per ohm of R.
+        centre: the best R [ohm].
+        measured: the fifth number is τ_e, not L.
+    """
+
+    def constant(r: float, k: float, *_: float) -> float:
+        return k - drop * (r - centre)
+
+    def inductance(r: float, k: float, s: float, i: float, coil: float, *_: float) -> float:
+        return r * coil if measured else coil
+
+    def inertia(r: float, k: float, s: float, i: float, coil: float, tau: float) -> float:
+        both = constant(r, k)
+        impedance = r - inductance(r, k, s, i, coil) / tau
+        return tau * both * (s + both / impedance)
+
+    return {
+        "constant": constant,
+        "friction": lambda r, k, s, *_: s * constant(r, k),
+        "dry_friction": lambda r, k, s, i, *_: i * constant(r, k),
+        "inductance": inductance,
+        "inertia": inertia,
+    }
+
+
+def _refuse_fast(run_up: Rise, tau_e: float) -> None:
+    if run_up.tau.value <= tau_e:
+        raise DataError(
+            f"The speed must rise more slowly than the current, but has a time constant of "
+            f"{run_up.tau.value:.4g} s against {tau_e:.4g} s; check units, and that the rotor "
+            "was held while the current rose."
+        )
+
+
+def _list_remarks(
+    found: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
+) -> Iterator[str]:
+    """Sentences about what is doubtful or not supported."""
+    time, offset = found.run_up_time, winding.offset
+    if time is not None and time > LONG:
+        yield (
+            f"R J/(K_T K_B) = {time:.3g} s is long for a small motor: doubt J and R before "
+            "anything is built on them."
+        )
+    if offset is not None and not interval_contains(offset.interval()):
+        yield (
+            f"The line through the held rotor has {offset.value:.3g} V at no current (brushes or "
+            "supply): R, which takes it to go through zero, is wrong by that."
+        )
+    for name, estimate in (("b", found.friction), ("F_c", found.dry_friction)):
+        low, high = estimate.interval()
+        if high < 0.0:
+            yield f"{name} = {estimate.value:.3g} is below 0, as no friction is: check the columns."
+        elif low <= 0.0:
+            share = f"{100 * LEVEL:g} % interval"
+            yield f"{name} above 0 is not supported: {share} {low:.3g} to {high:.3g}."
+    for name, rise in (("current", current_rise), ("speed", run_up)):
+        if rise is not None and not rise.follows:
+            yield (
+                f"The {name} does not rise as one exponential (residuals {rise.deviation:.3g}, "
+                f"correlation {rise.correlation:.2f}): begin the record after the step."
+            )

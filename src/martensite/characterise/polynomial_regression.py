@@ -1,0 +1,141 @@
+"""Polynomials fitted by linear least squares, with what the scatter leaves open.
+
+    y_i = Σ_k c_k x_i^k + e_i,    e_i independent, normal, of one unknown variance s²
+
+    s² = Σ r_i²/(n - p),    covariance of c = s² (XᵀX)⁻¹
+
+for n points and p terms. Intervals are c_k ± t(level, n - p) times the standard error. With
+no point to spare (n = p) the scatter is unknown: standard errors are NaN and intervals
+unbounded.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
+from martensite.confidence import (
+    EVERYTHING,
+    LEVEL,
+    Interval,
+    student_quantile,
+    two_sided_probability,
+)
+from martensite.errors import DataError, ParameterError
+
+
+@dataclass(frozen=True)
+class LinearFit:
+    """Coefficients of the powers asked for, and their covariance."""
+
+    terms: tuple[int, ...]
+    """Powers of x."""
+    values: tuple[float, ...]
+    """Coefficient of each term."""
+    covariance: tuple[tuple[float, ...], ...]
+    """Covariance of the coefficients; NaN without a point to spare."""
+    squares: float
+    """Sum of the squared residuals."""
+    points: int
+
+    @property
+    def freedom(self) -> int:
+        """Points to spare: n - p."""
+        return self.points - len(self.terms)
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation s of the residuals; NaN without a point to spare."""
+        return math.sqrt(self.squares / self.freedom) if self.freedom else math.nan
+
+    def error(self, term: int) -> float:
+        """Standard error of the coefficient of a power; NaN without a point to spare."""
+        place = self._place(term)
+        return math.sqrt(self.covariance[place][place])
+
+    def interval(self, term: int, level: float = LEVEL) -> Interval:
+        """Confidence interval of the coefficient of a power."""
+        return self.coefficient(term).interval(level) if self.freedom else EVERYTHING
+
+    def p_value(self, term: int) -> float:
+        """Probability of a coefficient this far from zero were it zero: the F-test of the term.
+
+        NaN without a point to spare.
+        """
+        error = self.error(term)
+        if not self.freedom:
+            return math.nan
+        value = self.values[self._place(term)]
+        if not error > 0.0:
+            return float(value == 0.0)
+        return two_sided_probability(value / error, self.freedom)
+
+    def coefficient(self, term: int) -> Estimate:
+        """The coefficient of a power, with its standard error."""
+        return Estimate(self.values[self._place(term)], self.error(term), self.freedom)
+
+    def value(self, x: float) -> float:
+        """The fitted polynomial at x."""
+        return sum(c * x**k for k, c in zip(self.terms, self.values, strict=True))
+
+    def half_width(self, x: float, level: float = LEVEL) -> float:
+        """Half the confidence band of the polynomial at x; infinite without a point to spare."""
+        if not self.freedom:
+            return math.inf
+        powers = [x**k for k in self.terms]
+        variance = sum(
+            a * b * self.covariance[i][j]
+            for i, a in enumerate(powers)
+            for j, b in enumerate(powers)
+        )
+        return student_quantile(level, self.freedom) * math.sqrt(max(variance, 0.0))
+
+    def _place(self, term: int) -> int:
+        if term not in self.terms:
+            raise ParameterError(f"Power {term} was not fitted, only {self.terms}.")
+        return self.terms.index(term)
+
+
+def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> LinearFit:
+    """Fit Σ c_k x^k over the given powers k to points (x, y).
+
+    Raises:
+        ParameterError: the terms are not distinct whole numbers from 0 on.
+        DataError: the points are not finite, or do not determine the terms.
+    """
+    import numpy as np
+
+    check_columns("a polynomial", "points", 2, abscissae=x, ordinates=y)
+    _check_terms(terms)
+    scale = max(abs(number) for number in x) or 1.0
+    columns = np.stack([(np.asarray(x, np.float64) / scale) ** k for k in terms], axis=1)
+    left, sizes, right = np.linalg.svd(columns, full_matrices=False)
+    if len(x) < len(terms) or sizes[-1] <= len(x) * np.finfo(float).eps * sizes[0]:
+        raise DataError(
+            f"Points at {len(set(x))} different abscissae do not determine {len(terms)} "
+            "coefficients; measure at more, or fit fewer terms."
+        )
+    values = right.T @ ((left.T @ np.asarray(y, np.float64)) / sizes)
+    squares = float(np.sum((np.asarray(y) - columns @ values) ** 2))
+    units = np.asarray([scale**k for k in terms])
+    spread = (right.T / sizes**2) @ right / np.outer(units, units)
+    freedom = len(x) - len(terms)
+    spread *= squares / freedom if freedom else math.nan
+    return LinearFit(
+        tuple(terms), _as_floats(values / units), tuple(map(_as_floats, spread)), squares, len(x)
+    )
+
+
+def _as_floats(numbers: Any) -> tuple[float, ...]:
+    return tuple(map(float, numbers))
+
+
+def _check_terms(terms: Sequence[int]) -> None:
+    if not terms or len(set(terms)) != len(terms) or min(terms) < 0:
+        raise ParameterError(
+            f"Argument `terms` must be distinct powers from 0 on, but is {tuple(terms)}."
+        )

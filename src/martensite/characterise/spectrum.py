@@ -1,0 +1,137 @@
+"""Frequency of a vibration from its record, by a windowed Fourier transform.
+
+The record, less its weighted mean, is multiplied by a window and padded with zeros to at least
+eight times its length; the peak of |X(f)| is interpolated by a parabola through the logarithms of
+the three highest values. Zeros make the curve smooth but add no knowledge: for a record of T
+seconds two frequencies closer than about 2/T [Hz] are one peak, and `resolution` = 1/T is the
+spacing of independent values.
+
+The window is the falling half of a Hann window, for a vibration that decays from the beginning of
+the record on, or the whole of it, for one that lasts (`steady`). The peak of a decaying vibration
+lies off the damped frequency by a share of the order ζ².
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from martensite.characterise.columns import check_columns
+from martensite.errors import DataError, ParameterError
+
+FEWEST = 16
+"""Rows below which there is no spectrum worth the name."""
+_CYCLES = 2.0
+_CLEAR = 6.0
+"""Least peak over median of |X|: white noise of a million rows reaches it in 1 record of 10⁴."""
+
+
+@dataclass(frozen=True)
+class SpectralPeak:
+    """The strongest vibration in a record."""
+
+    frequency: float
+    """Interpolated frequency of the peak [Hz]."""
+    resolution: float
+    """1/T, the spacing of independent frequencies [Hz]."""
+    amplitude: float
+    """Amplitude of a vibration that lasts and has such a peak, in the unit of the values."""
+    prominence: float
+    """Peak of magnitude of X over its median within the band."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        return asdict(self)
+
+
+def natural_frequency(
+    times: Sequence[float],
+    values: Sequence[float],
+    *,
+    steady: bool = False,
+    low: float | None = None,
+    high: float | None = None,
+) -> SpectralPeak:
+    """The frequency at which a record vibrates most.
+
+    Args:
+        times: times of the rows [s], equally spaced.
+        values: what vibrates, in any unit.
+        steady: the vibration lasts all the record, instead of decaying from its beginning.
+        low: lowest frequency looked at [Hz]; two cycles in the record if left out.
+        high: highest frequency looked at [Hz]; half the sampling rate if left out.
+
+    Raises:
+        ParameterError: `low` and `high` do not leave a band.
+        DataError: the rows are too few, not finite or not equally spaced, or no peak stands out.
+    """
+    import numpy as np
+
+    step = sampling_interval(times, values)
+    count = len(values)
+    window = np.hanning(count) if steady else np.hanning(2 * count)[count:]
+    signal = np.asarray(values, np.float64)
+    signal = window * (signal - np.sum(window * signal) / np.sum(window))
+    padded = 8 * 2 ** math.ceil(math.log2(count))
+    size = np.abs(np.fft.rfft(signal, padded))
+    spacing = 1.0 / (padded * step)
+    first, last = _check_band(low, high, 1.0 / (count * step), 0.5 / step)
+    inside = slice(math.ceil(first / spacing), math.floor(last / spacing) + 1)
+    top = inside.start + int(np.argmax(size[inside]))
+    median = float(np.median(size[inside]))
+    if top in (inside.start, inside.stop - 1) or size[top] < _CLEAR * median:
+        raise DataError(_nothing_found(first, last, float(top * spacing), count * step))
+    left, middle, right = np.log(size[top - 1 : top + 2])
+    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    return SpectralPeak(
+        frequency=float((top + shift) * spacing),
+        resolution=1.0 / (count * step),
+        amplitude=float(2.0 * size[top] / np.sum(window)),
+        prominence=float(size[top] / median) if median else math.inf,
+    )
+
+
+def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
+    """Time between rows [s].
+
+    Raises:
+        DataError: the rows are too few or not finite, or a time is off by half an interval.
+    """
+    check_columns("a vibration", "rows", FEWEST, times=times, values=values)
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    off = max(abs(time - times[0] - k * step) for k, time in enumerate(times))
+    if not off < 0.5 * step:
+        raise DataError(
+            f"A spectrum needs equally spaced times, but one is {off:.3g} s off the mean "
+            f"interval of {step:.3g} s; interpolate the record, or cut it where rows are missing."
+        )
+    return step
+
+
+def _check_band(
+    low: float | None, high: float | None, least: float, most: float
+) -> tuple[float, float]:
+    """Band that is looked at [Hz]."""
+    first = _CYCLES * least if low is None else low
+    last = most if high is None else high
+    if not 0.0 < first < last <= most * (1.0 + 1e-9):
+        raise ParameterError(
+            f"The band must lie between 0 and half the sampling rate, {most:.6g} Hz, but is "
+            f"{first:.6g} to {last:.6g} Hz."
+        )
+    if last - first < 2.0 * least:
+        raise ParameterError(
+            f"The band of {first:.6g} to {last:.6g} Hz is narrower than two steps of the "
+            f"resolution, {least:.3g} Hz."
+        )
+    return first, min(last, most)
+
+
+def _nothing_found(low: float, high: float, at: float, length: float) -> str:
+    return (
+        f"No vibration stands out between {low:.4g} and {high:.4g} Hz in a record of "
+        f"{length:.4g} s: the largest value is at {at:.4g} Hz, at an end of the band or not above "
+        "noise; record longer, begin after the release, or choose another band."
+    )

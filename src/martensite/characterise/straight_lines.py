@@ -1,0 +1,148 @@
+"""Straight lines of strain over temperature, and rows made ready for them.
+
+Rows are put in the order of temperature, one per temperature. Lines are least squares of which
+outlying rows are left out. Three lines, one after the other, are those that leave the least sum
+of squares of all divisions of the rows in three. Single spikes are kept from what is sought by a
+running median, and disorder by isotonic regression (pool adjacent violators): neither has a width
+to choose, and neither changes numbers that grow already.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+MOST_ROWS = 2000
+"""Rows beyond which a branch is averaged in as many cells, of equal width in temperature."""
+FEWEST = 3
+"""Rows of a line."""
+OUTLYING = 3.5
+"""Robust standard deviations beyond which a row is left out of a line."""
+MANY = 10
+"""Rows from which on outlying ones are looked for."""
+EXACT = 1e-12
+"""Strains this near to a line are on it [-]."""
+_DEVIATION = 1.4826
+"""Standard deviation over the median of the magnitudes, of normal noise."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line of strain over temperature, and the rows it was fitted to."""
+
+    at: float
+    """Mean temperature of its rows [K]."""
+    level: float
+    """Strain there [-]."""
+    slope: float
+    """[1/K]"""
+    span: tuple[float, float]
+    """Lowest and highest temperature of its rows [K]."""
+    rows: int
+    scatter: float
+    """Standard deviation of the rows about it [-]."""
+
+    def value(self, temperature: Any) -> Any:
+        """Strain [-] at a temperature [K], or at an array of them."""
+        return self.level + self.slope * (temperature - self.at)
+
+    def meets(self, other: Line) -> float:
+        """Temperature [K] at which another line has the same strain; infinite for a parallel."""
+        steeper = self.slope - other.slope
+        return self.at + (other.value(self.at) - self.level) / steeper if steeper else math.inf
+
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        return {
+            "temperature": self.at,
+            "strain": self.level,
+            "slope": self.slope,
+            "span": list(self.span),
+            "rows": self.rows,
+            "scatter": self.scatter,
+        }
+
+
+def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Line:
+    """Least squares through some rows; of ten and more, outlying ones are left out."""
+    import numpy as np
+
+    kelvin, strain = temperatures[rows], strains[rows]
+    kept = np.ones(kelvin.size, dtype=bool)
+    while True:
+        at, level = float(kelvin[kept].mean()), float(strain[kept].mean())
+        off = kelvin[kept] - at
+        slope = float(off @ strain[kept] / (off @ off))
+        left = np.abs(strain - level - slope * (kelvin - at))
+        robust = OUTLYING * _DEVIATION * float(np.median(left[kept]))
+        near = kept & (left <= max(robust, EXACT))
+        if kelvin.size < MANY or near.all() or near.sum() in (kept.sum(), *range(MANY)):
+            break
+        kept = near
+    scatter = math.sqrt(float(np.mean(left[kept] ** 2)))
+    span = float(kelvin[kept][0]), float(kelvin[kept][-1])
+    return Line(at, level, slope, span, int(kept.sum()), scatter)
+
+
+def fit_three_lines(kelvin: Any, strain: Any) -> tuple[Line, Line, Line]:
+    """The three lines, one after the other, that leave the least sum of squares.
+
+    There must be three times `FEWEST` rows, in the order of temperature.
+    """
+    import numpy as np
+
+    x, y = kelvin - kelvin.mean(), strain - strain.mean()
+    columns = (np.ones_like(x), x, y, x * x, x * y, y * y)
+    sums = [np.concatenate([[0.0], np.cumsum(c)]) for c in columns]
+    # of the rows from i on, up to but without j, at [i, j]
+    n, sx, sy, sxx, sxy, syy = (s[None, :] - s[:, None] for s in sums)
+    enough = n >= FEWEST
+    n = np.where(enough, n, 1.0)
+    spread = np.where(enough, sxx - sx * sx / n, 1.0)
+    left = syy - sy * sy / n - (sxy - sx * sy / n) ** 2 / spread
+    left = np.where(enough, left, np.inf)
+    total = left[0][:, None] + left + left[:, -1][None, :]
+    first, second = np.unravel_index(int(np.argmin(total)), total.shape)
+    pieces = slice(None, first), slice(first, second), slice(second, None)
+    cold, steep, hot = (fit_line(kelvin, strain, piece) for piece in pieces)
+    return cold, steep, hot
+
+
+# ---------------------------------------------------------------- rows before any fit
+
+
+def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
+    """Rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
+    import numpy as np
+
+    kelvin, place = np.unique(np.asarray(temperatures, np.float64), return_inverse=True)
+    strain = np.bincount(place, np.asarray(strains, np.float64)) / np.bincount(place)
+    return average_cells(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
+
+
+def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
+    """Means over cells of equal width; the means of rows on a line are on it, too."""
+    import numpy as np
+
+    place = ((kelvin - kelvin[0]) / (kelvin[-1] - kelvin[0]) * cells).astype(int)
+    place = np.minimum(place, cells - 1)
+    count = np.bincount(place, minlength=cells)
+    filled = count > 0
+    means = (np.bincount(place, c, cells)[filled] / count[filled] for c in (kelvin, strain))
+    return next(means), next(means)
+
+
+def smooth_median(values: Any) -> Any:
+    """Running median of five; the first and the last number repeated beyond the ends."""
+    import numpy as np
+
+    padded = np.pad(values, 2, mode="edge")
+    return np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
+
+
+def fit_isotonic(values: Any) -> Any:
+    """The non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
+    from scipy.optimize import isotonic_regression
+
+    return isotonic_regression(values).x

@@ -1,0 +1,192 @@
+"""Tangents over several stresses: slopes, zero-stress temperatures and H(σ), as a first guess.
+
+Each cycle is read by itself (`martensite.characterise.tangent_points`); start and finish
+temperatures over stress are straight lines (`martensite.characterise.clausius_clapeyron`), and the
+transformation strain over stress is constant or saturates
+(`martensite.characterise.transformation_strain`).
+
+The numbers are a first guess, good to a few kelvin: real transformations have round ends, and the
+tangents cut them off. `TangentFit.guess` widens the strips for laws with cosine kinetics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.characterise.clausius_clapeyron import Direction, fit_direction
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.tangent_lines import COSINE
+from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.transformation_strain import StrainFit, fit_transformation_strain
+from martensite.confidence import LEVEL
+from martensite.errors import DataError, ParameterError, suggestion
+from martensite.signals.records import Record
+
+ENDS = ("tangents", "cosine")
+DISTINCT = 1e5
+"""Least range of the stresses [Pa]."""
+
+
+@dataclass(frozen=True)
+class TangentFit:
+    """What the tangents of cycles under several stresses say together."""
+
+    levels: tuple[TangentPoints, ...]
+    """In the order of stress."""
+    reverse: Direction
+    """To austenite: A_s, A_f, C_A."""
+    forward: Direction
+    """To martensite: M_s, M_f, C_M."""
+    strain: StrainFit
+    """H(σ)."""
+
+    @property
+    def A_s(self) -> Estimate:
+        """Austenite start temperature at zero stress [K]."""
+        return self.reverse.start
+
+    @property
+    def A_f(self) -> Estimate:
+        """Austenite finish temperature at zero stress [K]."""
+        return self.reverse.finish
+
+    @property
+    def M_s(self) -> Estimate:
+        """Martensite start temperature at zero stress [K]."""
+        return self.forward.start
+
+    @property
+    def M_f(self) -> Estimate:
+        """Martensite finish temperature at zero stress [K]."""
+        return self.forward.finish
+
+    @property
+    def C_A(self) -> float:
+        """Clausius–Clapeyron slope of the reverse transformation [Pa/K]."""
+        return self.reverse.slope
+
+    @property
+    def C_M(self) -> float:
+        """Clausius–Clapeyron slope of the forward transformation [Pa/K]."""
+        return self.forward.slope
+
+    @property
+    def eps_L(self) -> Estimate:
+        """Mean transformation strain [-]."""
+        return self.strain.mean
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user should know, in sentences; those of the cycles begin with their names."""
+        said = [f"{points.name}: {text}" for points in self.levels for text in points.remarks]
+        for name, found in (("C_A", self.reverse), ("C_M", self.forward)):
+            low, high = found.slope_interval()
+            if not (found.slope > 0.0 and (low > 0.0 or len(self.levels) == 2)):
+                said.append(
+                    f"{name} is not found: its interval, {low / 1e6:.3g} to {high / 1e6:.3g} "
+                    "MPa/K, allows temperatures that do not rise with stress."
+                )
+            elif found.widening < 1.0 - LEVEL:
+                slopes = (1e-6 / found.own[each].values[1] for each in found.names)
+                said.append(
+                    f"{' and '.join(found.names)} rise differently with stress, by themselves at "
+                    f"{' and '.join(f'{slope:.3g}' for slope in slopes)} MPa/K: {name} is a "
+                    "compromise."
+                )
+        return tuple(said)
+
+    def guess(self, ends: str = "tangents") -> dict[str, float]:
+        """Numbers of a law by their canonical names, in SI; only what was found.
+
+        Slopes of the outer lines are left out, since they are no thermal expansions where
+        transformation trails off. `eps_L` is the mean transformation strain; `H_min`, `H_sat` and
+        `H_k` are those of H(σ), or all the mean without `H_k` where it is constant.
+
+        Args:
+            ends: `tangents` for the intersections as they are; `cosine` for strips π/2 times as
+                wide about the same middle, at whose cosines tangents intersect there.
+
+        Raises:
+            ParameterError: `ends` is neither.
+        """
+        if ends not in ENDS:
+            raise ParameterError(f"Argument `ends` is `{ends}`. {suggestion(ends, ENDS)}")
+        found: dict[str, float] = {}
+        for name, one in (("C_A", self.reverse), ("C_M", self.forward)):
+            strip = one.start.value, one.finish.value
+            wider = COSINE if ends == "cosine" else 1.0
+            middle, half = 0.5 * sum(strip), 0.5 * wider * (strip[1] - strip[0])
+            found |= dict(zip(one.names, (middle - half, middle + half), strict=True))
+            if one.slope > 0.0:
+                found[name] = one.slope
+        found |= {"eps_L": self.strain.mean.value}
+        for name in ("H_min", "H_sat", "H_k", "sigma_crit"):
+            estimate: Estimate | None = getattr(self.strain, name)
+            if estimate is not None:
+                found[name] = estimate.value
+        return found
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name in SI, for JSON; without the rows."""
+        return {
+            "levels": [points.to_dict() for points in self.levels],
+            "reverse": self.reverse.to_dict(level),
+            "forward": self.forward.to_dict(level),
+            "transformation_strain": self.strain.to_dict(level),
+            "guess": self.guess(),
+            "remarks": list(self.remarks),
+        }
+
+
+def tangent_fit(
+    cycles: Sequence[Record | TangentPoints],
+    *,
+    stresses: Sequence[float] | None = None,
+    cycle: int = -1,
+) -> TangentFit:
+    """Read isobaric cycles under several stresses by the tangent method.
+
+    Args:
+        cycles: records as `tangent_points` takes them, or what it found in them.
+        stresses: the constant stress of each record [Pa]; from their columns if left out. What
+            `tangent_points` found keeps its own.
+        cycle: which cycle of each record, counted as in a list; the last if left out.
+
+    Raises:
+        DataError: a record holds no isobaric cycle, or all have the same stress.
+        ParameterError: stresses and records are not equally many.
+    """
+    if stresses is not None and len(stresses) != len(cycles):
+        raise ParameterError(
+            f"There must be one stress per record, but there are {len(stresses)} and {len(cycles)}."
+        )
+    given = [None] * len(cycles) if stresses is None else stresses
+    levels = [_read_points(one, stress, cycle) for one, stress in zip(cycles, given, strict=True)]
+    levels.sort(key=lambda points: points.stress)
+    if not levels or levels[-1].stress - levels[0].stress < DISTINCT:
+        raise DataError(
+            "C_A and C_M need cycles at two or more different stresses, but there "
+            f"{_count_levels(levels)}; `tangent_points` reads a single cycle."
+        )
+    return TangentFit(
+        tuple(levels),
+        reverse=fit_direction(levels, ("A_s", "A_f"), "A_half"),
+        forward=fit_direction(levels, ("M_s", "M_f"), "M_half"),
+        strain=fit_transformation_strain([p.stress for p in levels], [p.H for p in levels]),
+    )
+
+
+def _read_points(one: Record | TangentPoints, stress: float | None, cycle: int) -> TangentPoints:
+    if isinstance(one, TangentPoints):
+        return one
+    return tangent_points(one, stress=stress, cycle=cycle)
+
+
+def _count_levels(levels: Sequence[TangentPoints]) -> str:
+    """How many cycles there are and at which stress, in words."""
+    if not levels:
+        return "are none"
+    at = f"at {levels[0].stress / 1e6:.4g} MPa"
+    return f"is only one, {at}" if len(levels) == 1 else f"are {len(levels)}, all {at}"

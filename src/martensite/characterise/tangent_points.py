@@ -1,0 +1,224 @@
+"""The tangent method: what one isobaric heating-cooling cycle says, read off straight lines.
+
+Each branch has three lines, two of a phase alone and one of the transformation
+(`martensite.characterise.tangent_lines`). Their intersections are
+
+    on heating   A_s (cold line), A_f (hot line)
+    on cooling   M_s (hot line), M_f (cold line)
+
+at the stress of the cycle. The transformation strain H is the vertical distance of the outer
+lines at the half-way temperature, the mean of both branches. The slopes of the outer lines are
+apparent thermal expansions: moduli that depend on temperature, a machine that gives way, and
+transformation that trails off are in them.
+
+Source: ASTM E3097 (constant force, thermal cycling), and ASTM F2082 for the construction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from martensite.characterise.isobaric_cycles import Branch, IsobaricCycle, cut_cycle
+from martensite.characterise.tangent_lines import BranchTangents, branch_tangents
+from martensite.errors import DataError
+from martensite.signals.records import Record
+
+FEW = 6
+"""Rows between start and finish below which it is remarked upon."""
+SHORT = 0.5
+"""Range beyond a transformation, as a share of its width, below which it is remarked upon."""
+
+
+@dataclass(frozen=True)
+class TangentPoints:
+    """What the tangents say of one cycle."""
+
+    name: str
+    """Name of the record."""
+    stress: float
+    """[Pa]"""
+    stress_deviation: float
+    """Standard deviation of the stress over the cycle [Pa]."""
+    heating: BranchTangents
+    cooling: BranchTangents
+    residual_strain: float
+    """Strain at the end of the cycle less that at its beginning, by the outer lines at the
+    temperature where both branches reach farthest [-]."""
+    stroke: float
+    """Largest less smallest strain of the cycle [-]; noise and expansion are in it."""
+    cycle: IsobaricCycle
+    """The rows."""
+    remarks: tuple[str, ...] = ()
+    """What a user should know, in sentences."""
+
+    @property
+    def A_s(self) -> float:
+        """Austenite start temperature at this stress [K]."""
+        return self.heating.low
+
+    @property
+    def A_f(self) -> float:
+        """Austenite finish temperature at this stress [K]."""
+        return self.heating.high
+
+    @property
+    def M_s(self) -> float:
+        """Martensite start temperature at this stress [K]."""
+        return self.cooling.high
+
+    @property
+    def M_f(self) -> float:
+        """Martensite finish temperature at this stress [K]."""
+        return self.cooling.low
+
+    @property
+    def A_half(self) -> float:
+        """Temperature half-way to austenite [K]."""
+        return self.heating.half
+
+    @property
+    def M_half(self) -> float:
+        """Temperature half-way to martensite [K]."""
+        return self.cooling.half
+
+    @property
+    def hysteresis(self) -> float:
+        """A_half - M_half [K]."""
+        return self.A_half - self.M_half
+
+    @property
+    def H(self) -> float:
+        """Transformation strain at this stress, mean of heating and cooling [-]."""
+        up, down = self.heating.transformation_strain, self.cooling.transformation_strain
+        return 0.5 * (up + down)
+
+    @property
+    def alpha_A(self) -> float:
+        """Apparent thermal expansion of austenite, mean of both branches [1/K]."""
+        return 0.5 * (self.heating.hot.slope + self.cooling.hot.slope)
+
+    @property
+    def alpha_M(self) -> float:
+        """Apparent thermal expansion of martensite, mean of both branches [1/K]."""
+        return 0.5 * (self.heating.cold.slope + self.cooling.cold.slope)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers by name in SI, for JSON; without the rows."""
+        names = (
+            "name",
+            "stress",
+            "stress_deviation",
+            "A_s",
+            "A_f",
+            "M_s",
+            "M_f",
+            "A_half",
+            "M_half",
+            "hysteresis",
+            "H",
+            "residual_strain",
+            "stroke",
+            "alpha_A",
+            "alpha_M",
+        )
+        return {name: getattr(self, name) for name in names} | {
+            "heating": self.heating.to_dict(),
+            "cooling": self.cooling.to_dict(),
+            "remarks": list(self.remarks),
+        }
+
+
+def tangent_points(
+    record: Record, *, stress: float | None = None, cycle: int = -1
+) -> TangentPoints:
+    """Read one isobaric cycle by the tangent method.
+
+    Args:
+        record: columns `temperature` [K], `strain` [-] (elongation positive) and, unless it is
+            given, `stress` [Pa].
+        stress: the constant stress [Pa]; the mean of the column over the cycle if left out.
+        cycle: which cycle of the record, counted as in a list; the last if left out.
+
+    Raises:
+        DataError: the columns are not what their names say, there is no full cycle, no
+            transformation, or one that the record does not hold as a whole.
+        ParameterError: there is no such cycle.
+    """
+    cut = cut_cycle(record, stress=stress, cycle=cycle)
+    heating, cooling = _read_branch(cut, "heating"), _read_branch(cut, "cooling")
+    if heating.half < cooling.half:
+        cut = _reverse_cycle(cut)
+        heating, cooling = cooling, heating
+    strains = cut.heating.strain + cut.cooling.strain
+    return TangentPoints(
+        cut.name,
+        cut.stress,
+        cut.stress_deviation,
+        heating,
+        cooling,
+        residual_strain=_residual_strain(heating, cooling, cut.cold_start),
+        stroke=max(strains) - min(strains),
+        cycle=cut,
+        remarks=(
+            *cut.remarks,
+            *_list_remarks(cut.heating, heating, "heating"),
+            *_list_remarks(cut.cooling, cooling, "cooling"),
+        ),
+    )
+
+
+def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
+    rows = getattr(cut, way)
+    found = branch_tangents(rows.temperature, rows.strain, f"`{cut.name}` on {way}")
+    strain = found.transformation_strain
+    if strain < 0.0:
+        raise DataError(
+            f"The strain of `{cut.name}` is larger in austenite than in martensite, by "
+            f"{-strain:.3g}; elongation must count as positive: turn the sign of the strain, and "
+            "in compression that of the stress, too."
+        )
+    return found
+
+
+def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
+    """A cycle whose rows stand in reverse, with heating and cooling exchanged."""
+    if cut.timed:
+        raise DataError(
+            f"Record `{cut.name}` transforms at a lower temperature on heating than on cooling; "
+            "its times run backwards, or its thermometer lags by more than the hysteresis."
+        )
+    remark = "The rows stand in reverse order: heating and cooling are exchanged."
+    return replace(
+        cut,
+        heating=cut.cooling,
+        cooling=cut.heating,
+        remarks=(*cut.remarks, remark),
+    )
+
+
+def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_start: bool) -> float:
+    """Opening of the loop where the cycle begins and ends [-]."""
+    if cold_start:
+        at = max(heating.span[0], cooling.span[0])
+        return float(cooling.cold.value(at) - heating.cold.value(at))
+    at = min(heating.span[1], cooling.span[1])
+    return float(heating.hot.value(at) - cooling.hot.value(at))
+
+
+def _list_remarks(rows: Branch, found: BranchTangents, way: str) -> list[str]:
+    """Where the record hardly reaches beyond a transformation, or hardly samples it."""
+    said: list[str] = []
+    between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)
+    if between < FEW:
+        said.append(
+            f"On {way} only {between} rows lie between start and finish: both are uncertain by "
+            "about the distance of rows."
+        )
+    for side, line, room in zip(("below", "above"), ("cold", "hot"), found.room(), strict=True):
+        if room < SHORT:
+            said.append(
+                f"On {way} the record goes only {room:.2g} widths of the transformation {side} "
+                f"it: the {line} line is uncertain."
+            )
+    return said

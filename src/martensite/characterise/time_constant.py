@@ -1,0 +1,132 @@
+"""Time constant of an exponential rise or fall, from all rows of a record.
+
+    y(t) = y_∞ + a exp[-(t - t₀)/τ],    t₀ the first row
+
+is fitted by least squares. τ does not depend on when the step came, as long as all rows lie
+behind it; reading the time to 63.2 % off one row would depend on that, on y_∞ and on noise.
+Standard errors take the residuals as independent and of equal size. Residuals that run along
+with each other (`follows` is False) say that the record is not one exponential: rows from before
+the step, a second time constant, a limit of the supply.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
+from martensite.characterise.nonlinear_regression import fit_residuals
+from martensite.confidence import LEVEL
+from martensite.errors import DataError, SolveError
+
+FEWEST = 6
+"""Rows below which three numbers are not fitted."""
+_ALONG = 0.5
+_SMALL = 2e-3
+
+
+@dataclass(frozen=True)
+class Rise:
+    """An exponential from one level to another."""
+
+    tau: Estimate
+    """Time constant τ [s]."""
+    final: Estimate
+    """Level y_∞ in the end, in the unit of the values."""
+    change: Estimate
+    """y_∞ less the fitted value at the first row, in the unit of the values."""
+    deviation: float
+    """Root mean square of the residuals, in the unit of the values."""
+    correlation: float
+    """Correlation of each residual with the next; near 0 for noise."""
+
+    @property
+    def follows(self) -> bool:
+        """Whether the record follows an exponential: residuals small, or without a pattern."""
+        small = self.deviation <= _SMALL * abs(self.change.value)
+        return small or self.correlation < _ALONG
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name, for JSON."""
+        estimates = {name: getattr(self, name) for name in ("tau", "final", "change")}
+        numbers = {name: getattr(self, name) for name in ("deviation", "correlation", "follows")}
+        return {name: one.to_dict(level) for name, one in estimates.items()} | numbers
+
+
+def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
+    """Fit an exponential to a record that begins at or after the step.
+
+    Args:
+        times: times of the rows [s], rising.
+        values: speed, current or whatever settles, in any unit.
+
+    Raises:
+        DataError: the rows are too few, not finite or not in order, do not change, or end
+            before one time constant has passed.
+    """
+    import numpy as np
+
+    _check_record(times, values)
+    span, last = times[-1] - times[0], values[-1]
+    scale = max(values) - min(values)
+    at = (np.asarray(times, np.float64) - times[0]) / span
+    shares = (np.asarray(values, np.float64) - last) / scale
+
+    def residuals(numbers: tuple[float, ...]) -> Any:
+        final, change, tau = numbers
+        return shares - final + change * np.exp(np.minimum(-at / tau, 50.0))
+
+    sign = math.copysign(1.0, last - values[0])
+    try:
+        found = fit_residuals(residuals, (0.0, sign, _guess_time(at, shares)))
+    except SolveError as error:
+        raise DataError(
+            f"A record of {span:.4g} s holds no time constant: no exponential fits best; record "
+            "until the values settle."
+        ) from error
+    final, change, tau = found.estimates
+    if not 0.0 < tau.value < 1.0:
+        raise DataError(
+            f"A record of {span:.4g} s holds no time constant: the best fit has "
+            f"{span * tau.value:.4g} s; record until the values settle."
+        )
+    return Rise(
+        tau.scaled(span),
+        final.scaled(scale, last),
+        change.scaled(scale),
+        scale * found.rms,
+        _lag_correlation(found.residuals),
+    )
+
+
+def _guess_time(at: Any, values: Any) -> float:
+    """τ of the regression y = c + (y_∞/τ) t - (1/τ) ∫y dt, which is linear (Jacquelin 2009).
+
+    Noise biases it towards short times, but not out of the valley of the minimum.
+    """
+    import numpy as np
+    from scipy.integrate import cumulative_trapezoid
+
+    columns = np.stack([np.ones_like(at), at, cumulative_trapezoid(values, at, initial=0.0)], 1)
+    rate = -float(np.linalg.lstsq(columns, values, rcond=None)[0][2])
+    return min(max(1.0 / rate, at[1]), 1.0) if rate > 0.0 else 1.0
+
+
+def _lag_correlation(residuals: Sequence[float]) -> float:
+    """Correlation of each number with the next."""
+    mean = sum(residuals) / len(residuals)
+    numbers = [r - mean for r in residuals]
+    total = sum(r * r for r in numbers)
+    return sum(a * b for a, b in pairwise(numbers)) / total if total else 0.0
+
+
+def _check_record(times: Sequence[float], values: Sequence[float]) -> None:
+    check_columns("a time constant", "rows", FEWEST, times=times, values=values)
+    if any(after <= before for before, after in pairwise(times)):
+        raise DataError("Times of a rise must increase from row to row, but do not.")
+    if max(values) == min(values):
+        raise DataError(f"All {len(values)} values are {values[0]:.6g}: nothing rises or falls.")

@@ -1,0 +1,71 @@
+"""Numbers of the search: whether it ends in the minimum, its cost, and where it cannot start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from martensite.studies.finger_calibration.bench import FAR, NEAR, Data
+from martensite.studies.finger_calibration.searches import (
+    COORDINATE,
+    SQUARES,
+    STILL,
+    Search,
+    best,
+    moving,
+    prepare,
+    search,
+    spread,
+    tried,
+)
+from martensite.studies.tables import Printed
+
+MORE = 2
+"""Further starts that cure one without motion."""
+
+
+def compute_searches(printed: Printed, *, full: bool) -> dict[str, Any]:
+    """Coordinate search, least squares, and the start without motion."""
+    prepare(printed, full=full)
+    return {
+        "searches": [_list_search(data, printed, tried(full)) for data in (NEAR, FAR)],
+        "more": MORE,
+        "caught": search(FAR, STILL, SQUARES, printed),
+        "away": search(FAR, STILL, COORDINATE, printed),
+        "cured": search(FAR, STILL, SQUARES, printed, MORE),
+        "least": best(FAR, printed),
+    }
+
+
+def excess(data: Data, start: int, printed: Printed) -> float:
+    """Rms of the end of a coordinate search above that of least squares [°]."""
+    return search(data, start, COORDINATE, printed).rms - best(data, printed).rms
+
+
+def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[str, Any]:
+    """Both searches on a set of records."""
+    walked = [search(data, start, COORDINATE, printed) for start in starts]
+    solved = [search(data, start, SQUARES, printed) for start in moving()]
+    least = best(data, printed).rms
+    return {
+        "key": data.key,
+        "data": data.name,
+        "excess": max(one.rms for one in walked) - least,
+        "least": least,
+        "ends": _word_ends(walked, starts),
+        "walked": len(walked),
+        "walked_runs": sum(one.runs for one in walked) / len(walked),
+        "solved": len(solved),
+        "solved_runs": sum(one.runs for one in solved) / len(solved),
+        "jacobians": sum(one.fit.jacobians for one in solved) / len(solved),
+        "slope_apart": spread("dsigma_dT", solved) / 1e6,
+        "kelvin_apart": spread("T_L", solved),
+    }
+
+
+def _word_ends(walked: list[Search], starts: tuple[int, ...]) -> str:
+    ends = [
+        f"{one.rms:.3f}° at {one.fit['dsigma_dT'] / 1e6:.2f} MPa/K (start {start + 1}, "
+        f"{one.runs} runs)"
+        for one, start in zip(walked, starts, strict=True)
+    ]
+    return ", ".join(ends)
