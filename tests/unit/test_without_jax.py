@@ -57,7 +57,7 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(c99.shutil, "which", lambda name: None)
+    monkeypatch.setattr("shutil.which", lambda name: None)
     c99._find_zig.cache_clear()
     try:
         found = c99.compiler()
@@ -70,7 +70,7 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
 
 
 def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(c99.shutil, "which", lambda name: None)
+    monkeypatch.setattr("shutil.which", lambda name: None)
     monkeypatch.setattr(c99, "find_spec", lambda name: None)
     c99._find_zig.cache_clear()
     assert c99.compiler() is None
