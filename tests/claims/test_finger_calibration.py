@@ -321,5 +321,5 @@ def test_a_wrong_number_is_noticed():
     ]
     wrong = PRINTED.with_numbers(searched=PrintedRows(other))
     numbers = {"again": data_numbers.list_again(NEAR, wrong)}
-    found = settle_some(FingerCalibration(wrong), "data", numbers, "{name}-{key}")
+    found = settle_some(FingerCalibration(wrong), "test", numbers, "{name}-{key}")
     assert {id for id, verdict in found.items() if verdict == "not reproduced"} == {"ratio-8mm"}

@@ -138,6 +138,12 @@ def test_claims_that_are_refused(tmp_path: Path, old: str, new: str, sentence: s
         read_claims(written(tmp_path, (HEAD + CLAIMS).replace(old, new, 1)))
 
 
+def test_a_part_must_not_be_called_like_another_key(tmp_path: Path) -> None:
+    text = HEAD.replace("{ one =", "{ data =") + CLAIMS.replace("[[one]]", "[[data]]")
+    with pytest.raises(DataError, match="must not be called `data`"):
+        read_claims(written(tmp_path, text))
+
+
 def test_dotted_names() -> None:
     found = Printed(inner=Printed(rms=3.0))
     assert find_number("a.inner.rms", {"a": found}, "x") == 3.0

@@ -187,13 +187,14 @@ def read_claims(path: Path) -> dict[str, Any]:
     """A file of claims, checked.
 
     Raises:
-        DataError: a key is unknown or missing, a tolerance has no reason, or parts and their
-            names differ.
+        DataError: a key is unknown, missing or taken, or a tolerance has no reason.
     """
     table = tomllib.loads(path.read_text("utf-8"))
     parts = table.get("parts", {})
     _check_keys(table, (*HEADER, *parts), ("title", "cites", "guide", "caption", *parts), str(path))
     for part in parts:
+        if part in HEADER:
+            raise DataError(f"A part of {path} must not be called `{part}`: the word is taken.")
         table[part] = [list(_expand_block(block)) for block in table[part]]
         for claim in (claim for block in table[part] for claim in block):
             _check_claim(claim, f"Claim `{claim.get('id', '')}` of {path}")

@@ -16,6 +16,7 @@ from martensite.studies.electrothermal.model_numbers import KEPT, calibration
 from martensite.studies.electrothermal.record import Staircase
 from martensite.studies.electrothermal.resistance_figure import over_offset, over_temperature
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
+from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
@@ -55,22 +56,14 @@ def draw(stated: Printed) -> Figure:
 
 
 def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
-    top = 0.955 if run is None else 0.974
-    figure.text(
-        0.02,
-        top,
-        "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of voltage",
-        fontsize=12.5,
-        fontweight="bold",
-        va="center",
-    )
     below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
     below += "on these points; hollow ones below were kept back."
-    said, gap = (ElectrothermalStaircase.table["absent"], 0.05) if run is None else (below, 0.027)
-    figure.text(0.02, top - gap, said, color=QUIET, va="center")
-    axes.set_title("resistance against current")
-    axes.set_xlabel("$I$ [A]")
-    axes.set_ylabel("$R$ [Ω]")
+    write_heading(
+        figure,
+        "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of voltage",
+        ElectrothermalStaircase.table["absent"] if run is None else below,
+    )
+    label_axes(axes, "resistance against current", "$I$ [A]", "$R$ [Ω]")
     axes.set_xlim(0.4, 3.2)
     axes.set_ylim(1.25, 1.82)
     axes.legend(loc="upper right", ncols=2)

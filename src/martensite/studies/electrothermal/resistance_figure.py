@@ -10,6 +10,7 @@ from typing import Any
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal import resistance_fit as fitting
+from martensite.studies.figures import label_axes
 from martensite.studies.tables import Printed
 
 LOOKS = {
@@ -40,9 +41,12 @@ def over_temperature(axes: Any, stated: Printed) -> None:
         label += f", rms {fitting.rms(fit):.3f} Ω, kept back {fitting.rms(fit, 'held-out'):.3f} Ω"
         axes.plot(*curve(fit), color=colour, linestyle=dashes, label=label, linewidth=1.5)
     _points(axes, stated)
-    axes.set_title(f"identified at the apparent temperature, $V_0$ = {stated.offset:.3f} V")
-    axes.set_xlabel("read by the infrared camera [°C]: not the temperature of the wire")
-    axes.set_ylabel("$R$ [Ω]")
+    label_axes(
+        axes,
+        f"identified at the apparent temperature, $V_0$ = {stated.offset:.3f} V",
+        "read by the infrared camera [°C]: not the temperature of the wire",
+        "$R$ [Ω]",
+    )
     axes.set_ylim(1.33, 1.72)
     axes.legend(loc="upper right", ncols=2)
 
@@ -102,9 +106,12 @@ def over_offset(axes: Any, stated: Printed) -> None:
         label="material `flexinol-90`",
         zorder=5,
     )
-    axes.set_title("how much more martensite resists, over the offset")
-    axes.set_xlabel("set-point less voltage, $V_0$ [V]; diamonds: best")
-    axes.set_ylabel("$\\rho_M - \\rho_A$ [µΩ cm]")
+    label_axes(
+        axes,
+        "how much more martensite resists, over the offset",
+        "set-point less voltage, $V_0$ [V]; diamonds: best",
+        "$\\rho_M - \\rho_A$ [µΩ cm]",
+    )
     axes.set_ylim(0.0, 16.0)
     axes.set_xlim(_OFFSETS[0], _OFFSETS[-1])
     axes.legend(loc="upper right", ncols=2)

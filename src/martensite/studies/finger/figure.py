@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.plot.labels import mathematical
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
 from martensite.studies.tables import Printed
 
@@ -51,10 +52,11 @@ def draw(printed: Printed) -> Figure:
         _loop(figure.add_subplot(cells[0, :]), printed)
         _crystals(figure.add_subplot(cells[1, 0]), printed)
         _places(figure.add_subplot(cells[1, 1]), printed)
-        words = {"fontsize": 12.5, "fontweight": "bold", "va": "center"}
-        figure.text(0.02, 0.965, "Robotic finger: what follows from the published numbers", **words)
-        line = "quasi-static, power in the whole wire; place of spring and brackets are assumed"
-        figure.text(0.02, 0.937, line, color=QUIET, va="center")
+        write_heading(
+            figure,
+            "Robotic finger: what follows from the published numbers",
+            "quasi-static, power in the whole wire; place of spring and brackets are assumed",
+        )
         return figure
 
 
@@ -84,12 +86,15 @@ def _power(axes: Any, printed: Printed) -> None:
         axes.plot(wave.times, wave.values, color=INK, linestyle=style, label=label, linewidth=1.1)
         celsius = [T - ZERO for T in run["temperature"]]
         warm.plot(run.times, celsius, color=HEATING, linestyle=style, linewidth=0.9)
-    axes.set_title(f"power, and temperature of the wire at r = {1e3 * r:.1f} mm")
-    axes.set_ylabel(f"{mathematical('P')} [W]")
-    axes.set_xlabel(f"{mathematical('t')} [s]")
     axes.set_xlim(0.0, 25.0)
     axes.set_ylim(-0.1, 2.2)
-    axes.legend(loc="upper right")
+    label_axes(
+        axes,
+        f"power, and temperature of the wire at r = {1e3 * r:.1f} mm",
+        f"{mathematical('t')} [s]",
+        f"{mathematical('P')} [W]",
+        "upper right",
+    )
     warm.set_ylabel(f"{mathematical('T')} [°C]", color=HEATING)
     warm.set_ylim(16.0, 104.0)
     warm.grid(False)
@@ -119,9 +124,12 @@ def _loop(axes: Any, printed: Printed) -> None:
             linestyle=style,
             label=f"{label}: {bench.width(run):.2f} W",
         )
-    axes.set_title(f"calibration loop, {frequency:g} Hz, r = 1.5 mm: not quasi-stationary")
-    axes.set_xlabel(f"{mathematical('P')} [W]")
-    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    label_axes(
+        axes,
+        f"calibration loop, {frequency:g} Hz, r = 1.5 mm: not quasi-stationary",
+        f"{mathematical('P')} [W]",
+        f"{mathematical('θ')} [°]",
+    )
     axes.set_xlim(-0.1, 2.05)
     axes.legend(loc="center left", title="width", alignment="left")
 
@@ -144,9 +152,12 @@ def _crystals(axes: Any, printed: Printed) -> None:
                 markersize=3.0,
                 label=f"{name}, a = {1e3 * (arm or here):.0f} mm",
             )
-    axes.set_title("single and polycrystal, 13 s, r = 3.5 mm")
-    axes.set_xlabel(f"{mathematical('P')} [W]")
-    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    label_axes(
+        axes,
+        "single and polycrystal, 13 s, r = 3.5 mm",
+        f"{mathematical('P')} [W]",
+        f"{mathematical('θ')} [°]",
+    )
     axes.set_ylim(-4.0, 82.0)
     axes.legend(loc="lower right", fontsize=7.0)
 

@@ -16,6 +16,7 @@ import numpy as np
 from martensite.plot.labels import mathematical
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.runtimes.c99 import compiler
+from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
 from martensite.studies.finger_calibration.data_numbers import errors
@@ -48,18 +49,16 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
     with styled():
         figure = new_figure(12.0, 7.2)
-        words = {"fontsize": 12.5, "fontweight": "bold", "va": "center"}
         title = "Calibration of the finger: two searches, and what the test can tell"
-        figure.text(0.02, 0.965, title, **words)
         if compiler() is None:
-            figure.text(0.02, 0.9, "needs a C compiler: a search takes thousands of runs")
+            write_heading(figure, title, "needs a C compiler: a search takes thousands of runs")
             return figure
         prepare(printed, full=full)
         line = (
             "synthetic records made with Table 1, 201 samples of a sine at 0.015 Hz with white "
             "noise of 1°; five free parameters within the paper's ranges"
         )
-        figure.text(0.02, 0.937, line, color=QUIET, va="center")
+        write_heading(figure, title, line)
         left, right = figure.add_gridspec(
             1,
             2,
@@ -103,9 +102,12 @@ def _ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> 
         axes.plot(x[0], y[0], marker="s", markersize=5.0, color=colour, markerfacecolor="white")
         axes.plot(x[-1], y[-1], marker="D", markersize=5.5, color=colour, zorder=4)
     axes.plot(*_ellipse(data, printed), color=INK, linewidth=1.0, label="95 % of fits")
-    axes.set_title(f"ways of the searches, {data.name}")
-    axes.set_xlabel(f"{mathematical('Δσ')} [MPa]")
-    axes.set_ylabel(f"{mathematical('dσ/dT')} [MPa/K]")
+    label_axes(
+        axes,
+        f"ways of the searches, {data.name}",
+        f"{mathematical('Δσ')} [MPa]",
+        f"{mathematical('dσ/dT')} [MPa/K]",
+    )
     axes.set_xlim(36.0, 154.0)
     axes.set_ylim(3.9, 7.1)
     if data is NEAR:
@@ -146,10 +148,13 @@ def _costs(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> 
     axes.set_xticks([1.0, 10.0, 100.0, 1000.0], ["1", "10", "100", "1000"])
     axes.set_yticks([1.0, 3.0, 10.0, 30.0, 100.0], ["1", "3", "10", "30", "100"])
     axes.set_ylim(0.8, 130.0)
-    axes.set_title(f"error over runs, {data.name}; dashed: the noise")
-    axes.set_xlabel("runs, those with derivatives included")
-    axes.set_ylabel("rms of the angle [°]")
-    axes.legend(loc="upper right")
+    label_axes(
+        axes,
+        f"error over runs, {data.name}; dashed: the noise",
+        "runs, those with derivatives included",
+        "rms of the angle [°]",
+        "upper right",
+    )
 
 
 def _loops(axes: Any, printed: Printed) -> None:
@@ -167,9 +172,7 @@ def _loops(axes: Any, printed: Printed) -> None:
     axes.text(1.98, 71.0, FAR.name, color=MEASURED[1], ha="right", fontsize=8.0)
     axes.plot([], [], color=SOLVE, label="least squares")
     axes.plot([], [], color=WALK, linestyle=DASHED, label=f"coordinate, start {STILL + 1}")
-    axes.set_title("records and fits")
-    axes.set_xlabel(f"{mathematical('P')} [W]")
-    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    label_axes(axes, "records and fits", f"{mathematical('P')} [W]", f"{mathematical('θ')} [°]")
     axes.legend(loc="upper left", fontsize=7.0)
 
 

@@ -31,7 +31,7 @@ class FingerCalibration(TableStudy):
 
         return {
             "searches": lambda: compute_searches(self.printed, full=self.full),
-            "data": lambda: data_numbers.compute_data(self.printed),
+            "test": lambda: data_numbers.compute_data(self.printed),
             "gauges": lambda: gauge_numbers.compute_gauges(self.printed),
         }
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from martensite.plot.style import HEATING, INK, QUIET, SIMULATED, new_figure, styled
 from martensite.runtimes.c99 import compiler
+from martensite.studies.figures import write_heading
 from martensite.studies.hammerstein_wiener import judged, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
 from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
@@ -33,16 +34,15 @@ def draw(printed: Printed) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
     with styled():
         figure = new_figure(13.0, 7.4)
-        words = {"fontsize": 12.5, "fontweight": "bold", "va": "center"}
-        figure.text(0.02, 0.965, "A wire identified in two stages, and what that is worth", **words)
+        title = "A wire identified in two stages, and what that is worth"
         if compiler() is None:
-            figure.text(0.02, 0.9, "needs a C compiler: a search takes hundreds of runs")
+            write_heading(figure, title, "needs a C compiler: a search takes hundreds of runs")
             return figure
         line = (
             "simulated bench of the paper's kind: 0.51 mm × 230 mm, 1 kg, PWM at 500 Hz; models "
             "fitted to one record of pulses, run free on records they have not seen"
         )
-        figure.text(0.02, 0.937, line, color=QUIET, va="center")
+        write_heading(figure, title, line)
         left, middle, right = figure.add_gridspec(
             1,
             3,

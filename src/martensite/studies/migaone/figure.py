@@ -23,6 +23,7 @@ from martensite.plot.style import (
     new_figure,
     styled,
 )
+from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.migaone import bench, film_numbers
 from martensite.studies.tables import Printed
 
@@ -60,27 +61,13 @@ def draw(printed: Printed) -> Figure:
         _heat(figure.add_subplot(grid[1, 0], sharex=stroke), printed)
         _film(figure.add_subplot(grid[0, 1]), printed)
         _steady(figure.add_subplot(grid[1, 1]), printed)
-        _title(figure)
+        write_heading(
+            figure,
+            "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
+            "Simulated for this project; points from the paper's Table 2. "
+            "Assumed: 0 to 2.5 V, 90 °C alloy.",
+        )
         return figure
-
-
-def _title(figure: Any) -> None:
-    figure.text(
-        0.02,
-        0.965,
-        "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
-        fontsize=12.5,
-        fontweight="bold",
-        va="center",
-    )
-    figure.text(
-        0.02,
-        0.927,
-        "Simulated for this project; points from the paper's Table 2. "
-        "Assumed: 0 to 2.5 V, 90 °C alloy.",
-        color=QUIET,
-        va="center",
-    )
 
 
 def _period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
@@ -135,9 +122,12 @@ def _heat(axes: Any, printed: Printed) -> None:
             fontsize=8.0,
             va="center",
         )
-    axes.set_title("wire temperature (solid), voltage (dashed), transformation at this stress")
-    axes.set_ylabel("$T$ [°C]")
-    axes.set_xlabel("time [s]")
+    label_axes(
+        axes,
+        "wire temperature (solid), voltage (dashed), transformation at this stress",
+        "time [s]",
+        "$T$ [°C]",
+    )
     axes.set_ylim(30.0, 90.0)
     start = bench.scenario().duration / 2.0
     volts = axes.twinx()
@@ -191,10 +181,13 @@ def _film(axes: Any, printed: Printed) -> None:
         zorder=4,
         label="Table 2",
     )
-    axes.set_title("film coefficient against wire temperature")
-    axes.set_xlabel("$T$ [°C]")
-    axes.set_ylabel("$h$ [W/(m² K)]")
-    axes.legend(loc="upper left")
+    label_axes(
+        axes,
+        "film coefficient against wire temperature",
+        "$T$ [°C]",
+        "$h$ [W/(m² K)]",
+        "upper left",
+    )
 
 
 def _steady(axes: Any, printed: Printed) -> None:
@@ -219,10 +212,13 @@ def _steady(axes: Any, printed: Printed) -> None:
                 fontsize=7.0,
             )
     axes.axhline(0.0, color=QUIET, linewidth=0.7)
-    axes.set_title("steady temperature, simulated less Table 2")
-    axes.set_xlabel("voltage step [V]")
-    axes.set_ylabel("difference [K]")
     axes.set_xticks(volts)
     axes.set_ylim(-2.6, 9.4)
     axes.grid(False, axis="x")
-    axes.legend(loc="upper left")
+    label_axes(
+        axes,
+        "steady temperature, simulated less Table 2",
+        "voltage step [V]",
+        "difference [K]",
+        "upper left",
+    )

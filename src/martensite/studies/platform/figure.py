@@ -27,6 +27,7 @@ from martensite.plot.style import (
 )
 from martensite.runtimes.arrays import ArrayNamespace
 from martensite.simulate.result import Result
+from martensite.studies.figures import write_heading
 from martensite.studies.platform import bench, geometry_numbers, loop
 from martensite.studies.platform.bench import CASES, FINE, LATE, LIMITED, step_of
 from martensite.studies.platform.loop import CYCLES, DELAY, LAGGING, QUICK, Sampling
@@ -69,30 +70,13 @@ def draw(printed: Printed) -> Figure:
         _control(figure.add_subplot(grid[1, 0]), printed)
         _overshoot(figure.add_subplot(grid[1, 1]), printed)
         _hysteresis(figure.add_subplot(grid[1, 2]), printed)
-        _title(figure)
+        write_heading(
+            figure,
+            "Parallel platform on three shape-memory springs, one of them hot",
+            "Simulated for this project; circles are the paper's two response times. The sets A, "
+            "A' and C were calibrated to them.",
+        )
         return figure
-
-
-def _title(figure: Any) -> None:
-    figure.text(
-        0.02,
-        0.968,
-        "Parallel platform on three shape-memory springs, one of them hot",
-        fontsize=12.5,
-        fontweight="bold",
-        va="center",
-    )
-    figure.text(
-        0.02,
-        0.936,
-        "Simulated for this project; circles are the paper's two response times. The sets A, A' "
-        "and C were calibrated to them.",
-        color=QUIET,
-        va="center",
-    )
-
-
-# ---------------------------------------------------------------- response
 
 
 def _responses(axes: Any, printed: Printed) -> None:

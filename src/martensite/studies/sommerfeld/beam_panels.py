@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from martensite.plot.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
+from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs
 from martensite.studies.sommerfeld.runs import Settled
 from martensite.studies.tables import Printed
@@ -123,7 +124,10 @@ def folds(axes: Any, printed: Printed) -> None:
     axes.set_yscale("log")
     axes.set_xlim(0.5, 110.0)
     axes.set_ylim(4.0, 700.0)
-    axes.set_title("hysteresis of slow changes: no jump at 6.6 V")
-    axes.set_xlabel("voltage [V]")
-    axes.set_ylabel("speed of the rotor [Hz]")
-    axes.legend(loc="upper left")
+    label_axes(
+        axes,
+        "hysteresis of slow changes: no jump at 6.6 V",
+        "voltage [V]",
+        "speed of the rotor [Hz]",
+        "upper left",
+    )

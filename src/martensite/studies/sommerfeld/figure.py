@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.plot.style import QUIET, new_figure, styled
+from martensite.plot.style import new_figure, styled
+from martensite.studies.figures import write_heading
 from martensite.studies.sommerfeld import beam_panels, ramp_panels, wire_panels
 from martensite.studies.tables import Printed
 
@@ -36,32 +37,13 @@ def draw(printed: Printed) -> Figure:
         wire_panels.loops(figure.add_subplot(grid[2, 1]), printed)
         wire_panels.bench(figure.add_subplot(grid[2, 2]), printed, "strain")
         wire_panels.bench(figure.add_subplot(grid[2, 3]), printed, "current")
-        _title(figure)
+        write_heading(
+            figure,
+            "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
+            "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
+            "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
+            "numbers that the thesis gives with it;",
+            "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed "
+            "values.",
+        )
         return figure
-
-
-def _title(figure: Figure) -> None:
-    figure.text(
-        0.012,
-        0.972,
-        "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
-        fontsize=13.0,
-        fontweight="bold",
-        va="center",
-    )
-    figure.text(
-        0.012,
-        0.942,
-        "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
-        "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
-        "numbers that the thesis gives with it;",
-        color=QUIET,
-        va="center",
-    )
-    figure.text(
-        0.012,
-        0.92,
-        "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed values.",
-        color=QUIET,
-        va="center",
-    )

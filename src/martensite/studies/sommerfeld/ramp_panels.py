@@ -9,6 +9,7 @@ import numpy as np
 from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.signals.ramp import Ramp
 from martensite.simulate.result import Result
+from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import machines, runs, wire
 from martensite.studies.sommerfeld.runs import Windows
 from martensite.studies.tables import Printed
@@ -52,12 +53,15 @@ def displacement(axes: Any, printed: Printed) -> None:
             fontsize=8.0,
             ha="left" if volts == printed.jump else "right",
         )
-    axes.set_title(f"displacement of the tip in a ramp of {wire.RATE:g} V/s")
-    axes.set_xlabel("motor voltage [V]")
-    axes.set_ylabel("displacement [mm]")
     axes.set_xlim(0.0, printed.last_voltage)
     axes.set_ylim(-62.0, 62.0)
-    axes.legend(loc="upper right")
+    label_axes(
+        axes,
+        f"displacement of the tip in a ramp of {wire.RATE:g} V/s",
+        "motor voltage [V]",
+        "displacement [mm]",
+        "upper right",
+    )
 
 
 def _extremes(run: Result) -> tuple[Any, Any, Any]:

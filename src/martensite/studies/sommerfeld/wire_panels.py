@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from martensite.plot.style import COOLING, HEATING, QUIET, SIMULATED
+from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import actuator, machines, wire
 from martensite.studies.tables import Printed
 
@@ -66,11 +67,14 @@ def loops(axes: Any, printed: Printed) -> None:
         linestyle=(0, (4, 1.5)),
         label="spring of the beam, $k x$",
     )
-    axes.set_title("last turns before the jump: slack, then a loop")
-    axes.set_xlabel("displacement of the tip [mm]")
-    axes.set_ylabel("force [N]")
     axes.set_ylim(-2.5, 55.0)
-    axes.legend(loc="upper left")
+    label_axes(
+        axes,
+        "last turns before the jump: slack, then a loop",
+        "displacement of the tip [mm]",
+        "force [N]",
+        "upper left",
+    )
 
 
 def bench(axes: Any, printed: Printed, name: str) -> None:
@@ -91,9 +95,12 @@ def bench(axes: Any, printed: Printed, name: str) -> None:
             label=f"{volts:.1f} V",
         )
     words = "strain recovered" if name == "strain" else "current"
-    axes.set_title(f"wire alone under 500 g, heated 60 s: {words}")
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("strain [%]" if name == "strain" else "$I$ [A]")
+    label_axes(
+        axes,
+        f"wire alone under 500 g, heated 60 s: {words}",
+        "time [s]",
+        "strain [%]" if name == "strain" else "$I$ [A]",
+    )
     axes.set_xlim(0.0, actuator.LENGTH)
     if name == "current":
         axes.legend(loc="upper right", ncols=1, fontsize=7.0)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.plot.style import HEATING, INK, MEASURED, SIMULATED, new_figure, styled
+from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.tables import Printed
 from martensite.studies.wire_heating import bench, closures
 
@@ -43,21 +44,11 @@ def draw(printed: Printed) -> Figure:
         _steady(figure.add_subplot(grid[:, 0]), printed)
         _film(figure.add_subplot(grid[0, 1]), printed)
         _course(figure.add_subplot(grid[1, 1]))
-        figure.text(
-            0.02,
-            0.955,
+        write_heading(
+            figure,
             "Wire of 0.375 mm heated by a voltage: a balance that does not close",
-            fontsize=12.5,
-            fontweight="bold",
-            va="center",
-        )
-        figure.text(
-            0.02,
-            0.91,
             "Computed for this project; points from the thesis's Table 2. Assumed: an "
             f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
-            color=QUIET,
-            va="center",
         )
         return figure
 
@@ -98,10 +89,7 @@ def _steady(axes: Any, printed: Printed) -> None:
             label=f"{labels(printed)[key]}, rms {found.rms:.1f} K",
         )
     axes.plot(volts, at, "o", color=INK, markersize=5.5, zorder=4, label="Table 2")
-    axes.set_title("steady temperature")
-    axes.set_xlabel("voltage [V]")
-    axes.set_ylabel("$T$ [°C]")
-    axes.legend(loc="upper left")
+    label_axes(axes, "steady temperature", "voltage [V]", "$T$ [°C]", "upper left")
 
 
 def _film(axes: Any, printed: Printed) -> None:
@@ -120,11 +108,14 @@ def _film(axes: Any, printed: Printed) -> None:
         markersize=4.5,
         label="air as printed in Table 2",
     )
-    axes.set_title("film coefficient by (3.2); closure B needs three times as much")
-    axes.set_xlabel("$T$ [°C]")
-    axes.set_ylabel("$h$ [W/(m² K)]")
     axes.set_ylim(38.0, 48.0)
-    axes.legend(loc="lower right")
+    label_axes(
+        axes,
+        "film coefficient by (3.2); closure B needs three times as much",
+        "$T$ [°C]",
+        "$h$ [W/(m² K)]",
+        "lower right",
+    )
 
 
 def _course(axes: Any) -> None:
@@ -136,8 +127,11 @@ def _course(axes: Any) -> None:
             color=colour,
             label=f"closure {key.upper()}",
         )
-    axes.set_title("1.2 V on for 60 s, simulated; no measured course is printed")
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("$T$ [°C]")
     axes.set_xlim(0.0, run.times[-1])
-    axes.legend(loc="upper right")
+    label_axes(
+        axes,
+        "1.2 V on for 60 s, simulated; no measured course is printed",
+        "time [s]",
+        "$T$ [°C]",
+        "upper right",
+    )
