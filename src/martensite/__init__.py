@@ -211,7 +211,6 @@ if TYPE_CHECKING:
     from martensite.io.model_files import write_model as write_model
     from martensite.io.netcdf import open_result as open_result
     from martensite.io.netcdf import save as save
-    from martensite.io.netcdf import to_dataset as to_dataset
     from martensite.io.public_benchmarks import read_silverbox as read_silverbox
     from martensite.io.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein
     from martensite.io.sampled_files import read_sampled as read_sampled
@@ -279,8 +278,6 @@ if TYPE_CHECKING:
     from martensite.plot.model import plot_model as plot_model
     from martensite.plot.model import plot_model_loop as plot_model_loop
     from martensite.plot.model_tests import plot_model_tests as plot_model_tests
-    from martensite.plot.overview import plot_result as plot_result
-    from martensite.plot.overview import save_figure as save_figure
     from martensite.plot.pareto import plot_pareto as plot_pareto
     from martensite.plot.profile import plot_profile as plot_profile
     from martensite.plot.sensitivity import plot_sensitivity as plot_sensitivity
@@ -658,7 +655,6 @@ _HOME = {
     "plot_pareto": "plot.pareto",
     "plot_point": "plot.law_paths",
     "plot_profile": "plot.profile",
-    "plot_result": "plot.overview",
     "plot_search": "plot.fit_knowledge",
     "plot_sensitivity": "plot.sensitivity",
     "plot_singular_values": "plot.fit_knowledge",
@@ -682,7 +678,6 @@ _HOME = {
     "render_mujoco": "export.mujoco_render",
     "resampled": "signals.sampling.resampling",
     "save": "io.netcdf",
-    "save_figure": "plot.overview",
     "scan_designs": "sizing.design.scan:scan",
     "search_structures": "identify.chains.search:search",
     "sensitivity": "simulate.batch",
@@ -706,7 +701,6 @@ _HOME = {
     "tangent_points": "characterise.tangent_points",
     "tendon_signals": "export.mjcf",
     "to_control": "export.control_systems",
-    "to_dataset": "io.netcdf",
     "to_fmu": "export.fmu.archive",
     "to_mjcf": "export.mjcf",
     "to_mjcf_snippet": "export.mjcf_snippet",

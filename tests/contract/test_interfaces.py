@@ -120,5 +120,5 @@ def test_the_command_line_says_it_in_one_sentence(tmp_path: Path) -> None:
         "    'A waveform without values.'\n",
         encoding="utf-8",
     )
-    sentence = Command("laws").refused("--import", str(tmp_path / "half_a_wave.py"))
+    sentence = Command("list", "waveform").refused("--import", str(tmp_path / "half_a_wave.py"))
     assert "`HalfAWave` in half_a_wave must define `value(time)`: Signal at `time` [s]" in sentence

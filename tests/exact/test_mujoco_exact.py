@@ -7,6 +7,7 @@ springs in parallel, and `simulate` with a dead weight.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -164,6 +165,6 @@ def test_slow_heating_is_a_dead_weight(duration: float, dt: float, close: float)
     assert warm < close * still.range("temperature")
 
 
-def apart(one: list[float], other: list[float]) -> float:
+def apart(one: Any, other: Any) -> float:
     """Largest difference of two columns."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))

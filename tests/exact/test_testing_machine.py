@@ -324,7 +324,7 @@ def in_air() -> System:
 def order(system: System, late: float) -> float:
     """Observed order of the stress along a smooth pull that comes late by a share of a step."""
 
-    def pulled(dt: float) -> list[float]:
+    def pulled(dt: float) -> Any:
         wave = Swings(level=0.02, swings=(Tone(-0.02, 1.0, -late * dt),))
         return simulate(system, {"command": wave}, 3.0, step=dt, samples=31)["stress"]
 

@@ -152,7 +152,7 @@ JUDGED = ("temperature", "martensite_fraction", "stress")
 LEAST = (1.0, 0.01, 1e6)
 
 
-def true_error(found: Sequence[Sequence[float]], meant: Any) -> float:
+def true_error(found: Sequence[Any], meant: Any) -> float:
     """Largest difference of temperature, fraction and stress, as a share of their ranges."""
     table = np.array(found).T
     ranges = np.maximum(np.ptp(meant, axis=0), LEAST)

@@ -226,7 +226,7 @@ def test_bounded_for_faults_at_any_time():
 def test_a_latched_guard_does_not_come_back():
     once = bench("latch").with_values({"faults.lost.start": 0.7, "faults.lost.end": 1.2})
     found = simulate_bench(once, 1.6, runtime="floats")
-    first = found["alarm"].index(4.0)
+    first = found.columns["alarm"].index(4.0)
     assert set(found["alarm"][first:]) == {4.0}
     assert set(found["current"][first:-1]) == {0.0}
 

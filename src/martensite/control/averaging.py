@@ -89,7 +89,9 @@ def compare_averaging(
     )
     for run in (average, pulsed.result):
         run.require()
-    differences = {name: _difference(pulsed.means[name], average[name][1::2]) for name in COMPARED}
+    differences = {
+        name: _difference(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED
+    }
     capacity = system.element.heat_capacity_total()
     estimate = max(
         power * (1.0 - duty) * period / capacity

@@ -131,4 +131,4 @@ def alarmed(result: Result) -> list[tuple[float, float]]:
 def shown_error(result: Result, loop: Loop) -> Any:
     """Reference less truth, in the unit that the truth is shown in."""
     how = axis(result, loop.truth)
-    return how.values(loop.reference) - how.values(result[loop.truth])
+    return how.values(loop.reference) - how.values(result.columns[loop.truth])

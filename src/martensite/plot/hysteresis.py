@@ -123,7 +123,7 @@ def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Recor
     found = pairs(result, records, x, y)
     for *measured, look in found:
         axes.plot(*measured, label="_measured", **{**look, "zorder": 1.5})
-    stretches = runs(senses(result["temperature"]))
+    stretches = runs(senses(result.columns["temperature"]))
     axes.set_xlim(*limits(x, points[0], *(m[0] for m in found)))
     axes.set_ylim(*limits(y, points[1], *(m[1] for m in found)))
     for sense, label, colour, width in SENSES:

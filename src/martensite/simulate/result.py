@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from html import escape
+from importlib import import_module
+from textwrap import shorten
+from typing import TYPE_CHECKING, Any
 
 from martensite import units
-from martensite.errors import SolveError
+from martensite.errors import SolveError, UnknownNameError
 from martensite.mechanisms.base import Output
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.balance import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 from martensite.status import Status
 from martensite.system import PROFILES
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas  # type: ignore[import-untyped]
+    import xarray
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -63,9 +74,102 @@ class Result:
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
 
-    def __getitem__(self, name: str) -> list[float]:
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by name, or the times, in SI units, shape (samples,).
+
+        Raises:
+            UnknownNameError: there is no such column.
+        """
+        import numpy as np  # a run on floats is over before NumPy is loaded
+
+        return np.array(self._values(name))
+
+    def _values(self, name: str) -> list[float]:
         """A column by name, or the times."""
-        return self.times if name == "time" else self.columns[name]
+        if name == "time":
+            return self.times
+        if name not in self.columns:
+            raise UnknownNameError("column", name, self.columns)
+        return self.columns[name]
+
+    # ---------------------------------------------------------------- ways out
+
+    def plot(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        records: Iterable[Any] | None = None,
+        title: str | None = None,
+    ) -> Figure:
+        """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
+
+        Args:
+            path: file to write as well: png, svg or pdf, replaced whole or not at all.
+            records: measured records, drawn over the simulation wherever they have the same
+                quantity, with the RMS difference in the legend.
+            title: first line of the figure; by default what was simulated.
+
+        Raises:
+            DataError: the file cannot be written, or a record holds nothing that can be compared.
+        """
+        room = import_module("martensite.plot.overview")
+        if path is not None:
+            room.save_figure(self, path, records, title)
+        return room.plot_result(self, records, title)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write it as netCDF-4, with units and provenance; replaced whole or not at all.
+
+        Raises:
+            DataError: the file cannot be written.
+        """
+        import_module("martensite.io.netcdf").save(self, path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A dataset over time [s], with units and provenance as attributes."""
+        return import_module("martensite.io.netcdf").to_dataset(self)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table with a row per sample, by time [s]; columns in SI units (`attrs["units"]`)."""
+        pandas: Any = import_module("pandas")
+        index = pandas.Index(self.times, name="time")
+        table = pandas.DataFrame({name: self.columns[name] for name in self.outputs}, index=index)
+        table.attrs["units"] = {name: self.unit(name) for name in self.outputs}
+        return table
+
+    def summary(self) -> str:
+        """How the run went, ranges of what is judged, balances, remarks and warnings."""
+        return str(self)
+
+    @property
+    def energy(self) -> dict[str, HeatBalance | WorkBalance]:
+        """The balances that are known, of `heat` and `work`."""
+        both = {"heat": self.heat, "work": self.work}
+        return {name: one for name, one in both.items() if one is not None}
+
+    def __repr__(self) -> str:
+        """A few lines; all of it is in `summary()`."""
+        lines = str(self).splitlines()
+        more = [f"… {len(lines) - LINES} lines more in summary()"] if len(lines) > LINES else []
+        columns = ", ".join(self.outputs)
+        return "\n".join([*lines[:LINES], *more, shorten(f"columns: time, {columns}", 100)])
+
+    def _repr_html_(self) -> str:
+        """For a notebook: the summary's first line, ranges of all columns, and warnings."""
+        rows = "".join(f"<tr>{''.join(map(_cell, self._range(n)))}</tr>" for n in self.outputs)
+        head = "".join(f"<th>{word}</th>" for word in ("column", "lowest", "highest", "unit"))
+        rest = "".join(f"<p>{escape(one)}</p>" for one in (*self.balances(), *self.remarks()))
+        warned = "".join(f"<p><b>{escape(one)}</b></p>" for one in self.warnings)
+        first = escape(str(self).partition("\n")[0])
+        return f"<p>{first}</p><table><tr>{head}</tr>{rows}</table>{rest}{warned}"
+
+    def _range(self, name: str) -> tuple[str, str, str, str]:
+        """Name, lowest and highest value, and the unit in which they are readable."""
+        unit = self.unit(name)
+        shown = units.readable(unit)
+        low, high = (units.from_si(f(self.columns[name]), shown, unit) for f in (min, max))
+        words = self.outputs[name].long_name
+        return words, f"{low:.6g}", f"{high:.6g}", "" if shown == "1" else shown
 
     def require(self) -> Result:
         """Return this result, or raise `SolveError` if the run stopped before its end."""
@@ -90,7 +194,8 @@ class Result:
 
     def range(self, name: str) -> float:
         """Largest minus smallest value of a column, in SI."""
-        return max(self[name]) - min(self[name])
+        column = self._values(name)
+        return max(column) - min(column)
 
     @property
     def stroke(self) -> float:
@@ -132,11 +237,17 @@ class Result:
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""
-        unit = self.unit(name)
-        shown = units.readable(unit)
-        low, high = (units.from_si(f(self[name]), shown, unit) for f in (min, max))
-        label = "" if shown == "1" else f" {shown}"
-        return f"{self.outputs[name].long_name} {low:.4g} to {high:.4g}{label}"
+        words, low, high, unit = self._range(name)
+        return f"{words} {float(low):.4g} to {float(high):.4g}{unit and ' '}{unit}"
+
+
+LINES = 6
+"""Of the summary in `repr`."""
+
+
+def _cell(text: str) -> str:
+    """A cell of a table in HTML."""
+    return f"<td>{escape(text)}</td>"
 
 
 def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:

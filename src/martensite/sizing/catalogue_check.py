@@ -137,7 +137,9 @@ def _row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
 
 def _loss_share(system: System, current: float) -> float:
     run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
-    return _integral(run.times, run["heat_loss"]) / _integral(run.times, run["power"])
+    return _integral(run.times, run.columns["heat_loss"]) / _integral(
+        run.times, run.columns["power"]
+    )
 
 
 def _integral(times: Sequence[float], values: Sequence[float]) -> float:

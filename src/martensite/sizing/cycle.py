@@ -96,7 +96,7 @@ def reached(system: System, position: float, current: float, longest: float) -> 
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
     run = simulate(system, Step(high=current), longest, step=step, samples=samples)
-    return crossing(run.times, run["position"], position)
+    return crossing(run.times, run.columns["position"], position)
 
 
 def cycle(

@@ -105,8 +105,11 @@ class TableStudy(AbstractStudy):
 
     def __init_subclass__(cls) -> None:
         """Read the tables, and check them."""
-        folder = Path(str(sys.modules[cls.__module__].__file__)).parent
-        cls.table = table = read_claims(folder / "claims.toml")
+        super().__init_subclass__()
+        file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+        if file is None:  # typed into a console: the tables are those of its base
+            return
+        cls.table = table = read_claims(Path(file).parent / "claims.toml")
         cls.title, cls.guide, cls.caption = table["title"], table["guide"], table["caption"]
         cls.cites, cls.data = tuple(table["cites"]), tuple(table.get("data", ()))
         cls.scenario_files = tuple(table.get("scenarios", ()))

@@ -55,7 +55,7 @@ def scene(scenario: Scenario, result: Result) -> dict[str, Any]:
         "ports": {
             port: {
                 **{name: system.label(port, name) for name in SHOWN},
-                "slack": _slack(result[system.label(port, "force")], rows),
+                "slack": _slack(result.columns[system.label(port, "force")], rows),
             }
             for port in system.actuators()
         },

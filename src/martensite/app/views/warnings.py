@@ -44,11 +44,11 @@ def _alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
 def margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
     """How far beyond its limit the quantity is at every sample."""
     system = result.system
-    values = result[system.label(port, alarm.quantity)]
+    values = result.columns[system.label(port, alarm.quantity)]
     if alarm.kind == "slack":
         return [1.0 if value <= 0.0 else -1.0 for value in values]
     if alarm.kind == "supply":
-        ohms = result[system.label(port, "resistance")]
+        ohms = result.columns[system.label(port, "resistance")]
         return undelivered_margins(system.actuators()[port].source, values, ohms)
     judged = farthest_changes(values) if alarm.kind == "strain" else values
     return [value - alarm.limit for value in judged]

@@ -107,7 +107,10 @@ def rise(result: Result, share: float, printed: Printed) -> float:
     """Time after the power starts at which a share of the final angle is reached [s]."""
     level = share * math.radians(top(result, printed))
     last = round(printed.fall / result.times[-1] * (len(result.times) - 1))
-    return passing(result.times[: last + 1], result["angle"][: last + 1], level) - printed.start
+    return (
+        passing(result.times[: last + 1], result.columns["angle"][: last + 1], level)
+        - printed.start
+    )
 
 
 @cache
@@ -131,7 +134,7 @@ def loop(
 def width(result: Result) -> float:
     """Width in power of the second loop at half of its largest angle [W]."""
     half = len(result.times) // 2
-    power, angle = result["power"][half:], result["angle"][half:]
+    power, angle = result.columns["power"][half:], result.columns["angle"][half:]
     peak = max(range(len(angle)), key=angle.__getitem__)
     level = 0.5 * max(angle)
     rising, falling = range(peak, 0, -1), range(peak, len(angle) - 1)
@@ -153,8 +156,10 @@ def imbalance(result: Result, values: Mapping[str, float]) -> float:
     In: electrical work. Out: heat lost, heat stored, latent heat, by trapezoids of the samples.
     """
     times = result.times
-    gain = [p - q for p, q in zip(result["power"], result["heat_loss"], strict=True)]
-    put = _integral(times, result["power"])
+    gain = [
+        p - q for p, q in zip(result.columns["power"], result.columns["heat_loss"], strict=True)
+    ]
+    put = _integral(times, result.columns["power"])
     mass, capacity, latent = (values[name] for name in ("mass", "heat_capacity", "latent_heat"))
     warmer = result["temperature"][-1] - result["temperature"][0]
     formed = result["martensite_fraction"][-1] - result["martensite_fraction"][0]

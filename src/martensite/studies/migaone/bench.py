@@ -154,7 +154,7 @@ def response(key: str, printed: Printed) -> Response:
     """Read off the second period of a variant."""
     run = sine_run(key, printed)
     half = len(run.times) // 2
-    start, position = run.times[half], run["position"]
+    start, position = run.times[half], run.columns["position"]
     level = 0.5 * printed.stroke
     top = max(range(half, len(position)), key=position.__getitem__)
     falling = [-x for x in position[top:]]
@@ -189,4 +189,4 @@ def actuation_time(
     system = system.with_values({"rho_A": rho, "rho_M": rho})
     supply = Constant(level=printed.supply)
     run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
-    return passing(run.times, run["position"], 0.95 * max(run["position"]))
+    return passing(run.times, run.columns["position"], 0.95 * max(run.columns["position"]))

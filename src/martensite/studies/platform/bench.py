@@ -219,7 +219,7 @@ def arrival(
 
 def at_angle(result: Result, angle: float, name: str) -> float:
     """An output of the hot spring, in SI units, where the platform first passes an angle [°]."""
-    return passing(result[f"{HOT}.{name}"], degrees(result), angle)
+    return passing(result.columns[f"{HOT}.{name}"], degrees(result), angle)
 
 
 def cooled(printed: Printed, case: Case) -> dict[str, float]:

@@ -232,7 +232,7 @@ def _hysteresis(axes: Any, printed: Printed) -> None:
 def _path(result: Result) -> tuple[list[float], list[float]]:
     """Temperature [°C] and martensite fraction of the hot spring."""
     found = [t - bench.ZERO for t in result["first.temperature"]]
-    return found, result["first.martensite_fraction"]
+    return found, result.columns["first.martensite_fraction"]
 
 
 def _words(on: bool) -> str:

@@ -1,0 +1,58 @@
+"""What a result gives: arrays, a table, a data set, a figure, and itself in a few lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import SINE_A, problem_a
+
+from martensite.errors import UnknownNameError
+from martensite.simulate.api import simulate
+from martensite.simulate.result import LINES, Result
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return simulate(problem_a(), SINE_A, 5.0, samples=21)
+
+
+def test_columns_are_arrays_of_their_own(result: Result) -> None:
+    celsius = result["temperature"] - 273.15
+    assert celsius.shape == result["time"].shape == (21,)
+    celsius[:] = 0.0
+    assert result["temperature"].min() > 273.15
+    with pytest.raises(UnknownNameError, match="Did you mean `temperature`"):
+        result["temperatur"]
+
+
+def test_it_goes_to_pandas_and_xarray(result: Result, tmp_path: Path) -> None:
+    table = result.to_pandas()
+    assert table.index.name == "time"
+    assert table["stress"].to_numpy() == pytest.approx(result["stress"], rel=0, abs=0)
+    assert table.attrs["units"]["stress"] == "Pa"
+    dataset = result.to_xarray()
+    assert np.array_equal(dataset["time"], result["time"])
+    result.save(tmp_path / "run.nc")
+    assert (tmp_path / "run.nc").stat().st_size > 0
+
+
+def test_it_is_drawn_and_written(result: Result, tmp_path: Path) -> None:
+    figure = result.plot(tmp_path / "run.png", title="a wire")
+    assert (tmp_path / "run.png").stat().st_size > 0
+    assert figure.axes
+
+
+def test_a_console_has_a_few_lines_and_a_notebook_a_table(result: Result) -> None:
+    assert len(repr(result).splitlines()) <= LINES + 2 < 10
+    assert repr(result).startswith("5 s in ")
+    assert result.summary() == str(result)
+    page = result._repr_html_()
+    assert page.count("<tr>") == len(result.outputs) + 1
+    assert "wire temperature" in page
+    assert "degC" in page
+
+
+def test_balances_by_name(result: Result) -> None:
+    assert result.energy == {"heat": result.heat, "work": result.work}
