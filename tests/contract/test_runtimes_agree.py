@@ -78,7 +78,9 @@ def operations(_, xp, a, b, share):
         xp.minimum(a, b), xp.maximum(a, b), xp.clip(a, -1.0, share), xp.abs(a),
         xp.sqrt(a), xp.exp(0.1 * a), xp.exp(1e3 * a), xp.log(a), xp.sin(a), xp.cos(a), xp.tanh(b),
         xp.nearest(3.0 * a), xp.quarter_sine(share), xp.detach(a), xp.store(b), xp.erfcx(share),
-        xp.erfcx(9.0 * xp.abs(a)), rows(xp, a, b, share),
+        xp.erfcx(9.0 * xp.abs(a)), xp.power(share, b), xp.power(a, 0.5 * b), xp.power(a, share),
+        xp.power(xp.abs(a), -0.3), xp.power(9.0 + a, 200.0 * b), xp.power(a, 3), a**2, b**7,
+        (1.0 + b * b) ** -3, a**0, rows(xp, a, b, share),
         value_and_slope(xp, lambda xp, x: rows(xp, a, x, share), b),
     )  # fmt: skip
 

@@ -20,6 +20,7 @@ def everything(xp, v):
     kinked = xp.minimum(a, c) * xp.maximum(b, 0.0) + xp.clip(c, -0.5, 0.5)
     inside = xp.clip(0.5 + 0.2 * a, 0.0, 1.0)
     special = xp.quarter_sine(inside) + xp.erfcx(xp.abs(b))
+    special = special + xp.power(inside, b) + xp.power(c, 1.5) + a**3 * b**-2
     held = xp.detach(a) * b + xp.store(c) * a
     return [choice + smooth - kinked + special + held + xp.solved(a, a - (a * a - b) / 2.0)]
 

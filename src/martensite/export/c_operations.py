@@ -31,6 +31,7 @@ COSTS: Mapping[str, Mapping[str, int]] = {
     "sqrt": {"sqrt": 1, "compare": 1, "select": 1},
     "exp": {"exp": 1, "compare": 1, "select": 1},
     "log": {"log": 1, "compare": 1, "select": 1},
+    "power": {"power": 1, "compare": 2, "select": 2},
     "sin": {"sin": 1},
     "cos": {"cos": 1},
     "tanh": {"tanh": 1},
@@ -41,8 +42,8 @@ COSTS: Mapping[str, Mapping[str, int]] = {
 """What an operation counts as: one that is not here costs nothing. A subtraction and a change of
 sign are additions; `erfcx` is an `exp` and an `erfc`, or 24 divisions."""
 ORDER = (
-    "add", "mul", "div", "sqrt", "exp", "log", "sin", "cos", "tanh", "erfcx", "round", "abs",
-    "compare", "select", "logic",
+    "add", "mul", "div", "sqrt", "exp", "log", "power", "sin", "cos", "tanh", "erfcx", "round",
+    "abs", "compare", "select", "logic",
 )  # fmt: skip
 
 

@@ -31,6 +31,11 @@ def _root(graph: Graph, bar: Any, y: Any, a: Any) -> Any:
     return graph.apply("where", a > 0.0, bar * (0.5 / safe), 0.0)
 
 
+def _power(graph: Graph, bar: Any, y: Any, base: Any, exponent: Any) -> tuple[Any, Any]:
+    safe = graph.apply("where", base > 0.0, base, 1.0)
+    return bar * (exponent * y / safe), bar * (y * graph.apply("log", safe))
+
+
 _RULES: dict[str, Rule] = {
     "add": lambda g, bar, y, a: (bar, bar),
     "sub": lambda g, bar, y, a: (bar, -bar),
@@ -44,6 +49,7 @@ _RULES: dict[str, Rule] = {
     "sqrt": lambda g, bar, y, a: (_root(g, bar, y, a[0]),),
     "exp": lambda g, bar, y, a: (bar * y,),
     "log": lambda g, bar, y, a: (bar * (1.0 / g.apply("maximum", a[0], 1e-300)),),
+    "power": lambda g, bar, y, a: _power(g, bar, y, *a),
     "sin": lambda g, bar, y, a: (bar * g.apply("cos", a[0]),),
     "cos": lambda g, bar, y, a: (-(bar * g.apply("sin", a[0])),),
     "tanh": lambda g, bar, y, a: (bar * (1.0 - y * y),),

@@ -11,6 +11,7 @@ from typing import Any
 
 from martensite.runtimes import floats
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
+from martensite.runtimes.powers import expand_power
 
 
 def _same(x: Any) -> Any:
@@ -82,6 +83,16 @@ class ArrayNamespace:
     def log(self, x: Any) -> Any:
         """Natural logarithm; the argument is at least 1e-300."""
         return self.np.log(self.maximum(x, 1e-300))
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """`base` to the `exponent`; 0 (with slopes 0) for a base of 0 or below."""
+        if isinstance(exponent, int):
+            return expand_power(base, exponent)
+        positive = base > 0.0
+        safe = self.np.where(positive, base, 1.0)
+        fits = exponent * self.np.log(safe) < 700.0
+        value = self.np.power(safe, self.np.where(fits, exponent, 0.0))
+        return self.np.where(positive, self.np.where(fits, value, floats.LARGEST), 0.0)
 
     def nearest(self, x: Any) -> Any:
         """The nearest whole number, the even one of two; to differentiation `x` itself."""

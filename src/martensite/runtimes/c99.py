@@ -24,6 +24,7 @@ from typing import Any
 
 from martensite.errors import MartensiteError
 from martensite.files import cache_folder
+from martensite.runtimes.floats import LARGEST
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
 from martensite.runtimes.printer import (
@@ -149,6 +150,7 @@ C_DIALECT = Dialect(
         "sqrt": "({0} > 0.0 ? sqrt({0}) : 0.0)",
         "exp": "exp({0} < 700.0 ? {0} : 700.0)",
         "log": "log({0} > 1e-300 ? {0} : 1e-300)",
+        "power": "power_of({}, {})",
         "sin": "sin({})",
         "cos": "cos({})",
         "tanh": "tanh({})",
@@ -160,7 +162,7 @@ C_DIALECT = Dialect(
         "store": "{}",
         "eps": "2.220446049250313e-16",
     },
-    wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log"}),
+    wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log", "power"}),
     assign=_assign,
     constant=_constant,
     loop=_loop,
@@ -239,6 +241,8 @@ double exp(double);
 #pragma omp declare simd notinbranch
 double log(double);
 #pragma omp declare simd notinbranch
+double pow(double, double);
+#pragma omp declare simd notinbranch
 double sin(double);
 #pragma omp declare simd notinbranch
 double cos(double);
@@ -259,6 +263,9 @@ def prelude() -> str:
     """What every source begins with."""
     return (
         f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
+        "static inline double power_of(double base, double exponent) {\n"
+        "    const double y = pow(base > 0.0 ? base : 1.0, exponent);\n"
+        f"    return base > 0.0 ? (y < {LARGEST!r} ? y : {LARGEST!r}) : 0.0;\n}}\n"
         "static inline double quarter_sine(double x) {\n"
         f"    const double z = x * x{_polynomial(QUARTER_SINE)} * x;\n}}\n"
         "static inline double erfcx(double x) {\n"

@@ -18,6 +18,7 @@ from dataclasses import replace
 from textwrap import dedent
 
 from martensite.runtimes.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
+from martensite.runtimes.floats import LARGEST
 from martensite.runtimes.graph import Expr
 from martensite.runtimes.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
 from martensite.runtimes.printer import Dialect, Printer
@@ -33,6 +34,7 @@ _TEMPLATES = {
             "add": "plus", "sub": "minus", "mul": "times", "div": "over",
             "lt": "below", "le": "at_most", "gt": "above", "ge": "at_least",
             "both": "both", "either": "either", "minimum": "least", "maximum": "most",
+            "power": "power_of",
         }.items()
     },
     **{
@@ -145,6 +147,14 @@ _PRELUDE = """
         return pick(above(x, all(-700.0)), y, all(0.0));
     }
     INLINE number log_of(number x) { return log_1(most(x, all(1e-300))); }
+    INLINE number pow_1(number x, number y) {
+        double bases[PAIR], exponents[PAIR];
+        save(bases, x);
+        save(exponents, y);
+        _Pragma("omp simd")
+        for (int i = 0; i < PAIR; i++) bases[i] = pow(bases[i], exponents[i]);
+        return load(bases);
+    }
 """
 
 
@@ -205,6 +215,10 @@ def _prelude() -> str:
     centre = f"all({ERFCX_CENTRE!r})"
     return (
         f"#include <math.h>\n#include <string.h>\n{vector_math()}{dedent(_PRELUDE)}"
+        "INLINE number power_of(number x, number y) {\n"
+        "    const flags positive = above(x, all(0.0));\n"
+        f"    const number z = least(pow_1(pick(positive, x, all(1.0)), y), all({LARGEST!r}));\n"
+        "    return pick(positive, z, all(0.0));\n}\n"
         "INLINE number quarter_sine_of(number x) {\n"
         f"    const number z = times(x, x){_polynomial(QUARTER_SINE, 'times({}, x)')}}}\n"
         "INLINE number erfcx_of(number x) {\n"

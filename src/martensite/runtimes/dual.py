@@ -13,6 +13,7 @@ from typing import Any
 from martensite.runtimes import floats
 from martensite.runtimes.floats import HALF_PI, ROOT_PI
 from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.runtimes.powers import expand_power, find_whole_exponent
 
 Tangent = Any
 Pair = tuple[Any, Tangent]
@@ -40,6 +41,10 @@ class Dual:
 
     def __neg__(self) -> Dual:
         return Dual(-self.value, None if self.tangent is None else -self.tangent, self.level)
+
+    def __pow__(self, exponent: Any) -> Any:
+        whole = find_whole_exponent(exponent)
+        return NotImplemented if whole is None else expand_power(self, whole)
 
     def __sub__(self, other: Any) -> Dual:
         level, (v, t), (w, s) = split(self, other)
@@ -195,6 +200,17 @@ class DualNamespace:
         v, t = self.parts(x)
         value = self.base.log(v)
         return self.pair(value, None if t is None else t * (1.0 / self.base.maximum(v, 1e-300)))
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """`base` to the `exponent`; slopes 0 where the base is not positive."""
+        if isinstance(exponent, int):
+            return expand_power(base, exponent)
+        (v, t), (e, s) = self.parts(base), self.parts(exponent)
+        value = self.base.power(v, e)
+        safe = self.base.where(v > 0.0, v, 1.0)
+        by_base = None if t is None else t * (e * value / safe)
+        by_exponent = None if s is None else s * (value * self.base.log(safe))
+        return self.pair(value, plus(by_base, by_exponent))
 
     def sin(self, x: Any) -> Any:
         """Sine."""

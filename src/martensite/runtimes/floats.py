@@ -8,8 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+from martensite.runtimes.powers import expand_power
+
 HALF_PI = math.pi / 2
 ROOT_PI = math.sqrt(math.pi)
+LARGEST = math.exp(700.0)
+"""The largest value of an exponential, and of a power."""
 WHOLE = 2.0**52
 """From here on all floats are whole numbers."""
 
@@ -67,6 +71,19 @@ def exp(x: float) -> float:
 def log(x: float) -> float:
     """Natural logarithm; the argument is at least 1e-300."""
     return math.log(x if x > 1e-300 else 1e-300)
+
+
+def power(base: float, exponent: float) -> float:
+    """`base` to the `exponent`; 0 for a base of 0 or below. An `int` is multiplied out."""
+    if isinstance(exponent, int):
+        return expand_power(base, exponent)
+    if not base > 0.0:
+        return 0.0
+    try:
+        value = math.pow(base, exponent)
+    except OverflowError:
+        return LARGEST
+    return value if value < LARGEST else LARGEST
 
 
 sin = math.sin

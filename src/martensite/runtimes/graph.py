@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from martensite.runtimes import floats
+from martensite.runtimes.powers import expand_power, find_whole_exponent
 
 PARAMETER, VARYING, LOOP = 1, 2, 4
 """What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
@@ -308,6 +309,10 @@ class Expr:
     def __neg__(self) -> Expr:
         return self.graph.apply("neg", self)
 
+    def __pow__(self, exponent: Any) -> Any:
+        whole = find_whole_exponent(exponent)
+        return NotImplemented if whole is None else expand_power(self, whole)
+
     def __lt__(self, other: Any) -> Any:
         return _operate("lt", self, other, "__gt__")
 
@@ -346,6 +351,12 @@ class GraphNamespace:
 
         setattr(self, operation, build)
         return build
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """A power as one operation; an `int` is multiplied out."""
+        if isinstance(exponent, int):
+            return expand_power(base, exponent)
+        return self.graph.apply("power", base, exponent)
 
     def each(
         self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]

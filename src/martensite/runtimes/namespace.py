@@ -62,6 +62,15 @@ class Namespace(Protocol):
         """Natural logarithm; the argument is at least 1e-300."""
         ...
 
+    def power(self, base: Scalar, exponent: Scalar, /) -> Scalar:
+        """`base` to the `exponent`, for a base above 0; at most 1e304.
+
+        At a base of 0 or below it is 0, and so are its slopes, whatever the exponent; just above
+        0 the slope of a power below 1 has no limit. A whole exponent that is written as such (`3`,
+        not `3.0`) is multiplied out, as in `base ** 3`, for a base of any sign.
+        """
+        ...
+
     def sin(self, x: Scalar, /) -> Scalar:
         """Sine."""
         ...

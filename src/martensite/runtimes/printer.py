@@ -331,6 +331,7 @@ FLOAT_DIALECT = Dialect(
         "sqrt": "(_sqrt({0}) if {0} > 0.0 else 0.0)",
         "exp": "_exp({0} if {0} < 700.0 else 700.0)",
         "log": "_log({0} if {0} > 1e-300 else 1e-300)",
+        "power": "_power({}, {})",
         "sin": "_sin({})",
         "cos": "_cos({})",
         "tanh": "_tanh({})",
@@ -356,7 +357,7 @@ ARRAY_DIALECT = Dialect(
             name: f"xp.{name}({', '.join(['{}'] * arity)})"
             for name, arity in {
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
-                "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "sin": 1, "cos": 1, "tanh": 1,
+                "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "power": 2, "sin": 1, "cos": 1, "tanh": 1,
                 "nearest": 1, "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
                 "solved": 2,
             }.items()

@@ -26,7 +26,7 @@ from martensite.runtimes.printer import (
 FLOAT_GLOBALS = {
     "_sqrt": math.sqrt, "_exp": math.exp, "_log": math.log,
     "_sin": math.sin, "_cos": math.cos, "_tanh": math.tanh, "_erfcx": floats.erfcx,
-    "_nearest": floats.nearest,
+    "_nearest": floats.nearest, "_power": floats.power,
 }  # fmt: skip
 
 
