@@ -30,6 +30,18 @@ class UnknownNameError(InputError):
         super().__init__(f"No {kind} named `{name}`. {suggestion(name, valid)}")
 
 
+class MissingMethodError(InputError, NotImplementedError):
+    """A class lacks methods that its kind must have."""
+
+
+class KernelError(InputError, TypeError):
+    """A kernel does what cannot be traced; the sentence says what to write instead."""
+
+
+class UnknownOperationError(KernelError, AttributeError):
+    """A kernel uses an operation that there is not."""
+
+
 class UnitError(InputError):
     """A quantity cannot be read, or has the wrong unit."""
 

@@ -12,16 +12,12 @@ from collections.abc import Callable, Iterable, Iterator
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
-from martensite.errors import InputError
+from martensite.errors import MissingMethodError
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class MissingMethodError(InputError, NotImplementedError):
-    """A class lacks methods that its kind must have."""
-
-
-def required_where(flag: str) -> Callable[[F], F]:
+def require_where(flag: str) -> Callable[[F], F]:
     """A decorator: classes whose attribute `flag` is true must define the method."""
 
     def mark(method: F) -> F:

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from command import Command
 
-from martensite.errors import InputError
-from martensite.interfaces import MissingMethodError, require_methods
+from martensite.errors import InputError, MissingMethodError
+from martensite.interfaces import require_methods
 from martensite.io.catalogue import registries
 from martensite.laws.base import LAWS
 from martensite.laws.shared.strips import AbstractStripLaw

@@ -13,10 +13,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from martensite.runtimes.floats import HALF_PI, ROOT_PI
-from martensite.runtimes.graph import Expr, Graph
+from martensite.runtimes.graph import FLAGS, Expr, Graph
 
 LOOPS = frozenset({"each", "item", "repeat", "result"})
-FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
 Rule = Callable[[Graph, Any, Any, Sequence[Any]], Sequence[Any]]
 """From ȳ, y and its arguments to what each argument gets; None for nothing."""
 

@@ -25,6 +25,7 @@ class ArrayNamespace:
         self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64",
         repeat: Any = floats.repeat, solved: Any = floats.solved, iterate: Any = None,
     ) -> None:  # fmt: skip
+        self.level = 0
         self.np = np
         self.precision = precision
         self.both = np.logical_and

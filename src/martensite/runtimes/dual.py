@@ -12,21 +12,23 @@ from typing import Any
 
 from martensite.runtimes import floats
 from martensite.runtimes.floats import HALF_PI, ROOT_PI
+from martensite.runtimes.kernel_errors import make_operation_error
 from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.runtimes.powers import expand_power, find_whole_exponent
+from martensite.runtimes.powers import expand_power
+from martensite.runtimes.traced_numbers import TracedNumber
 
 Tangent = Any
 Pair = tuple[Any, Tangent]
 
 
-class Dual:
+class Dual(TracedNumber):
     """A value and its derivative with respect to the variable of one level.
 
     Derivatives may be nested: to a dual number, numbers of a lower level are constants.
     """
 
     __slots__ = ("level", "tangent", "value")
-    __array_ufunc__ = None  # arrays leave mixed arithmetic to this class
+    takes_arrays = True  # and leaves mixed arithmetic with arrays to this class
 
     def __init__(self, value: Any, tangent: Tangent, level: int) -> None:
         self.value = value
@@ -41,10 +43,6 @@ class Dual:
 
     def __neg__(self) -> Dual:
         return Dual(-self.value, None if self.tangent is None else -self.tangent, self.level)
-
-    def __pow__(self, exponent: Any) -> Any:
-        whole = find_whole_exponent(exponent)
-        return NotImplemented if whole is None else expand_power(self, whole)
 
     def __sub__(self, other: Any) -> Dual:
         level, (v, t), (w, s) = split(self, other)
@@ -133,6 +131,9 @@ class DualNamespace:
     def __init__(self, base: Namespace) -> None:
         self.base: Any = base
         self.level: int = getattr(base, "level", 0) + 1
+
+    def __getattr__(self, operation: str) -> Any:
+        raise make_operation_error(operation)
 
     def parts(self, x: Any) -> Pair:
         """Value and tangent at this namespace's level."""

@@ -11,8 +11,12 @@ import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
+from martensite.errors import KernelError
 from martensite.runtimes import floats
-from martensite.runtimes.powers import expand_power, find_whole_exponent
+from martensite.runtimes.kernel_errors import make_kernel_error, make_operation_error
+from martensite.runtimes.namespace import OPERATIONS
+from martensite.runtimes.powers import expand_power
+from martensite.runtimes.traced_numbers import TracedNumber
 
 PARAMETER, VARYING, LOOP = 1, 2, 4
 """What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
@@ -21,6 +25,13 @@ SLOPE = 1 << 32
 """What a derivative depends on besides (`martensite.runtimes.tangent`)."""
 
 
+FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
+"""Operations whose results are true or false."""
+CONDITIONS = {"where": 1, "both": 2, "either": 2, "negate": 1}
+"""How many of the first arguments of an operation are true or false; others are numbers."""
+UNTYPED = frozenset({"input", "constant", "each", "item", "repeat", "result"})
+"""What has no arguments, or takes numbers and conditions alike."""
+CONDITION = "a condition is no number to compute with"
 COMMUTATIVE = ("add", "mul", "both", "either")
 """Operations whose two arguments may change places without a change of a single bit."""
 
@@ -77,6 +88,8 @@ class Graph:
         self.arguments: list[tuple[Any, ...]] = []
         self.depends: list[int] = []
         self.details: list[Any] = []
+        self.flags: set[int] = set()
+        """The nodes that are true or false, and no numbers."""
         self.loops: dict[int, Loop] = {}
         self.repeats: dict[int, Repeat] = {}
         self._depth = 0
@@ -88,7 +101,13 @@ class Graph:
 
     def constant(self, value: float | bool) -> Expr:
         """A number known while tracing."""
-        value = value if isinstance(value, bool) else float(value)
+        try:
+            value = value if isinstance(value, bool) else float(value)
+        except (TypeError, ValueError) as error:
+            if isinstance(error, KernelError):
+                raise
+            reason = f"a kernel computes with numbers, but {value!r} is none"
+            raise make_kernel_error(reason, "a number, and a `return` if one is missing") from None
         return self._node("constant", (value,), 0, type(value))
 
     def apply(self, operation: str, *values: Any) -> Expr:
@@ -208,12 +227,42 @@ class Graph:
         key = (operation, *args, extra, repr(args[0]) if operation == "constant" else None)
         index = self._known.get(key)
         if index is None:
+            flag = self._is_flag(operation, args)
             index = self._known[key] = len(self.operations)
             self.operations.append(operation)
             self.arguments.append(args)
             self.depends.append(depends)
             self.details.append(extra)
+            if flag:
+                self.flags.add(index)
         return Expr(self, index)
+
+    def _is_flag(self, operation: str, args: tuple[Any, ...]) -> bool:
+        """Whether a new node is true or false.
+
+        Raises:
+            KernelError: there is a condition among numbers, or a number among conditions. Floats
+                take both, but in C a vector of conditions is of another type.
+        """
+        if operation in CONDITIONS:
+            return self._is_choice_of_flags(operation, args)
+        if operation in UNTYPED:
+            return operation == "constant" and isinstance(args[0], bool)
+        if not self.flags.isdisjoint(args):
+            raise make_kernel_error(CONDITION, "`xp.where(condition, a, 0.0)`")
+        return operation in FLAGS
+
+    def _is_choice_of_flags(self, operation: str, args: tuple[Any, ...]) -> bool:
+        """The same for operations that take conditions."""
+        count = CONDITIONS[operation]
+        chosen = self.flags.intersection(args[count:])
+        if not self.flags.issuperset(args[:count]):
+            raise make_kernel_error(
+                "a number of a kernel is not true or false", "a comparison: `x > 0.0`"
+            )
+        if chosen and not self.flags.issuperset(args):
+            raise make_kernel_error(CONDITION, "`xp.where(condition, a, 0.0)`")
+        return bool(chosen) or operation in FLAGS
 
     def _simplify(self, operation: str, nodes: list[Expr]) -> Expr | None:
         known = [self.value_of(node) for node in nodes]
@@ -273,7 +322,7 @@ def _identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | N
     return a if known[1] == 1.0 else None
 
 
-class Expr:
+class Expr(TracedNumber):
     """A node of a graph; operators build further nodes."""
 
     __slots__ = ("graph", "index")
@@ -309,10 +358,6 @@ class Expr:
     def __neg__(self) -> Expr:
         return self.graph.apply("neg", self)
 
-    def __pow__(self, exponent: Any) -> Any:
-        whole = find_whole_exponent(exponent)
-        return NotImplemented if whole is None else expand_power(self, whole)
-
     def __lt__(self, other: Any) -> Any:
         return _operate("lt", self, other, "__gt__")
 
@@ -325,26 +370,29 @@ class Expr:
     def __ge__(self, other: Any) -> Any:
         return _operate("ge", self, other, "__le__")
 
-    def __bool__(self) -> bool:
-        raise TypeError("A kernel must not branch on a value; use `xp.where`.")
-
 
 def _operate(operation: str, a: Expr, b: Any, reflected: str) -> Any:
-    """Apply, unless the other side is richer (a dual number): then let it answer."""
+    """Apply, unless the other side is richer (a dual number, an array): then let it answer."""
     if isinstance(b, Expr | float | int):
         return a.graph.apply(operation, a, b)
-    return getattr(b, reflected)(a)
+    if getattr(b, "shape", None) == ():  # a number of NumPy
+        return a.graph.apply(operation, a, b.item())
+    answer = getattr(b, reflected, None)
+    return a.graph.apply(operation, a, b) if answer is None else answer(a)
 
 
 class GraphNamespace:
     """The kernel operations as nodes of one graph."""
 
+    level = 0
+    """Of its numbers, which are no dual ones."""
+
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
 
     def __getattr__(self, operation: str) -> Any:
-        if operation.startswith("_") or not hasattr(floats, operation):
-            raise AttributeError(f"Kernels have no operation `{operation}`.")
+        if operation not in OPERATIONS:
+            raise make_operation_error(operation)
 
         def build(*values: Any) -> Expr:
             return self.graph.apply(operation, *values)

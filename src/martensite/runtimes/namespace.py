@@ -143,3 +143,7 @@ class Namespace(Protocol):
     def eps(self) -> Scalar:
         """Distance from 1 to the next number of the working precision."""
         ...
+
+
+OPERATIONS = frozenset(name for name in vars(Namespace) if not name.startswith("_"))
+"""Names of all operations."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from martensite.runtimes.graph import PARAMETER, SLOPE, Expr, Graph
 
 DEEPEST = 24
-FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
 FLAG, NUMBER, SLOPES = "flag", "number", "slopes"
 """Kinds of nodes: true or false, a number, its derivatives in several directions."""
 
@@ -181,10 +180,7 @@ class Printer:
 
     def is_flag(self, index: int) -> bool:
         """True for nodes that are true or false."""
-        operation, args = self.graph.operations[index], self.graph.arguments[index]
-        if operation == "constant":
-            return isinstance(args[0], bool)
-        return operation in FLAGS or (operation == "where" and self.is_flag(args[1]))
+        return index in self.graph.flags
 
     def _children(self, index: int) -> tuple[int, ...]:
         if index in self.shared or self.graph.operations[index] in ("input", "constant"):
