@@ -1,6 +1,6 @@
 """What a class must define to be one of its kind, and the sentence for what it lacks.
 
-A base marks a method by `abc.abstractmethod`, or by `required_where` if only classes with some flag
+A base marks a method by `abc.abstractmethod`, or by `require_where` if only classes with some flag
 need it. A part is looked at when it is registered, and at the latest when it is made: a method that
 is missing shows where the class is written, not in the middle of a run. There is no metaclass: one
 would slow down every `isinstance`.
@@ -21,7 +21,7 @@ def require_where(flag: str) -> Callable[[F], F]:
     """A decorator: classes whose attribute `flag` is true must define the method."""
 
     def mark(method: F) -> F:
-        method.required_where = flag  # type: ignore[attr-defined]
+        method.require_where = flag  # type: ignore[attr-defined]
         return method
 
     return mark
@@ -32,11 +32,11 @@ def require_methods(cls: type[Any]) -> None:
     if "is_complete" not in vars(cls):
         missing = _find_missing(cls)
         if missing:
-            raise missing_methods_error(cls, missing)
+            raise make_missing_error(cls, missing)
         cls.is_complete = True
 
 
-def missing_methods_error(cls: type[Any], names: Iterable[str]) -> MissingMethodError:
+def make_missing_error(cls: type[Any], names: Iterable[str]) -> MissingMethodError:
     """An error whose sentence says which methods a class lacks, and what they must give."""
     missing = [(name, *_find_base(cls, name)) for name in names]
     asked = "; ".join(f"`{_write_call(name, f)}`: {_read_purpose(f)}" for name, _, f in missing)
@@ -61,7 +61,7 @@ def _find_missing(cls: type[Any]) -> list[str]:
 
 def _is_required(value: Any, cls: type[Any]) -> bool:
     """Whether a base leaves an attribute to a class."""
-    flag = getattr(value, "required_where", None)
+    flag = getattr(value, "require_where", None)
     return bool(getattr(value, "__isabstractmethod__", False) or (flag and getattr(cls, flag)))
 
 

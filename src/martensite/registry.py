@@ -49,7 +49,7 @@ class Registry(Generic[T]):
 
         def file_under(cls: type[C]) -> type[C]:
             require_methods(cls)
-            holder = self._holder(name, cls)
+            holder = self._find_holder(name, cls)
             if holder is not None and not replace and not _is_redefined(holder, cls):
                 raise InputError(
                     f"The {self.kind} name `{name}` belongs to {_describe_place(holder)}, so "
@@ -78,7 +78,7 @@ class Registry(Generic[T]):
         self._plug()
         return sorted(self._entries)
 
-    def _holder(self, name: str, cls: type[Any]) -> type[T] | None:
+    def _find_holder(self, name: str, cls: type[Any]) -> type[T] | None:
         """The class that has a name which another asks for."""
         # two files of this package meet when both are imported; looking further for each of them
         # would import all of a folder at the start of every run
@@ -123,18 +123,18 @@ def _is_own(cls: type[Any]) -> bool:
 
 def _is_redefined(old: type[Any], new: type[Any]) -> bool:
     """Whether a class of a user is the same one again: its cell or its file is executed anew."""
-    same_place = old.__module__ == new.__module__ or _file_of(old) == _file_of(new) is not None
+    same_place = old.__module__ == new.__module__ or _find_file(old) == _find_file(new) is not None
     return same_place and old.__qualname__ == new.__qualname__ and not _is_own(new)
 
 
-def _file_of(cls: type[Any]) -> str | None:
+def _find_file(cls: type[Any]) -> str | None:
     """The file in which a class is defined; None if it is not defined in one."""
     return getattr(sys.modules.get(cls.__module__), "__file__", None)
 
 
 def _describe_place(cls: type[Any]) -> str:
     """A class and where it is defined."""
-    return f"`{cls.__qualname__}` in {_file_of(cls) or f'`{cls.__module__}`'}"
+    return f"`{cls.__qualname__}` in {_find_file(cls) or f'`{cls.__module__}`'}"
 
 
 def import_modules(names: Sequence[str]) -> None:

@@ -35,7 +35,7 @@ def asked(cls: type) -> dict[str, type]:
     found: dict[str, type] = {}
     for base in cls.__mro__:
         for name, value in vars(base).items():
-            flag = getattr(value, "required_where", None)
+            flag = getattr(value, "require_where", None)
             if getattr(value, "__isabstractmethod__", False) or (flag and getattr(cls, flag)):
                 found[name] = base
     return found

@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.errors import ParameterError, suggestion
-from martensite.interfaces import missing_methods_error, required_where
+from martensite.interfaces import make_missing_error, require_where
 from martensite.parameters import part, text
 from martensite.registry import Registry
 from martensite.runtimes import floats
@@ -67,7 +67,7 @@ class AbstractController(AbstractDrive):
         """What it remembers before the first sample."""
         return ()
 
-    @required_where("kernel")
+    @require_where("kernel")
     def answer(
         self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
     ) -> tuple[Scalar, Column]:
@@ -80,7 +80,7 @@ class AbstractController(AbstractDrive):
             readings: by name, in SI.
             dt: time since the sample before [s]; 0 for the first one.
         """
-        raise missing_methods_error(type(self), ["answer"])
+        raise make_missing_error(type(self), ["answer"])
 
     def init(self) -> Called | None:
         """Nothing measured."""

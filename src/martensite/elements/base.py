@@ -19,7 +19,7 @@ from typing import Any, ClassVar, NamedTuple
 from martensite.electrical.base import AbstractSource, Heat
 from martensite.elements.limits import Limits
 from martensite.errors import ParameterError
-from martensite.interfaces import missing_methods_error
+from martensite.interfaces import make_missing_error
 from martensite.laws.base import AbstractLaw, Fractions
 from martensite.laws.coupling import Report
 from martensite.parameters import Parametrised
@@ -173,7 +173,7 @@ class AbstractElement(Parametrised):
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Any, Any, Any]:
         """States after a step of dt [s], in its middle, and after it to a lower order."""
-        raise missing_methods_error(type(self), ["advance_rosenbrock"])
+        raise make_missing_error(type(self), ["advance_rosenbrock"])
 
     def warm_start(self, state: Any, found: Any) -> Any:
         """The state, with what `found`, where a step from it ended before, tells its solve."""

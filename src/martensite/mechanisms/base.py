@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.elements.base import AbstractElement, Effort, Heating, Pull
-from martensite.interfaces import missing_methods_error, required_where
+from martensite.interfaces import make_missing_error, require_where
 from martensite.laws.coupling import Report
 from martensite.mechanisms.drawing import Reading, Shape, hanging, lifted
 from martensite.parameters import Parametrised
@@ -123,10 +123,10 @@ class AbstractMechanism(Parametrised):
     ) -> tuple[Any, list[Any], Report]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
 
-    @required_where("static")
+    @require_where("static")
     def load_line(self, memory: Any) -> Pull:
         """What the element of a `static` mechanism meets, at any time."""
-        raise missing_methods_error(type(self), ["load_line"])
+        raise make_missing_error(type(self), ["load_line"])
 
     @abstractmethod
     def observe(

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from martensite.errors import ParameterError
-from martensite.interfaces import missing_methods_error
+from martensite.interfaces import make_missing_error
 from martensite.registry import Registry
 
 Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
@@ -140,7 +140,7 @@ class AbstractStudy:
     def parts(self) -> dict[str, Callable[[], list[Claim]]]:
         """What computes the claims, part by part, each with words for what it is about."""
         if type(self).claims is AbstractStudy.claims:
-            raise missing_methods_error(type(self), ["claims"])
+            raise make_missing_error(type(self), ["claims"])
         return {"all claims": self.claims}
 
     def claims(self) -> list[Claim]:

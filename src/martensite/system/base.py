@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
-from martensite.interfaces import missing_methods_error
+from martensite.interfaces import make_missing_error
 from martensite.laws.coupling import Report
 from martensite.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.parameters import Parametrised, part
@@ -103,7 +103,7 @@ class AbstractSystem(Parametrised, init=False):
         self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[Any, Any, Any]:
         """States after a step of `dt` [s], in its middle, and after it to a lower order."""
-        raise missing_methods_error(type(self), ["step_rosenbrock"])
+        raise make_missing_error(type(self), ["step_rosenbrock"])
 
     @abstractmethod
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
