@@ -9,6 +9,7 @@ for it is refused, also while the first has not been imported yet.
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -17,7 +18,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar, cast
 
-from martensite.errors import InputError, UnknownNameError
+from martensite.errors import InputError, MartensiteError, UnknownNameError
 from martensite.interfaces import require_methods
 
 T = TypeVar("T")
@@ -149,10 +150,37 @@ def import_modules(names: Sequence[str]) -> None:
         path = Path(name)
         is_file = path.suffix == ".py"
         folder, module = (path.parent, path.stem) if is_file else (Path(), name)
+        if is_file:
+            _require_free(path)
         sys.path.insert(0, str(folder.resolve()))
         try:
             import_module(module)
-        except ImportError as error:
-            raise InputError(f"Cannot import `{name}`: {error}.") from None
+        except MartensiteError:
+            raise
+        except Exception as error:  # whatever a user's file raises
+            raise InputError(f"Cannot import `{name}`: {_describe_error(error)}.") from None
         finally:
             sys.path.pop(0)
+
+
+def _require_free(path: Path) -> None:
+    """Raise `InputError` where another file has the name of a module already."""
+    known = sys.modules.get(path.stem)
+    if known is None:
+        return
+    place = getattr(known, "__file__", None)
+    if place is None or not path.exists() or not Path(place).samefile(path):
+        raise InputError(
+            f"`{path}` cannot be imported, since `{path.stem}` is the module "
+            f"{place or 'of that name'} already; rename the file."
+        )
+
+
+def _describe_error(error: Exception) -> str:
+    """What went wrong in a user's file, and in which line."""
+    if isinstance(error, ImportError):
+        return str(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    if isinstance(error, SyntaxError):
+        return f"{error.msg} (line {error.lineno})"
+    return f"{type(error).__name__}: {error} (line {frames[-1].lineno} of {frames[-1].filename})"

@@ -159,3 +159,21 @@ def test_a_file_may_be_imported_under_two_names(folder: Path) -> None:
     )
     done = python("-c", code)
     assert (done.stdout, done.stderr) == ("<class 'mine.Mine'>\n", "")
+
+
+def test_files_of_one_name_and_broken_files_are_refused(folder: Path) -> None:
+    for place in ("one", "other"):
+        (folder / place).mkdir()
+        write_law(folder / place, "twin.py", f'"{place}"')
+    both = "--import", "one/twin.py", "--import", "other/twin.py"
+    done = python("-m", "martensite", "list", "law", *both)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "other/twin.py` cannot be imported, since `twin` is the module" in done.stderr
+    for text, words in (
+        ("x = = 1\n", "invalid syntax (line 1)"),
+        ("\nmissing\n", "NameError: name 'missing' is not defined (line 2 of "),
+    ):
+        (folder / "broken.py").write_text(text, encoding="utf-8")
+        done = python("-m", "martensite", "list", "law", "--import", "broken.py")
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+        assert f"Cannot import `broken.py`: {words}" in done.stderr
