@@ -56,7 +56,7 @@ def axis(result: Result, name: str) -> Axis:
 
 def column(result: Result, name: str) -> Any:
     """A column of a result as an array in its shown unit."""
-    return axis(result, name).values(result[name].tolist())
+    return axis(result, name).values(result[name])
 
 
 def mathematical(symbol: str) -> str:

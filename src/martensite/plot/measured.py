@@ -166,7 +166,7 @@ def _overlay(result: Result, record: Record, shown: Axis, line: dict[str, Any]) 
     times = np.asarray(record.columns["time"], np.float64)
     values = shown.values(record.columns[shown.name])
     use = _inside(result, times) & np.isfinite(values)
-    simulated = np.interp(times[use], result.times, shown.values(result[shown.name].tolist()))
+    simulated = np.interp(times[use], result.times, shown.values(result[shown.name]))
     return Overlay(times, values, values[use] - simulated, line)
 
 

@@ -153,7 +153,7 @@ def _check(
         )
     if precision != "float64" and _runtime(runtime, step) != "jax":
         raise InputError(
-            "Argument `precision` may be float32 on JAX only: give a `step` and `runtime=\"jax\"`."
+            'Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.'
         )
 
 

@@ -21,11 +21,9 @@ from martensite.status import Status
 from martensite.system import PROFILES
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas  # type: ignore[import-untyped]
     import xarray
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -74,18 +72,12 @@ class Result:
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """A column by name, or the times, in SI units, shape (samples,).
+    def __getitem__(self, name: str) -> list[float]:
+        """A column by name, or the times, in SI units.
 
         Raises:
             UnknownNameError: there is no such column.
         """
-        import numpy as np  # a run on floats is over before NumPy is loaded
-
-        return np.array(self._values(name))
-
-    def _values(self, name: str) -> list[float]:
-        """A column by name, or the times."""
         if name == "time":
             return self.times
         if name not in self.columns:
@@ -194,7 +186,7 @@ class Result:
 
     def range(self, name: str) -> float:
         """Largest minus smallest value of a column, in SI."""
-        column = self._values(name)
+        column = self[name]
         return max(column) - min(column)
 
     @property
