@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.laws.base import LAWS, AbstractLaw
-from martensite.materials.base import load_material
-from martensite.parameters import REQUIRED
-from martensite.runtimes.c99 import c_source, load_library
-from martensite.runtimes.c99_lanes import BLOCK, lanes_source
-from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
+from martensite.base.parameters import REQUIRED
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, storing
+from martensite.physics.laws.base import LAWS, AbstractLaw
+from martensite.physics.materials.base import load_material
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.point import Leg, material_point
 

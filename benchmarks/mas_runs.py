@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
-from martensite.runtimes.c99_lanes import BLOCK
+from martensite.base.status import Status
+from martensite.kernels.c99_lanes import BLOCK
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
@@ -24,7 +25,6 @@ from martensite.simulate.march import classify, march_floats
 from martensite.simulate.marching import Plan
 from martensite.simulate.marching_native import Runs, march_runs
 from martensite.simulate.native import march_lanes
-from martensite.status import Status
 
 LANES = 256
 SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1

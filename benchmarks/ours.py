@@ -14,21 +14,21 @@ from typing import Any
 from benchmarks.engines import Engine
 from benchmarks.inputs import Drive, aligned
 from benchmarks.problem_a import THETA, Wire
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire as Element
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.parameters import part
-from martensite.runtimes.c99_lanes import BLOCK
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire as Element
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.base.parameters import part
+from martensite.kernels.c99_lanes import BLOCK
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.polynomial import PolynomialCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone
 from martensite.simulate.compiled import CompiledMarch, compile_march, fed
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import march_floats
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.polynomial import PolynomialCooling
 
 LANES = 256
 ZERO = 273.15

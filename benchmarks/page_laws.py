@@ -20,7 +20,7 @@ from benchmarks.peers import simcoon_path, sma_react_path
 from benchmarks.peers.simcoon_path import ALLOY, Alloy
 from benchmarks.report import Table
 from benchmarks.sections_laws import apart
-from martensite.laws.lagoudas import Lagoudas
+from martensite.physics.laws.lagoudas import Lagoudas
 
 STEPS = 1000
 LINEAR = ALLOY._replace(exponent=1.0)

@@ -97,14 +97,14 @@ def system(p: Wire, law: str = "mas", **options: Any) -> Any:
 
     The form of the rates is `edge` unless they say otherwise.
     """
-    from martensite.electrical.per_length import PerLengthResistance
-    from martensite.electrical.power import PowerSource
-    from martensite.elements.wire import Wire as Element
-    from martensite.laws.base import LAWS
-    from martensite.mechanisms.bias_spring import BiasSpring
-    from martensite.system import System
-    from martensite.thermal.base import Environment
-    from martensite.thermal.constant import ConstantCooling
+    from martensite.actuators.assembly import System
+    from martensite.actuators.elements.wire import Wire as Element
+    from martensite.actuators.mechanisms.bias_spring import BiasSpring
+    from martensite.physics.electrical.per_length import PerLengthResistance
+    from martensite.physics.electrical.power import PowerSource
+    from martensite.physics.laws.base import LAWS
+    from martensite.physics.thermal.base import Environment
+    from martensite.physics.thermal.constant import ConstantCooling
 
     if law == "mas":
         options = {"rates": "edge"} | options

@@ -22,13 +22,13 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.identify.blocks.shared import sections
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.written import parse_chain
-from martensite.runtimes import floats
+from martensite.identify.operators import sections
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 TEXT = "poly2 | oe(3,3,1) | pwl10"
@@ -105,7 +105,7 @@ def differences(run: Function, theta: np.ndarray, central: bool) -> np.ndarray:
 
 def in_jax(chain: Chain, u: np.ndarray) -> Callable[[], np.ndarray]:
     """Forward derivatives of a compiled scan over the same kernels."""
-    from martensite.runtimes.jax_setup import jax_namespace
+    from martensite.kernels.jax_setup import jax_namespace
 
     xp: Any = jax_namespace()
     import jax

@@ -12,10 +12,10 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.elements.axial_wire import AxialWire
-from martensite.io.scenario import Scenario, load
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.axial_wire import AxialWire
+from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
-from martensite.system import System
 
 EXAMPLE = ROOT / "examples/clamped_wire.toml"
 STEP = 0.02  # [s]

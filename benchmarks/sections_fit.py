@@ -18,11 +18,11 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.problem import Problem, problem
-from martensite.io import datasets
-from martensite.io.fitting.api import fit
-from martensite.io.scenario import read
+from martensite.fit.api import fit
+from martensite.fit.experiment import Experiment
+from martensite.fit.problem import Problem, problem
+from martensite.scenario import datasets
+from martensite.scenario.scenario import read
 from martensite.signals.records import Record
 
 WIRE = """
@@ -89,7 +89,7 @@ CYCLE = "flexinol-isobaric/isobaric_172MPa.txt"
 
 def five_records(text: str, levels: Sequence[float], names: Sequence[str]) -> Problem:
     """Five records and twelve free parameters; what was measured does not matter."""
-    from martensite.io.fitting.wishes import read_wishes
+    from martensite.fit.wishes import read_wishes
 
     times = np.linspace(0.0, 100.0, ROWS)
     columns = {"time": times.tolist(), "strain": (0.04 * np.sin(times)).tolist()}

@@ -134,7 +134,7 @@ def verdict(name: str, rows: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
 @section
 def laws(options: Options, steps: int = 1000, names: Sequence[str] = ()) -> list[Table]:
     """Every registered law along two loops of `steps` steps."""
-    from martensite.laws.base import LAWS
+    from martensite.physics.laws.base import LAWS
 
     chosen = names or LAWS.names()
     rows = {loop: path_rows(options, loop, steps, chosen) for loop in LOOPS}

@@ -13,12 +13,12 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.io.scenario import load
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.finger import Finger
+from martensite.actuators.assembly import AbstractSystem, Machine, System
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.scenario.scenario import load
 from martensite.simulate.api import simulate
-from martensite.system import AbstractSystem, Machine, System
 
 EXAMPLE = ROOT / "examples/antagonistic_wires.toml"
 STEP, DURATION = 0.02, 20.0  # [s]

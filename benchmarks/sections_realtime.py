@@ -18,21 +18,21 @@ from benchmarks.harness import latencies
 from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Observers, Sensors
-from martensite.bench.realtime import RealtimeStep
-from martensite.controllers.mpc import Mpc
-from martensite.controllers.pid import Pid
-from martensite.controllers.planning import Price, Search
-from martensite.electrical.pwm import PwmVoltage
-from martensite.io.scenario import load
-from martensite.observers.extended import ExtendedKalman
-from martensite.runtimes.c99 import compiler
-from martensite.sensors.position import PositionSensor
+from martensite.actuators.assembly import System
+from martensite.control.controllers.mpc import Mpc
+from martensite.control.controllers.pid import Pid
+from martensite.control.controllers.planning import Price, Search
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.sensors.position import PositionSensor
+from martensite.kernels.c99 import compiler
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.scenario.scenario import load
 from martensite.signals.sine import Sine
 from martensite.simulate.lanes import Lanes
-from martensite.system import System
 
 EXAMPLE = ROOT / "examples/pwm_bias_spring.toml"
 PERIOD, BAR = 0.02, 200e-6  # [s]

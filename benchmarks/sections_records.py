@@ -19,14 +19,14 @@ import numpy as np
 from benchmarks.peers import jaxsysid_fit
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.chains.best_linear import best_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate, refine
 from martensite.identify.chains.scores import rms
-from martensite.io.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
+from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 from martensite.signals.sampling.sampled import Sampled
 
 PEER = "jax-sysid"

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.throughput_once import peak
-from martensite.io.scenario import read
-from martensite.io.sweeps.api import How, begin
-from martensite.io.sweeps.job import MEASURES, Wanted
+from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.job import MEASURES, Wanted
+from martensite.scenario.scenario import read
 
 SCENARIO = """
 title = "A short pulse"

@@ -18,8 +18,8 @@ from benchmarks import ours
 from benchmarks.inputs import Drive, sine
 from benchmarks.problem_a import Wire, parameter_sets
 from benchmarks.process import ROOT
-from martensite.io.scenario import load
-from martensite.runtimes.c99_lanes import BLOCK
+from martensite.kernels.c99_lanes import BLOCK
+from martensite.scenario.scenario import load
 from martensite.simulate.arrays import jitted_march, schedule
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.bench.parts import Controllers
+from martensite.control.loop.parts import Controllers
 from martensite.export.gymnasium_vector import SmaVectorEnv
 from martensite.export.learning_task import Task
-from martensite.io.scenario import load
+from martensite.scenario.scenario import load
 
 HERE = Path(__file__).parent
 STROKE, PERIOD = 4e-3, 0.02

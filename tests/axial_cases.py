@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from builders import plain_law
 
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.power import PowerSource
-from martensite.elements.axial_wire import AxialWire
-from martensite.elements.base import AbstractElement
-from martensite.elements.wire import Wire
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.axial_wire import AxialWire
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 
 D, L, K, H, AMBIENT = 0.1e-3, 20e-3, 18.0, 200.0, 295.0
 SECTION = 0.25 * math.pi * D * D

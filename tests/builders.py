@@ -11,37 +11,37 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from martensite.bench.faults.base import FAULTS
-from martensite.bench.supervisor import SUPERVISORS
-from martensite.bench.supervisors.checks.base import CHECKS
-from martensite.electrical.base import RESISTANCES, SOURCES, AbstractSource
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.power import PowerSource
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.base import ELEMENTS, AbstractElement
-from martensite.elements.wire import Wire
-from martensite.laws.base import LAWS, AbstractLaw
-from martensite.laws.brinson import Brinson
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.materials.base import load_material
-from martensite.mechanisms.base import MECHANISMS, AbstractMechanism
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.observers.base import OBSERVERS
-from martensite.parameters import Parametrised, part
-from martensite.registry import Registry
-from martensite.sensors.base import SENSORS
+from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine, System
+from martensite.actuators.elements.base import ELEMENTS, AbstractElement
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.parameters import Parametrised, part
+from martensite.base.registry import Registry
+from martensite.control.checks.base import CHECKS
+from martensite.control.faults.base import FAULTS
+from martensite.control.loop.supervisor import SUPERVISORS
+from martensite.control.observers.base import OBSERVERS
+from martensite.control.sensors.base import SENSORS
+from martensite.physics.electrical.base import RESISTANCES, SOURCES, AbstractSource
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.fluids.base import FLUIDS
+from martensite.physics.laws.base import LAWS, AbstractLaw
+from martensite.physics.laws.brinson import Brinson
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.materials.base import load_material
+from martensite.physics.thermal.base import COOLING, AbstractCooling, Environment
+from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.ends import ENDS
+from martensite.physics.thermal.polynomial import PolynomialCooling
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.moments import Segment, Tone
-from martensite.system import AbstractSystem, Actuator, Group, Machine, System
 from martensite.testing.examples import build_example, label_part, list_variants
 from martensite.testing.laws import find_strain, follow_path, trace_kinetics
-from martensite.thermal.base import COOLING, AbstractCooling, Environment
-from martensite.thermal.constant import ConstantCooling
-from martensite.thermal.ends import ENDS
-from martensite.thermal.fluids.base import FLUIDS
-from martensite.thermal.polynomial import PolynomialCooling
 
 ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.export.c_core import CCore
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 STRICT = (
     "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow",

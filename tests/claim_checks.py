@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from martensite.io.citations import bibliography
+from martensite.scenario.citations import bibliography
 from martensite.studies.base import Claim
 from martensite.studies.tables import TableStudy, settle_claims
 

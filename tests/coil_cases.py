@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from martensite.electrical.mixture import MixtureResistance
-from martensite.elements.base import Spring
-from martensite.elements.coil_spring import CoilSpring
-from martensite.laws.base import Fractions
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.materials.base import load_material
-from martensite.runtimes import floats
+from martensite.actuators.elements.base import Spring
+from martensite.actuators.elements.coil_spring import CoilSpring
+from martensite.kernels import floats
+from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.materials.base import load_material
 
 NUMBERS: dict[str, Any] = {
     name: n.value for name, n in load_material("platform-spring").values.items()

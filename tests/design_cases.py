@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.io.scenario import Scenario, read
+from martensite.design.optimise.evaluate import Designs
+from martensite.design.optimise.question import read_question
+from martensite.scenario.scenario import Scenario, read
 from martensite.simulate.steered import Steering
-from martensite.sizing.design.evaluate import Designs
-from martensite.sizing.design.question import read_question
 
 BUNDLE = """
 title = "bundle"

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, NamedTuple
 
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.elements.base import AbstractElement, Condition, Heating, Pull, Spring
-from martensite.elements.limits import Limits
-from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.parameters import param
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine
+from martensite.actuators.elements.base import AbstractElement, Condition, Heating, Pull, Spring
+from martensite.actuators.elements.limits import Limits
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.coupling import Report
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.table import Table
-from martensite.system import AbstractSystem, Actuator, Group, Machine
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 REST = 300.0
 """Temperature [K] at which nothing is shortened."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.electrical.power import PowerSource
-from martensite.elements.wire import Wire
-from martensite.laws.base import LAWS
-from martensite.materials.base import load_material
-from martensite.mechanisms.finger import Finger
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.laws.base import LAWS
+from martensite.physics.materials.base import load_material
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.table import Table
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 NUMBERS = {name: number.value for name, number in load_material("finger-mas").values.items()}
 DURATION = 25.0  # [s]

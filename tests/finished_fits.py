@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import problem
-from martensite.identify.fitting.solve import solve
-from martensite.io.scenario import Scenario, read
-from martensite.io.tables import read_table
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.problem import problem
+from martensite.fit.solve import solve
+from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
 
 TRUE = {"element.law.A_s": "62 degC", "element.law.C_A": "9 MPa/K", "element.law.eps_L": "0.037"}

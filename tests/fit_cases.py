@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from martensite import units
-from martensite.io.scenario import read
+from martensite.base import units
+from martensite.scenario.scenario import read
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 

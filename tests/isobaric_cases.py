@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.laws.base import AbstractLaw
+from martensite.physics.laws.base import AbstractLaw
 from martensite.signals.records import Record
 from martensite.simulate.point import Leg, material_point
 

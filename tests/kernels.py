@@ -18,29 +18,29 @@ import numpy as np
 import pytest
 from elastic import REST, Elastic
 
-from martensite.electrical.base import AbstractSwitch, Conductor
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.pwm import PwmVoltage
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.elements.base import Heating, Spring
-from martensite.elements.lumped import AbstractLumped
-from martensite.errors import ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.mas import MullerAchenbachSeelecke
-from martensite.laws.shared.exchange import AbstractExchange
-from martensite.mechanisms.base import AbstractMechanism, Load
-from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.shared.motion import Course, Motion
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.runtimes.c99 import c_source, load_library
-from martensite.runtimes.c99_lanes import lanes_source
-from martensite.runtimes.jax_setup import jax_namespace
-from martensite.runtimes.nested import flatten
-from martensite.runtimes.program import Program
+from martensite.actuators.elements.base import Heating, Spring
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.actuators.mechanics.motion import Course, Motion
+from martensite.actuators.mechanisms.base import AbstractMechanism, Load
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99_lanes import lanes_source
+from martensite.kernels.jax_setup import jax_namespace
+from martensite.kernels.nested import flatten
+from martensite.kernels.program import Program
+from martensite.physics.electrical.base import AbstractSwitch, Conductor
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.kinetics.exchange import AbstractExchange
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.mas import MullerAchenbachSeelecke
+from martensite.physics.thermal.base import Cylinder
 from martensite.signals.moments import Moments
-from martensite.thermal.base import Cylinder
 
 LANES = 256
 

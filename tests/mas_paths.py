@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.laws.base import Fractions
-from martensite.laws.coupling import advance
-from martensite.laws.mas import MullerAchenbachSeelecke
-from martensite.parameters import structure
-from martensite.runtimes import floats
-from martensite.runtimes.c99 import c_source, compiler, load_library
-from martensite.runtimes.nested import flatten
-from martensite.runtimes.program import Program
+from martensite.base.parameters import structure
+from martensite.kernels import floats
+from martensite.kernels.c99 import c_source, compiler, load_library
+from martensite.kernels.nested import flatten
+from martensite.kernels.program import Program
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import advance
+from martensite.physics.laws.mas import MullerAchenbachSeelecke
 
 TABLE_1 = {
     "E_A": 50e9, "E_M": 30e9, "eps_T": 0.04, "sigma_L": 1e6, "T_L": 320.0, "dsigma_dT": 4e6,

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from builders import hanging_wire
 
-from martensite.elements.wire import Wire
+from martensite.actuators.elements.wire import Wire
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.export.strand import Weights
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.base import AbstractWaveform
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 GRAVITY = 9.81
 LAGGED = Weights(0.0, 1.0, 0.0)

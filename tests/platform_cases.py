@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.mechanisms.shared.platform_kinematics import Plates
+from martensite.actuators.mechanics.platform_kinematics import Plates
 
 SIDE, HEIGHT = 0.100, 0.060
 RADIUS = SIDE / math.sqrt(3.0)

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 from builders import problem_a, wire_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Observers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.controllers.pid import Pid, PidLaw
-from martensite.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.electrical.pwm import PwmVoltage
-from martensite.observers.base import AbstractObserver
-from martensite.observers.shaken import Shaken
-from martensite.sensors.resistance import ResistanceSensor
+from martensite.actuators.assembly import AbstractSystem, System
+from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.observers.base import AbstractObserver
+from martensite.control.observers.shaken import Shaken
+from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.table import Table
-from martensite.system import AbstractSystem, System
 
 PERIOD = 0.02
 LEAST_DUTY = 0.02

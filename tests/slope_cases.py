@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from builders import chamber, example_system, examples, hanging_wire, label
 
-from martensite.electrical.voltage import VoltageSource
-from martensite.mechanisms.testing_machine import TensileTestingMachine
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
+from martensite.physics.electrical.voltage import VoltageSource
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle
@@ -25,7 +26,6 @@ from martensite.simulate.driven import arranged
 from martensite.simulate.grid import Grid, grid_at
 from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import Slopes, march_slopes
-from martensite.system import AbstractSystem
 
 MISMATCH = 1e-8
 STEPS = {"ribbon": 0.005}

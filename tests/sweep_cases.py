@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from thin_wire import THIN_WIRE
 
-from martensite.io.scenario import Scenario, read
-from martensite.io.sweeps.api import How, begin
-from martensite.io.sweeps.job import Wanted
-from martensite.status import Status
-from martensite.sweep.backends.base import AbstractBackend, Report
-from martensite.sweep.plan import Piece
-from martensite.sweep.running import Progress, run_chunks
+from martensite.base.status import Status
+from martensite.design.backends.base import AbstractBackend, Report
+from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.job import Wanted
+from martensite.design.sweep.plan import Piece
+from martensite.design.sweep.running import Progress, run_chunks
+from martensite.scenario.scenario import Scenario, read
 
 WIRE = (
     THIN_WIRE

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.sweep.axes import Axis, Target
-from martensite.sweep.designs.base import design
-from martensite.sweep.table import Column, SweepTable
+from martensite.design.sampling.base import design
+from martensite.design.sweep.axes import Axis, Target
+from martensite.design.sweep.table import Column, SweepTable
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1

@@ -7,17 +7,17 @@ from functools import cache
 import numpy as np
 from builders import problem_a, wire_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.controllers.pid import Pid
-from martensite.electrical.pwm import PwmVoltage
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.control.controllers.pid import Pid
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.sensors.position import PositionSensor
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.plant import plant
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.sensors.position import PositionSensor
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
 

@@ -3,7 +3,8 @@
 What: SMA_REACT (maestrolab/SMA_REACT, BSD-3) is a calibration tool with windows; it is on no
 package index. Its model core is two Python files that need NumPy, SciPy and Matplotlib only, so a
 checkout runs it without the rest. It is called here through its own function and no code of it is
-copied. The model is that of `martensite.laws.lagoudas` with stress and temperature given; it begins
+copied. The model is that of `martensite.physics.laws.lagoudas` with stress and temperature given;
+it begins
 in martensite, so that a path begins cold. Stress loops from austenite cannot be run with it.
 
 A path runs in a process of its own with one thread. The seconds are CPU time of one whole path,

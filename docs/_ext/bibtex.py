@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from martensite.io import citations
-from martensite.io.citations import fields
+from martensite.scenario import citations
+from martensite.scenario.citations import fields
 
 _ORDER = ("journal", "booktitle", "school", "organization", "edition")
 

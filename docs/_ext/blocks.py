@@ -6,10 +6,10 @@ from typing import Any
 
 import parts
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
 from martensite.identify.chains.written import parse_block
-from martensite.io import catalogue
+from martensite.scenario import catalogue
 
 MANY = 12
 """Free numbers beyond which not all names are listed."""

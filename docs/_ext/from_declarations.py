@@ -18,12 +18,12 @@ import blocks
 import commands
 import parts
 
-from martensite.bench.mounted import Mounted
-from martensite.elements.limits import Limits
-from martensite.io.bench_guard import FromPlant
-from martensite.io.bench_sections import Conduct
-from martensite.io.scenario import Run
-from martensite.thermal.base import Environment
+from martensite.actuators.elements.limits import Limits
+from martensite.control.loop.mounted import Mounted
+from martensite.physics.thermal.base import Environment
+from martensite.scenario.bench_guard import FromPlant
+from martensite.scenario.bench_sections import Conduct
+from martensite.scenario.scenario import Run
 
 DRAWN = (
     "migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration",

@@ -8,7 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 from IPython import get_ipython
 
-from martensite.plot.style import STYLE
+from martensite.show.figures.style import STYLE
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 """The example scenarios of the repository; a page runs in a folder of its own."""

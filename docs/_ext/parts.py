@@ -8,19 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import martensite
-from martensite import units
+from martensite.actuators.assembly import OUTPUTS
+from martensite.base import units
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
+from martensite.base.status import Status
 from martensite.cli import describe
-from martensite.io import catalogue
-from martensite.materials.base import DOUBTFUL, Material, load_material, material_names
-from martensite.materials.names import NAMES
-from martensite.parameters import Parametrised
-from martensite.registry import Registry
+from martensite.design.backends.base import BACKENDS
+from martensite.design.sampling.base import DESIGNS
+from martensite.physics.materials.base import DOUBTFUL, Material, load_material, material_names
+from martensite.physics.materials.names import NAMES
+from martensite.scenario import catalogue
 from martensite.simulate.measures.base import MEASURES
-from martensite.status import Status
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
-from martensite.sweep.backends.base import BACKENDS
-from martensite.sweep.designs.base import DESIGNS
-from martensite.system import OUTPUTS
 
 PLURALS = {
     "element": "Elements",

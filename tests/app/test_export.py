@@ -12,10 +12,10 @@ from app_server import Bench
 from typer.testing import CliRunner
 
 from martensite.cli.app import app
-from martensite.io.csv_files import heading, write_csv
-from martensite.io.netcdf import open_result
-from martensite.io.scenario import load
-from martensite.io.tables import read_table
+from martensite.scenario.csv_files import heading, write_csv
+from martensite.scenario.netcdf import open_result
+from martensite.scenario.scenario import load
+from martensite.scenario.tables import read_table
 
 FLOATS = "--runtime", "floats"
 OWN = ("created", "runtime", "accuracy", "step", "ripple", "heat", "work")

@@ -21,13 +21,13 @@ from martensite.app.calls.run import answer as run
 from martensite.app.drawer import Drawer
 from martensite.app.identify.thin import corners
 from martensite.app.worker import Desk
-from martensite.errors import InputError, SolveError
-from martensite.identify.fitting.losses import LOSSES
-from martensite.identify.fitting.solve import METHODS
-from martensite.io.fitting.api import fit as library_fit
-from martensite.io.material_files import write_material
-from martensite.io.scenario import read
-from martensite.io.tables import read_table
+from martensite.base.errors import InputError, SolveError
+from martensite.fit.api import fit as library_fit
+from martensite.fit.losses import LOSSES
+from martensite.fit.material_files import write_material
+from martensite.fit.solve import METHODS
+from martensite.scenario.scenario import read
+from martensite.scenario.tables import read_table
 
 COLUMNS = [
     {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "temperature", "unit": "degC"},

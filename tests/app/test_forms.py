@@ -8,18 +8,18 @@ from typing import Any
 import pytest
 from app_server import Bench
 
-from martensite import units
 from martensite.app.calls.form import answer
 from martensite.app.forms import documents, ranges, words
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
-from martensite.errors import InputError, UnknownNameError
-from martensite.files import toml_document
-from martensite.io.scenario import read
-from martensite.laws.base import LAWS
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.parameters import Declared, param
-from martensite.runtimes.namespace import Scalar
+from martensite.base import units
+from martensite.base.errors import InputError, UnknownNameError
+from martensite.base.files import toml_document
+from martensite.base.parameters import Declared, param
+from martensite.kernels.namespace import Scalar
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.scenario.scenario import read
 
 TEXT = scenarios()["constant_power"]
 DESK = Desk(Path())

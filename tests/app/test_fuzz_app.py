@@ -17,7 +17,7 @@ from martensite.app.documents import check_files, scenario_of
 from martensite.app.drawer import Drawer
 from martensite.app.messages import DEEPEST, BadMessageError, dumps, loads, refused, wanted
 from martensite.app.worker import Desk, answer, calls
-from martensite.errors import DataError, MartensiteError, ParameterError
+from martensite.base.errors import DataError, MartensiteError, ParameterError
 
 SOURCES = Path(app.__file__).parent
 ENTRIES = sorted({

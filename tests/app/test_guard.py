@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 
 from martensite.app.guard import NAMES
 from martensite.app.server import bound
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 ELSEWHERE = ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", "")
 """Origins of other pages; an empty one is none that a browser sends."""

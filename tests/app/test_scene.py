@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from app_server import Bench
 
+from martensite.actuators.mechanisms.drawing import KINDS
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.views.scene import LEAST, MOST, drawn, scene
 from martensite.app.views.scene import assembled as lengths_of
-from martensite.io.scenario import Scenario, read
-from martensite.mechanisms.drawing import KINDS
+from martensite.scenario.scenario import Scenario, read
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -10,12 +10,12 @@ from martensite.app.calls import size, size_catalogue, size_form
 from martensite.app.calls._sizing import EXAMPLE
 from martensite.app.messages import BadMessageError
 from martensite.app.worker import Desk
-from martensite.errors import InputError
-from martensite.io.plain import plain
-from martensite.io.scenario import read
-from martensite.sizing.candidates import judge, size_wire
-from martensite.sizing.margins import margins, tightest
-from martensite.sizing.request import WireRequest
+from martensite.base.errors import InputError
+from martensite.design.sizing.candidates import judge, size_wire
+from martensite.design.sizing.margins import margins, tightest
+from martensite.design.sizing.request import WireRequest
+from martensite.scenario.plain import plain
+from martensite.scenario.scenario import read
 
 SMALL = {"force": "0.5 N", "stroke": "3 mm", "rate": "0.2 Hz", "supply": "5 V", "alloy": "90"}
 
@@ -166,7 +166,7 @@ def test_a_margin_is_used_over_limit() -> None:
 
 
 def size_wire_sizes() -> Any:
-    from martensite.materials.wires import load_wires
+    from martensite.physics.materials.wires import load_wires
 
     return load_wires().sizes
 

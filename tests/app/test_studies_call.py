@@ -8,8 +8,8 @@ from app_server import Bench
 
 from martensite.app.calls import _studies, study, study_page
 from martensite.app.worker import Desk
-from martensite.errors import UnknownNameError
-from martensite.io.scenario import read
+from martensite.base.errors import UnknownNameError
+from martensite.scenario.scenario import read
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
 
 QUICK = "wire-heating"

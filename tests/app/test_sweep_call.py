@@ -29,12 +29,12 @@ from martensite.app.sweeping.drawn import MOST, Drawn
 from martensite.app.sweeping.shelf import Shelf, busy, slug
 from martensite.app.sweeping.words import quoted
 from martensite.app.worker import Desk
+from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
-from martensite.errors import DataError, InputError
-from martensite.io.sweeps.reading import read_sweep
-from martensite.io.sweeps.store import Store
-from martensite.sweep.indices import sensitivity as sensitivity_indices
-from martensite.sweep.pareto import pareto_front
+from martensite.design.sweep.indices import sensitivity as sensitivity_indices
+from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.reading import read_sweep
+from martensite.design.sweep.store import Store
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
@@ -99,7 +99,7 @@ def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
 def test_a_run_is_opened_with_exactly_its_numbers(
     made: tuple[Desk, str, list[dict[str, Any]]],
 ) -> None:
-    from martensite.io.scenario import read
+    from martensite.scenario.scenario import read
 
     desk, key, _ = made
     found = row({"key": key, "row": 27}, desk)

@@ -11,7 +11,7 @@ from martensite.app.calls.fit_records import answer as records
 from martensite.app.calls.table import answer as table
 from martensite.app.drawer import Drawer
 from martensite.app.worker import Desk
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 LOG = "Time_s;T (C);F/N;remark\n0;20,5;1;=cmd()\n1;;2;\n2;21,5;3;+1+1\n"
 BAD = {

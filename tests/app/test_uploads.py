@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from martensite.app import drawer
 from martensite.app.drawer import Drawer, safe_name
 from martensite.app.messages import Refusal
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 
 NAMES = (
     "../../etc/passwd", "C:\\x\\y.csv", "/abs/path.csv", "a\0b.csv", "x" * 4000 + ".csv",

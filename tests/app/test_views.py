@@ -18,9 +18,9 @@ from martensite.app.views.phase import phase
 from martensite.app.views.traces import loops, stretches, traces
 from martensite.app.views.warnings import alarms
 from martensite.app.worker import Desk
-from martensite.control.analysis.energy import energy_per_cycle
-from martensite.errors import DataError, InputError
-from martensite.io.scenario import load
+from martensite.base.errors import DataError, InputError
+from martensite.design.analysis.energy import energy_per_cycle
+from martensite.scenario.scenario import load
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -12,7 +12,7 @@ from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
 from martensite.app.address import unpacked
-from martensite.io.scenario import read
+from martensite.scenario.scenario import read
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')

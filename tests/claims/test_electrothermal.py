@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from claim_checks import check_complete, check_decides, with_verdict
 
-from martensite.errors import DataError
-from martensite.io import datasets
-from martensite.io.citations import bibliography
-from martensite.io.scenario import load
-from martensite.io.tables import read_table
+from martensite.base.errors import DataError
+from martensite.scenario import datasets
+from martensite.scenario.citations import bibliography
+from martensite.scenario.scenario import load
+from martensite.scenario.tables import read_table
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.electrothermal import model, record, record_numbers
 from martensite.studies.electrothermal.model_numbers import KEPT, calibration

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
 
-from martensite.io.citations import bibliography
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.scenario.citations import bibliography
 from martensite.studies.base import load_study
 from martensite.studies.finger_calibration import (
     bench,

@@ -12,8 +12,8 @@ from dataclasses import replace
 import pytest
 from claim_checks import check_decides, settle_some
 
-from martensite.io.citations import bibliography
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.scenario.citations import bibliography
 from martensite.studies.base import Claim, load_study
 from martensite.studies.finger import (
     bench,

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from martensite.io import datasets
-from martensite.io.fitting.api import fit
-from martensite.io.scenario import read
-from martensite.io.tables import read_table
-from martensite.materials.base import load_material
-from martensite.runtimes.c99 import compiler
+from martensite.fit.api import fit
+from martensite.kernels.c99 import compiler
+from martensite.physics.materials.base import load_material
+from martensite.scenario import datasets
+from martensite.scenario.scenario import read
+from martensite.scenario.tables import read_table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENARIO = """

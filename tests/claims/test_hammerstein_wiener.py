@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 from martensite.studies.base import Claim, load_study
 from martensite.studies.hammerstein_wiener import judged, loop, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL

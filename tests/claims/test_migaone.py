@@ -12,9 +12,9 @@ from dataclasses import replace
 import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
+from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.film_coefficient import film_r_squared, fit_film
-from martensite.errors import DataError, ParameterError, UnknownNameError
-from martensite.io.citations import bibliography
+from martensite.scenario.citations import bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.migaone import bench, film_numbers, motion_numbers, wire_numbers

@@ -17,8 +17,8 @@ from platform_cases import PLATES, about_x, about_y, by_matrices
 from platform_reference import Platform as Reference
 from platform_reference import bisected
 
-from martensite.errors import DataError, ParameterError
-from martensite.io.citations import bibliography
+from martensite.base.errors import DataError, ParameterError
+from martensite.scenario.citations import bibliography
 from martensite.simulate.result import Result
 from martensite.studies import readings
 from martensite.studies.base import Claim, load_study, study_names

@@ -13,8 +13,8 @@ from martensite.identify.chains.best_linear import best_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate, refine
 from martensite.identify.chains.scores import rms
-from martensite.io import datasets
-from martensite.io.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
+from martensite.scenario import datasets
+from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 from martensite.signals.sampling.sampled import Sampled
 
 FILE = "silverbox/SNLS80mV.csv"

@@ -18,10 +18,11 @@ import pytest
 from claim_checks import check_complete, check_decides, settle_some, with_verdict
 from scipy import integrate, optimize
 
-from martensite.errors import DataError
-from martensite.io.citations import bibliography
-from martensite.mechanisms.beam_motor import BeamMotor
-from martensite.runtimes.c99 import compiler
+from martensite.actuators.assembly import Machine
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.base.errors import DataError
+from martensite.kernels.c99 import compiler
+from martensite.scenario.citations import bibliography
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
@@ -39,7 +40,6 @@ from martensite.studies.sommerfeld import (
 )
 from martensite.studies.sommerfeld.study import Sommerfeld
 from martensite.studies.tables import printed_numbers
-from martensite.system import Machine
 
 PRINTED = printed_numbers("sommerfeld")
 FREQUENCIES = "stiffness", "frequency-{mass:.2f}kg", "frequency-{second_mass:.2f}kg"

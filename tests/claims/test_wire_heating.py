@@ -14,8 +14,8 @@ import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 from scipy import optimize
 
-from martensite.errors import DataError
-from martensite.io.citations import bibliography
+from martensite.base.errors import DataError
+from martensite.scenario.citations import bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.tables import Printed, printed_numbers

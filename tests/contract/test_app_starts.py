@@ -9,11 +9,11 @@ from martensite.app.calls.form import NEW, answer
 from martensite.app.forms import documents
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
-from martensite.files import toml_document
-from martensite.io.catalogue import registries
-from martensite.io.overrides import as_toml, changed
-from martensite.io.scenario import read
-from martensite.materials.base import material_names
+from martensite.base.files import toml_document
+from martensite.physics.materials.base import material_names
+from martensite.scenario.catalogue import registries
+from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.scenario import read
 
 ALL = registries()
 SCENARIOS = {**scenarios(), "new": NEW.read_text("utf-8")}

@@ -18,27 +18,27 @@ import numpy as np
 import pytest
 from builders import example, problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.base import FAULTS
-from martensite.bench.faults.stuck import Stuck
-from martensite.bench.faults.supply_sag import SupplySag
-from martensite.bench.mounted import NEVER, Mounted
-from martensite.bench.parts import Faults, Observers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.bench.supervisor import SUPERVISORS
-from martensite.bench.supervisors.checks import base as checks_base
-from martensite.bench.supervisors.checks.above import Overheat
-from martensite.bench.supervisors.checks.base import CHECKS, Checks, Looked, alarm_names
-from martensite.bench.supervisors.from_plant import guard_for
-from martensite.bench.supervisors.guard import Guard
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.observers import hidden
-from martensite.observers.base import ESTIMATED, OBSERVERS
-from martensite.observers.inverse import InverseModel
-from martensite.runtimes import floats
-from martensite.sensors.ideal import IdealSensor
-from martensite.sensors.resistance import ResistanceSensor
+from martensite.base.errors import ParameterError
+from martensite.control.checks import base as checks_base
+from martensite.control.checks.above import Overheat
+from martensite.control.checks.base import CHECKS, Checks, Looked, alarm_names
+from martensite.control.faults.base import FAULTS
+from martensite.control.faults.stuck import Stuck
+from martensite.control.faults.supply_sag import SupplySag
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import NEVER, Mounted
+from martensite.control.loop.parts import Faults, Observers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.loop.supervisor import SUPERVISORS
+from martensite.control.observers import hidden
+from martensite.control.observers.base import ESTIMATED, OBSERVERS
+from martensite.control.observers.inverse import InverseModel
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.control.supervisors.from_plant import guard_for
+from martensite.control.supervisors.guard import Guard
+from martensite.kernels import floats
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.sine import Sine
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))

@@ -16,8 +16,8 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.written import parse_block
-from martensite.runtimes import floats
-from martensite.runtimes.jax_setup import jax_namespace
+from martensite.kernels import floats
+from martensite.kernels.jax_setup import jax_namespace
 
 DT, SAMPLES = 0.05, 40
 SMALL = {

@@ -13,8 +13,8 @@ import pytest
 from builders import example, example_system, registered
 from c_cores import LONG_STEP, UNSOLVED, Called, compiled
 
+from martensite.base.parameters import Parametrised
 from martensite.export.c_core import c_core
-from martensite.parameters import Parametrised
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED
 

@@ -14,25 +14,25 @@ import pytest
 from builders import examples, label
 from command import Command
 
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.base import Column
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.hand import Hand
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.mechanisms.shared.motion import Motion
-from martensite.parameters import param
-from martensite.registry import Registry
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import Column
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.hand import Hand
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.testing import build_example, check_conformance
 from martensite.testing.conformance import SUITES, find_checks
-from martensite.thermal.constant import ConstantCooling
 
 SLOW = {"lagoudas-waisted", "mas-polycrystal-constant-15-internal-stress"}
 """Second forms of the laws that take longest."""
@@ -245,8 +245,8 @@ def test_a_wrong_level_and_a_limit_that_is_passed_are_noticed() -> None:
 
 
 WRONG_LAW = """
-from martensite.laws.base import LAWS, Fractions
-from martensite.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.base import LAWS, Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 
 @LAWS.register("wrong-way")
@@ -259,8 +259,8 @@ class WrongWay(LiangRogers):
 
 
 OWN_LAW = """
-from martensite.laws.base import LAWS
-from martensite.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 
 @LAWS.register("own-law")
@@ -272,7 +272,7 @@ class OwnLaw(LiangRogers):
 @pytest.fixture
 def folder(tmp_path: Any, monkeypatch: Any) -> Any:
     """With two laws of somebody's own, and a cache of its own."""
-    from martensite.laws.base import LAWS
+    from martensite.physics.laws.base import LAWS
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     files = {"wrong-way": ("wrong_way_law", WRONG_LAW), "own-law": ("an_own_law", OWN_LAW)}
@@ -358,6 +358,6 @@ def test_a_part_without_typical_values_is_told_what_to_declare() -> None:
 
 
 def test_a_registry_of_no_suite_is_said() -> None:
-    kinds: Registry[Any] = Registry("toy", "martensite.laws")
+    kinds: Registry[Any] = Registry("toy", "martensite.physics.laws")
     with pytest.raises(Exception, match="There is no suite for the kind `toy`"):
         check_conformance(LiangRogers, kinds.kind)

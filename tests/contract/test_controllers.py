@@ -18,35 +18,35 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.parts import Controllers
-from martensite.bench.run import opened, simulate_bench
-from martensite.controllers.base import CONTROLLERS, AbstractController
-from martensite.controllers.cascade import Cascade
-from martensite.controllers.constant_power import ConstantPower
-from martensite.controllers.correction import Correction
-from martensite.controllers.direct import Direct
-from martensite.controllers.feedforward import Feedforward
-from martensite.controllers.inverse_play import InversePlay
-from martensite.controllers.latched import LatchedOnOff
-from martensite.controllers.mpc import Mpc
-from martensite.controllers.on_off import OnOff
-from martensite.controllers.pid import Pid, PidGains, PidLaw
-from martensite.controllers.planning import Price, Search
-from martensite.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
-from martensite.controllers.sliding_mode import SlidingMode
-from martensite.controllers.state_feedback import StateFeedback
-from martensite.controllers.two_level import TwoLevel
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.io.citations import bibliography
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
-from martensite.runtimes.nested import flatten
+from martensite.actuators.assembly import System
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.base import CONTROLLERS, AbstractController
+from martensite.control.controllers.cascade import Cascade
+from martensite.control.controllers.constant_power import ConstantPower
+from martensite.control.controllers.correction import Correction
+from martensite.control.controllers.direct import Direct
+from martensite.control.controllers.feedforward import Feedforward
+from martensite.control.controllers.inverse_play import InversePlay
+from martensite.control.controllers.latched import LatchedOnOff
+from martensite.control.controllers.mpc import Mpc
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.pid import Pid, PidGains, PidLaw
+from martensite.control.controllers.planning import Price, Search
+from martensite.control.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
+from martensite.control.controllers.sliding_mode import SlidingMode
+from martensite.control.controllers.state_feedback import StateFeedback
+from martensite.control.controllers.two_level import TwoLevel
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
+from martensite.control.loop.run import opened, simulate_bench
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
+from martensite.kernels.nested import flatten
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.scenario.citations import bibliography
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
-from martensite.system import System
 
 PERIOD, SAMPLES = 0.02, 200
 MM, HOT = 1e-3, 330.0

@@ -12,9 +12,9 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from martensite.errors import InputError
-from martensite.sweep.axes import Axis, Target, axis
-from martensite.sweep.designs.base import DESIGNS, AbstractSample, design
+from martensite.base.errors import InputError
+from martensite.design.sampling.base import DESIGNS, AbstractSample, design
+from martensite.design.sweep.axes import Axis, Target, axis
 
 COUNT = 60
 TARGETS = {

@@ -16,16 +16,16 @@ import pytest
 from builders import FunctionWaveform, examples, label
 from elastic import REST, SURROUNDINGS, Elastic
 
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.drawing import KINDS, Reading, Shape, arc, led, length
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.app.views.scene import assembled, drawn
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.beam_motor import BeamMotor
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.mechanisms.drawing import KINDS, Reading, Shape, arc, led, length
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.pulley import AntagonisticPulley
+from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.simulate.api import simulate
-from martensite.system import Actuator, Group, Machine
 
 NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""

@@ -9,18 +9,18 @@ from typing import Any
 import pytest
 from command import Command
 
-from martensite.errors import InputError, MissingMethodError
-from martensite.interfaces import require_methods
-from martensite.io.catalogue import registries
-from martensite.laws.base import LAWS
-from martensite.laws.shared.strips import AbstractStripLaw
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.parameters import Parametrised, param
-from martensite.registry import Registry
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.base.errors import InputError, MissingMethodError
+from martensite.base.interfaces import require_methods
+from martensite.base.parameters import Parametrised, param
+from martensite.base.registry import Registry
+from martensite.design.backends.base import BACKENDS
+from martensite.design.sampling.base import DESIGNS
+from martensite.physics.kinetics.strips import AbstractStripLaw
+from martensite.physics.laws.base import LAWS
+from martensite.scenario.catalogue import registries
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import STUDIES
-from martensite.sweep.backends.base import BACKENDS
-from martensite.sweep.designs.base import DESIGNS
 
 EVERY: dict[str, Registry[Any]] = {
     **registries(blocks=True),
@@ -82,8 +82,8 @@ def test_several_methods_stand_in_one_sentence() -> None:
     assert str(caught.value) == (
         f"`Half` in {__name__} must define `young(fractions)`: Young's modulus [Pa]; "
         "`left(xp, distance)`: What a process leaves at a distance from its finish line, as a "
-        "share of all [-] (see `AbstractPhaseDiagram` in martensite.laws.shared.diagram and "
-        "`AbstractStripLaw` in martensite.laws.shared.strips). Is `lefft` meant as `left`?"
+        "share of all [-] (see `AbstractPhaseDiagram` in martensite.physics.kinetics.diagram and "
+        "`AbstractStripLaw` in martensite.physics.kinetics.strips). Is `lefft` meant as `left`?"
     )
 
 

@@ -16,12 +16,12 @@ from benchmarks.problem_b import Wire, system, waveform
 from builders import problem_a
 
 import martensite as ms
-from martensite.io.scenario import load
-from martensite.io.sweeps.subject import waveforms_of
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.status import Status
+from martensite.design.sweep.subject import waveforms_of
+from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.variants import Course, Ran
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SAMPLES = 101

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from builders import SINE_A, problem_a
 
-from martensite.runtimes.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native import march_lanes

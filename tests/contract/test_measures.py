@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.errors import InputError
-from martensite.parameters import text
+from martensite.base.errors import InputError
+from martensite.base.parameters import text
+from martensite.base.units import conversion
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, judged, measure, needed
 from martensite.simulate.measures.extremes import Largest
-from martensite.units import conversion
 
 SYSTEM = problem_a()
 RUNS = 7

@@ -14,14 +14,14 @@ import pytest
 from builders import Swings, examples, label, problem_a, raised_cosine
 from elastic import REST, actuator, kelvins, machine
 
-from martensite.errors import InputError, ParameterError
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.assembly import Group, Machine
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base.errors import InputError, ParameterError
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import Group, Machine
 from martensite.testing.mechanisms import is_consistent
 
 MULTIBODY = [m for m in examples("mechanism") if isinstance(m, AbstractMultibody)]

@@ -6,14 +6,14 @@ import builders
 import pytest
 from builders import REGISTRIES, registered
 
-from martensite import units
-from martensite.elements.limits import Limits
-from martensite.errors import UnitError
-from martensite.io.citations import bibliography
-from martensite.parameters import Parametrised, param
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.limits import Limits
+from martensite.base import units
+from martensite.base.errors import UnitError
+from martensite.base.parameters import Parametrised, param
+from martensite.physics.thermal.base import Environment
+from martensite.scenario.citations import bibliography
 from martensite.signals.base import DRIVE
-from martensite.system import System
-from martensite.thermal.base import Environment
 
 CLASSES = [*registered(), System, Environment, Limits]
 

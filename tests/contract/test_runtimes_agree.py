@@ -16,9 +16,9 @@ from kernels import (
     traced,
 )
 
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.parameters import Parametrised
-from martensite.runtimes.dual import value_and_slope
+from martensite.base.parameters import Parametrised
+from martensite.kernels.dual import value_and_slope
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 TOLERANCE = 1e-12
 

@@ -19,10 +19,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kernels import TRUTHS
 
-from martensite import units
-from martensite.runtimes import floats
-from martensite.sensors.base import SENSORS, readings
-from martensite.sensors.current import CurrentSensor
+from martensite.base import units
+from martensite.control.sensors.base import SENSORS, readings
+from martensite.control.sensors.current import CurrentSensor
+from martensite.kernels import floats
 
 EXAMPLES: list[Any] = builders.examples("sensor")
 MANY = 4000

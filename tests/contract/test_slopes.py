@@ -12,8 +12,8 @@ import pytest
 from builders import example, law_a
 from slope_cases import Case, cases, in_machine, under_weight
 
-from martensite.laws.brinson import Brinson
-from martensite.runtimes import c99
+from martensite.kernels import c99
+from martensite.physics.laws.brinson import Brinson
 from martensite.simulate.batch import sensitivity
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.native import march_lanes

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from builders import along, examples, label, stepper
 
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
 
 LAWS = examples("law")
 LONG = (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from builders import SINE_A, FunctionWaveform, example_system, examples, label, problem_a
 
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.runtimes.arrays import ArrayNamespace
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.kernels.arrays import ArrayNamespace
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

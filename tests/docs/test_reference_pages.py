@@ -16,9 +16,9 @@ import pytest
 from fences import ROOT, pages
 
 import martensite
-from martensite.io import catalogue, citations
-from martensite.materials.base import load_material, material_names
-from martensite.registry import Registry
+from martensite.base.registry import Registry
+from martensite.physics.materials.base import load_material, material_names
+from martensite.scenario import catalogue, citations
 
 MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 

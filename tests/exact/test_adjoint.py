@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.runtimes.adjoint import gradient
-from martensite.runtimes.graph import VARYING
-from martensite.runtimes.partials import partials
-from martensite.runtimes.program import Function, Program
+from martensite.kernels.adjoint import gradient
+from martensite.kernels.graph import VARYING
+from martensite.kernels.partials import partials
+from martensite.kernels.program import Function, Program
 
 RNG = np.random.default_rng(1)
 

@@ -28,19 +28,19 @@ from axial_cases import (
 from builders import law_a, wire_a
 from finger import finger, finger_law, trapezoid
 
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.elements.axial_wire import AxialWire
-from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.axial_wire import AxialWire
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import ParameterError
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.thermal.ends import ClampedEnds
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
-from martensite.thermal.ends import ClampedEnds
 
 CELLS = ("5", "10", "20", "40", "80")
 MILD = 1.0

@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 from scipy import integrate, linalg, optimize
 
-from martensite.errors import ParameterError
-from martensite.mechanisms.shared.beam_modes import (
+from martensite.actuators.mechanics.beam_modes import (
     PER_MODE,
     CantileverBeam,
     beam_modes,
     exact_omega,
     exact_roots,
 )
+from martensite.base.errors import ParameterError
 
 RATIOS = (0.0, 0.3, 1.0, 20.0)
 EQUAL = (1.557298, 16.25009, 50.89584, 105.1983, 179.2320)
@@ -161,6 +161,6 @@ def test_what_is_refused() -> None:
 
 
 def test_import_is_light() -> None:
-    code = "import sys, martensite.mechanisms.shared.beam_modes; print('numpy' in sys.modules)"
+    code = "import sys, martensite.actuators.mechanics.beam_modes; print('numpy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

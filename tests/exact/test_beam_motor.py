@@ -17,26 +17,26 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
-from martensite.laws.elahinia import Elahinia
-from martensite.mechanisms.beam_motor import BeamMotor, modal_numbers
-from martensite.mechanisms.shared.beam_modes import CantileverBeam, beam_modes, exact_omega
-from martensite.mechanisms.shared.motion import Motion
-from martensite.runtimes import floats
-from martensite.runtimes.program import Program
+from martensite.actuators.assembly import Machine, System
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanics.beam_modes import CantileverBeam, beam_modes, exact_omega
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.beam_motor import BeamMotor, modal_numbers
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.program import Program
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.elahinia import Elahinia
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.point import Leg, material_point
 from martensite.simulate.result import Result
-from martensite.system import Machine, System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 PRINTED: dict[str, Any] = {
     "mass": 0.25, "stiffness": 541.0, "damping": 0.07, "unbalance": 0.012, "eccentricity": 0.02,

@@ -9,12 +9,12 @@ import pytest
 from builders import ZERO, isobar, isotherm
 from closed_forms import BOTH_RULES, exact
 
-from martensite.errors import ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.brinson import Brinson
-from martensite.materials.base import load_material
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.brinson import Brinson
+from martensite.physics.materials.base import load_material
 
 MATERIAL = load_material("niti-brinson-1993")
 NUMBERS: dict[str, Any] = {name: number.value for name, number in MATERIAL.values.items()}

@@ -16,26 +16,26 @@ from builders import law_a, wire_a
 from coil_cases import platform_spring
 from typer.testing import CliRunner
 
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.bundle import Bundle
+from martensite.actuators.elements.chain import Chain
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import InputError, ParameterError
 from martensite.cli import app
-from martensite.electrical.base import AbstractSource
-from martensite.electrical.power import PowerSource
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.base import AbstractElement
-from martensite.elements.bundle import Bundle
-from martensite.elements.chain import Chain
-from martensite.errors import InputError, ParameterError
-from martensite.io.scenario import read
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.electrical.base import AbstractSource
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.ends import ClampedEnds
+from martensite.scenario.scenario import read
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
-from martensite.thermal.ends import ClampedEnds
 
 N = 3
 ENVIRONMENT = Environment(temperature=295.0, cooling=ConstantCooling(h=100.0))

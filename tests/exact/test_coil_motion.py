@@ -28,17 +28,17 @@ from coil_cases import (
     tangent,
 )
 
-from martensite.electrical.current import CurrentSource
-from martensite.elements.coil_spring import CoilSpring
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.coil_spring import CoilSpring
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 PULSE = Step(low=0.0, high=2.5, at=1.0, until=45.0)
 RATE = 100.0

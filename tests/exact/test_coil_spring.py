@@ -28,11 +28,11 @@ from coil_cases import (
     tangent,
 )
 
-from martensite.elements import coil_theory
-from martensite.errors import ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.brinson import Brinson
-from martensite.runtimes import floats
+from martensite.actuators.elements import coil_theory
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.brinson import Brinson
 
 RATE_A, RATE_M = (g * WIRE**4 / (8 * TURNS * COIL**3) for g in (G_A, G_M))
 STATES = (0.0, 0.3, 0.7, 1.0)

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from builders import hanging_wire
 
-from martensite.bench.bench import Bench
-from martensite.bench.parts import Controllers
-from martensite.bench.run import simulate_bench
-from martensite.control.averaging import compare_averaging
-from martensite.controllers.constant_power import ConstantPower
-from martensite.electrical.power_pwm import PowerPwm
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.runtimes import floats
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.constant_power import ConstantPower
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
+from martensite.control.loop.run import simulate_bench
+from martensite.design.tuning.averaging import compare_averaging
+from martensite.kernels import floats
+from martensite.physics.electrical.power_pwm import PowerPwm
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

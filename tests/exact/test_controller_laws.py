@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.controllers.base import AbstractController
-from martensite.controllers.cascade import Cascade
-from martensite.controllers.direct import Direct
-from martensite.controllers.pid import Pid, PidGains, PidLaw
-from martensite.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
-from martensite.controllers.sliding_mode import SlidingMode
-from martensite.controllers.two_level import TwoLevel
-from martensite.electrical.power import PowerSource
-from martensite.errors import ParameterError
-from martensite.runtimes import floats
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.cascade import Cascade
+from martensite.control.controllers.direct import Direct
+from martensite.control.controllers.pid import Pid, PidGains, PidLaw
+from martensite.control.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
+from martensite.control.controllers.sliding_mode import SlidingMode
+from martensite.control.controllers.two_level import TwoLevel
+from martensite.kernels import floats
+from martensite.physics.electrical.power import PowerSource
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held

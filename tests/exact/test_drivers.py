@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from builders import hanging_wire, problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.run import simulate_bench
-from martensite.electrical.h_bridge import HBridge
-from martensite.electrical.linear_amplifier import LinearAmplifier
-from martensite.electrical.mosfet import Mosfet
-from martensite.errors import ParameterError
-from martensite.runtimes import floats
+from martensite.base.errors import ParameterError
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.run import simulate_bench
+from martensite.kernels import floats
+from martensite.physics.electrical.h_bridge import HBridge
+from martensite.physics.electrical.linear_amplifier import LinearAmplifier
+from martensite.physics.electrical.mosfet import Mosfet
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.simulate.api import simulate

@@ -15,14 +15,14 @@ from builders import law_a, wire_a
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite.elements.axial_wire import AxialWire
-from martensite.io.scenario import read
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
+from martensite.actuators.elements.axial_wire import AxialWire
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
+from martensite.physics.thermal.base import Cylinder
+from martensite.physics.thermal.ends import LEAST, AdiabaticEnds, ClampedEnds
+from martensite.scenario.scenario import read
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
-from martensite.thermal.base import Cylinder
-from martensite.thermal.ends import LEAST, AdiabaticEnds, ClampedEnds
 
 D = 0.1e-3
 SECTION, EDGE = 0.25 * math.pi * D * D, math.pi * D
@@ -203,4 +203,4 @@ def test_axial_wire_draws_the_conductivity_of_the_material() -> None:
 def test_what_cannot_be_meant_is_refused(text: str, words: str) -> None:
     with pytest.raises(Exception, match=words) as caught:
         read(text)
-    assert type(caught.value).__module__ == "martensite.errors"
+    assert type(caught.value).__module__ == "martensite.base.errors"

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import martensite as ms
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.thermal.base import Cylinder
+from martensite.physics.thermal.morgan import LAWS
 from martensite.studies.tables import printed_numbers
-from martensite.thermal.base import Cylinder
-from martensite.thermal.morgan import LAWS
 
 ZERO = 273.15
 FREE = {"lefevre-ede": ms.LeFevreEde, "churchill-chu": ms.ChurchillChu, "morgan": ms.Morgan}

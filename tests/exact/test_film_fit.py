@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
+from martensite.base.confidence import student_quantile, two_sided_probability
+from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.characterise import film_sensitivity
 from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, fit_film
@@ -25,8 +27,6 @@ from martensite.characterise.film_points import (
 from martensite.characterise.film_report import judge_film
 from martensite.characterise.nonlinear_regression import fit_residuals
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
-from martensite.confidence import student_quantile, two_sided_probability
-from martensite.errors import DataError, ParameterError, SolveError
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import martensite as ms
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
-from martensite.thermal.base import Cylinder
-from martensite.thermal.fluids.base import FLUIDS
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
+from martensite.physics.fluids.base import FLUIDS
+from martensite.physics.thermal.base import Cylinder
 
 ZERO = 273.15
 FREE = {"lefevre-ede": ms.LeFevreEde, "churchill-chu": ms.ChurchillChu, "morgan": ms.Morgan}

@@ -17,22 +17,22 @@ from builders import FunctionWaveform, plain_law, raised_cosine
 from finger import DURATION, NUMBERS, finger, finger_law, joint, trapezoid
 from scipy.optimize import brentq
 
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
-from martensite.mechanisms.finger import Finger
-from martensite.mechanisms.joints import bowstring_arm
-from martensite.mechanisms.shared.motion import Course, Motion
-from martensite.runtimes import floats
-from martensite.runtimes.nested import flatten
+from martensite.actuators.assembly import State, System
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanics.motion import Course, Motion
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.joints import bowstring_arm
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.nested import flatten
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.result import Result
-from martensite.system import State, System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 G, K, PULLED = 10.6e-3, 50.0, 1e-3
 SECTION = 0.25 * math.pi * 0.1e-3**2

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.errors import ParameterError, SolveError
-from martensite.identify.fitting.profile import profile
-from martensite.identify.fitting.uncertainty import uncertainty
+from martensite.base.errors import ParameterError, SolveError
+from martensite.fit.profile import profile
+from martensite.fit.uncertainty import uncertainty
 
 X = np.linspace(0.0, 3.0, 20)
 COLUMNS = np.stack([X**0, X, X**2], axis=1)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize, stats
 
-from martensite.errors import DataError, ParameterError, UnknownNameError
-from martensite.identify.fitting.losses import LOSSES, loss_named, robust_scale
-from martensite.identify.fitting.scores import score
+from martensite.base.errors import DataError, ParameterError, UnknownNameError
+from martensite.fit.losses import LOSSES, loss_named, robust_scale
+from martensite.search.scores import score
 
 TIMES = np.linspace(0.0, 2.0, 5)
 MEASURED = np.asarray([0.0, 1.0, 2.0, 1.0, 0.0])

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.base.confidence import EVERYTHING
+from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.confidence import EVERYTHING
-from martensite.errors import DataError, ParameterError, UnknownNameError
-from martensite.identify.fitting.autocorrelation import autocorrelation, effective_samples
-from martensite.identify.fitting.uncertainty import uncertainty
-from martensite.identify.fitting.whiteness import whiteness
+from martensite.fit.uncertainty import uncertainty
+from martensite.search.autocorrelation import autocorrelation, effective_samples
+from martensite.search.whiteness import whiteness
 
 X = np.linspace(0.0, 3.0, 25)
 SCALES = [4.0, -2.0, 0.5]

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import martensite as ms
-from martensite.runtimes import floats
-from martensite.thermal.fluids import air_table, oil
-from martensite.thermal.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.thermal.fluids.rows import between
+from martensite.kernels import floats
+from martensite.physics.fluids import air_table, oil
+from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
+from martensite.physics.fluids.rows import between
 
 # T, μ [1e-6 Pa s], k, c_p [kJ/(kg K)], ρ, dv/dT [1e-7 m³/(kg K)]
 RELEASE = (

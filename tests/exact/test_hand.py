@@ -18,25 +18,25 @@ from builders import wire_a
 from elastic import REST, kelvins, machine
 from scipy import integrate, optimize
 
-from martensite.electrical.power import PowerSource
-from martensite.elements.bundle import Bundle
-from martensite.errors import ParameterError
-from martensite.laws.brinson import Brinson
-from martensite.mechanisms.base import Column
-from martensite.mechanisms.hand import FINGERS, JOINTS, Hand
-from martensite.mechanisms.multibody import AbstractMultibody, Coordinate
-from martensite.mechanisms.shared.motion import Motion
-from martensite.parameters import param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.elements.bundle import Bundle
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import Column
+from martensite.actuators.mechanisms.hand import FINGERS, JOINTS, Hand
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.laws.brinson import Brinson
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.result import Result
-from martensite.system import Actuator, Group, Machine
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 GEOMETRY: dict[str, Any] = {
     "offset": 5e-3, "bracket": 4e-3, "knuckle": 7e-3, "preload": 0.5, "highest": 1.2,

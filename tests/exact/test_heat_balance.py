@@ -19,8 +19,8 @@ from builders import (
 )
 from scipy.integrate import romb
 
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.power import PowerSource
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 

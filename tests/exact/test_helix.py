@@ -12,9 +12,9 @@ from collections.abc import Callable
 import pytest
 from coil_cases import CLOSED, COIL, G_A, G_M, ROOT3, TURNS, WIRE, force_at, platform_spring
 
-from martensite.elements import helix
-from martensite.laws.base import Fractions
-from martensite.runtimes import floats
+from martensite.actuators.elements import helix
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
 
 NU = 0.33
 LENGTHS = (0.02, 0.06, 0.09, 0.15, 0.25)

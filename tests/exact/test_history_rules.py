@@ -7,9 +7,9 @@ import pytest
 from builders import ZERO, PrintedFormula, along, fraction_after, isobar, law_a
 from closed_forms import BOTH_RULES, cold, exact, hot
 
-from martensite.laws.base import Fractions
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 
 class TestInterruptedTransformations:

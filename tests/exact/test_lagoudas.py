@@ -9,14 +9,14 @@ import pytest
 from builders import along, chamber, fraction_after, stepper, strain_of, through
 from scipy.integrate import quad
 
-from martensite.errors import ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.lagoudas import Lagoudas
-from martensite.laws.shared.hardening import hardening, hardening_integral, transformed
-from martensite.laws.shared.waist import unwaisted, waisted
-from martensite.materials.base import load_material
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
+from martensite.physics.kinetics.hardening import hardening, hardening_integral, transformed
+from martensite.physics.kinetics.waist import unwaisted, waisted
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.lagoudas import Lagoudas
+from martensite.physics.materials.base import load_material
 from martensite.simulate.api import simulate
 
 MPA = 1e6

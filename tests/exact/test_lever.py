@@ -15,16 +15,16 @@ from builders import hanging_wire, problem_a
 from elastic import REST, SURROUNDINGS, Elastic
 from scipy import optimize
 
-from martensite.electrical.power import PowerSource
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.mechanisms.lever import Lever
-from martensite.runtimes import floats
-from martensite.runtimes.dual import jacobian
+from martensite.actuators.assembly import System
+from martensite.actuators.mechanisms.lever import Lever
+from martensite.kernels import floats
+from martensite.kernels.dual import jacobian
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
 
 G = 9.80665
 SOFT, SHORTER = 2e-4, 1e-3

@@ -16,8 +16,8 @@ from builders import (
 )
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact, forward, reverse
 
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.simulate.api import simulate
 
 # ---------------------------------------------------------------- curves

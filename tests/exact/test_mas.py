@@ -13,10 +13,10 @@ from benchmarks.problem_b import Wire, system, waveform
 from mas_paths import TABLE_1, follow, table_1, there_and_back
 from scipy.integrate import romb
 
-from martensite.errors import ParameterError
-from martensite.laws.mas import MullerAchenbachSeelecke
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.simulate.api import simulate
 
 AUSTENITE, TWINNED, ORIENTED = (0.0, 0.0), (0.5, 0.5), (1.0, 0.0)

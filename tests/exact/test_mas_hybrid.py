@@ -11,10 +11,10 @@ import pytest
 from benchmarks.problem_b import Wire, system, waveform
 from mas_paths import TABLE_1, follow, table_1, there_and_back
 
-from martensite.laws.base import Fractions
-from martensite.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as Hybrid
-from martensite.laws.shared.layers import Variants
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.kinetics.layers import Variants
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as Hybrid
 from martensite.simulate.api import simulate
 
 AUSTENITE, TWINNED, ORIENTED = (0.0, 0.0), (0.5, 0.5), (1.0, 0.0)

@@ -12,12 +12,12 @@ from benchmarks.problem_b import Wire, system, waveform
 from builders import FunctionWaveform
 from mas_paths import follow, table_1
 
-from martensite.laws.mas_polycrystal import MullerAchenbachSeeleckePolycrystal
-from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.assembly import System
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.physics.laws.mas_polycrystal import MullerAchenbachSeeleckePolycrystal
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.simulate.api import simulate
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 COLUMNS = ("temperature", "martensite_fraction", "oriented_fraction", "stress", "position")
 

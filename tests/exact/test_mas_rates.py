@@ -13,12 +13,12 @@ from mas_paths import TABLE_1, table_1
 from scipy import special
 from scipy.linalg import expm
 
-from martensite.laws.shared.barriers import BOLTZMANN
-from martensite.laws.shared.exchange import Flows, exchange
-from martensite.laws.shared.layers import Variants
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.thermal.constant import ConstantCooling
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.physics.kinetics.barriers import BOLTZMANN
+from martensite.physics.kinetics.exchange import Flows, exchange
+from martensite.physics.kinetics.layers import Variants
+from martensite.physics.thermal.constant import ConstantCooling
 
 ARRAYS = ArrayNamespace(np)
 FORMS = ("barrier", "well", "edge")

@@ -27,12 +27,12 @@ from mujoco_cases import (
     with_lagged_stress,
 )
 
+from martensite.actuators.assembly import System
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.export.mujoco_bridge import COUPLINGS, MujocoBridge
-from martensite.mechanisms.dead_weight import DeadWeight
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite.system import System
 
 
 def pushed(bridge: MujocoBridge, joint: str, speed: float, steps: int) -> np.ndarray:

@@ -21,27 +21,27 @@ from coil_cases import platform_spring
 from finger import finger as finger_prototype
 from finger import finger_law
 
-from martensite.electrical.power import PowerSource
-from martensite.errors import InputError, ParameterError
+from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine, System
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import InputError, ParameterError
 from martensite.export import mjcf
 from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_mjcf
 from martensite.export.mujoco_bridge import read_model
 from martensite.export.mujoco_result import MujocoResult
-from martensite.mechanisms.finger import Finger
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.mechanisms.shared.motion import Motion
-from martensite.runtimes import floats
-from martensite.runtimes.c99 import compiler
-from martensite.runtimes.dual import jacobian
+from martensite.kernels import floats
+from martensite.kernels.c99 import compiler
+from martensite.kernels.dual import jacobian
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.driven import Waveforms
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem, Actuator, Group, Machine, System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 mujoco: Any = installed
 RUNTIME = "c" if compiler() else "floats"

@@ -18,21 +18,21 @@ from coil_cases import CLOSED, COIL, COLD, TURNS, WIRE, platform_law, platform_s
 from platform_cases import HEIGHT, PLATES, SIDE, about_x, about_y, by_matrices
 from platform_reference import Platform
 
-from martensite.electrical.mixture import MixtureResistance
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.coil_spring import CoilSpring
-from martensite.errors import ParameterError, SolveError
-from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.mechanisms.shared.platform_kinematics import Plates, slopes
-from martensite.mechanisms.shared.platform_rays import crosswise
-from martensite.parameters import param
-from martensite.runtimes import floats
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.elements.coil_spring import CoilSpring
+from martensite.actuators.mechanics.platform_kinematics import Plates, slopes
+from martensite.actuators.mechanics.platform_rays import crosswise
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import ParameterError, SolveError
+from martensite.base.parameters import param
+from martensite.kernels import floats
+from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import Actuator, Group, Machine
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 MASS, GRAVITY = 0.075, 9.81
 RATE = 17e9 * WIRE**4 / (8 * TURNS * COIL**3)

@@ -15,7 +15,7 @@ import pytest
 from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, PLATES, POSTURES, SIDE
 
-from martensite.mechanisms.shared.platform_inertia import (
+from martensite.actuators.mechanics.platform_inertia import (
     Rates,
     TopPlate,
     Torques,
@@ -25,10 +25,10 @@ from martensite.mechanisms.shared.platform_inertia import (
     thin_plate,
     weight_torques,
 )
-from martensite.mechanisms.shared.platform_kinematics import Plates, corners
-from martensite.parameters import Parametrised
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope, values_and_slopes
+from martensite.actuators.mechanics.platform_kinematics import Plates, corners
+from martensite.base.parameters import Parametrised
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope, values_and_slopes
 
 MASS, GRAVITY = 0.075, 9.81
 RATES, ACCELERATIONS = Rates(1.7, -2.3), Rates(-11.0, 6.0)

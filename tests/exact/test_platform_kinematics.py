@@ -27,8 +27,7 @@ from platform_cases import (
     by_matrices,
 )
 
-from martensite.errors import ParameterError, SolveError
-from martensite.mechanisms.shared.platform_kinematics import (
+from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
     correction,
     lengths,
@@ -37,9 +36,10 @@ from martensite.mechanisms.shared.platform_kinematics import (
     slopes,
     torques,
 )
-from martensite.parameters import Parametrised
-from martensite.runtimes import floats
-from martensite.runtimes.dual import values_and_slopes
+from martensite.base.errors import ParameterError, SolveError
+from martensite.base.parameters import Parametrised
+from martensite.kernels import floats
+from martensite.kernels.dual import values_and_slopes
 
 MIDDLE, BASE = GEOMETRIES[1:3]
 

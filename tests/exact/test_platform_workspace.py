@@ -16,11 +16,11 @@ from platform_cases import GEOMETRIES, HEIGHT, PLATES, RADIUS, SIDE, about_x, ab
 from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
-from martensite.errors import ParameterError
-from martensite.mechanisms.shared.platform_kinematics import Plates, lengths, slopes
-from martensite.mechanisms.shared.platform_rays import balanced, crosswise, ray
-from martensite.mechanisms.shared.platform_workspace import Legs, Workspace, reachable_angles
-from martensite.runtimes import floats
+from martensite.actuators.mechanics.platform_kinematics import Plates, lengths, slopes
+from martensite.actuators.mechanics.platform_rays import balanced, crosswise, ray
+from martensite.actuators.mechanics.platform_workspace import Legs, Workspace, reachable_angles
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
 
 SHORTEST, LONGEST = 0.030, 0.090
 STEP = math.radians(0.5)

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from kernels import RUNTIMES, Kernel, on_lanes, traced
 
+from martensite.base.parameters import Parametrised
 from martensite.export.c_kernels import precision_of
 from martensite.export.c_operations import operations
-from martensite.parameters import Parametrised
-from martensite.runtimes import floats
-from martensite.runtimes.adjoint import gradient
-from martensite.runtimes.dual import jacobian, value_and_slope
-from martensite.runtimes.graph import VARYING
-from martensite.runtimes.jax_setup import jax_namespace
-from martensite.runtimes.partials import partials
-from martensite.runtimes.powers import expand_power, find_whole_exponent
-from martensite.runtimes.printer import Printer
-from martensite.runtimes.program import Program
-from martensite.runtimes.tangent import differentiated
+from martensite.kernels import floats
+from martensite.kernels.adjoint import gradient
+from martensite.kernels.dual import jacobian, value_and_slope
+from martensite.kernels.graph import VARYING
+from martensite.kernels.jax_setup import jax_namespace
+from martensite.kernels.partials import partials
+from martensite.kernels.powers import expand_power, find_whole_exponent
+from martensite.kernels.printer import Printer
+from martensite.kernels.program import Program
+from martensite.kernels.tangent import differentiated
 
 RNG = np.random.default_rng(5)
 POINTS = np.column_stack([RNG.uniform(0.05, 20.0, 48), RNG.uniform(-4.0, 4.0, 48)])

@@ -16,22 +16,22 @@ import pytest
 from builders import wire_a
 from elastic import REST, kelvins, machine
 
-from martensite.electrical.power import PowerSource
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.laws.brinson import Brinson
-from martensite.mechanisms.base import Column
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.mechanisms.shared.motion import Motion
-from martensite.runtimes.namespace import Namespace
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import Column
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.kernels.namespace import Namespace
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.brinson import Brinson
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import Actuator, Group, Machine
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 R, PRELOAD, SOFT, SHORTER = 8e-3, 3.0, 4e-4, 1e-3
 """Radius [m], preload [N], compliance of an elastic element [m/N], its shortening per kelvin."""

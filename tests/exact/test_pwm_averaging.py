@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from builders import ZERO, hanging_wire
 
-from martensite.control.averaging import compare_averaging, ripples
-from martensite.electrical.pwm import PwmVoltage
-from martensite.electrical.voltage import VoltageSource
-from martensite.errors import InputError
-from martensite.runtimes import floats
+from martensite.base.errors import InputError
+from martensite.design.tuning.averaging import compare_averaging, ripples
+from martensite.kernels import floats
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.voltage import VoltageSource
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

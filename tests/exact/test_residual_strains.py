@@ -8,7 +8,7 @@ from builders import ZERO, along, isobar, isotherm, strain_of
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, EPS_L, M_F, M_S, exact
 from strip_cases import CASES, EVERY, cosine
 
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 # ---------------------------------------------------------------- residual strains
 

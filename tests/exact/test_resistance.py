@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import martensite as ms
-from martensite.electrical.base import Conductor
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.electrical.base import Conductor
 
 FINGER = {name: number.value for name, number in ms.load_material("finger-mas").values.items()}
 NAMES = ("rho_A", "rho_M", "a_rho_A", "a_rho_M", "T_rho", "nu")

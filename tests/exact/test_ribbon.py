@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from builders import hanging_wire
 
-from martensite.elements.base import Spring
-from martensite.elements.bundle import Bundle
-from martensite.elements.linkage import Rest, SideBySide
-from martensite.elements.ribbon import Ribbon
-from martensite.elements.wire import Wire
-from martensite.errors import ParameterError
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.runtimes import floats
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.base import Spring
+from martensite.actuators.elements.bundle import Bundle
+from martensite.actuators.elements.linkage import Rest, SideBySide
+from martensite.actuators.elements.ribbon import Ribbon
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
-from martensite.system import System
 
 BASE = hanging_wire(h=100.0)
 WIRE = cast("Wire", BASE.element)

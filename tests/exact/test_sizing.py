@@ -12,20 +12,20 @@ from typing import Any
 
 import pytest
 
-from martensite.errors import InputError, ParameterError
-from martensite.io.scenario import read
-from martensite.materials.base import load_material
-from martensite.materials.wires import load_wires
+from martensite.base.errors import InputError, ParameterError
+from martensite.design.sizing import catalogue_check
+from martensite.design.sizing.candidates import Candidate, judge, size_wire
+from martensite.design.sizing.cycle import crossing, current_for, pulsed
+from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.scenario import scenario_text
+from martensite.design.sizing.statics import statics
+from martensite.design.sizing.strand import Strand
+from martensite.design.sizing.wiring import best_wiring
+from martensite.physics.materials.base import load_material
+from martensite.physics.materials.wires import load_wires
+from martensite.scenario.scenario import read
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
-from martensite.sizing import catalogue_check
-from martensite.sizing.candidates import Candidate, judge, size_wire
-from martensite.sizing.cycle import crossing, current_for, pulsed
-from martensite.sizing.request import WireRequest
-from martensite.sizing.scenario import scenario_text
-from martensite.sizing.statics import statics
-from martensite.sizing.strand import Strand
-from martensite.sizing.wiring import best_wiring
 
 WIRES = load_wires("flexinol")
 THIN, THICK = WIRES["0.10 mm"], WIRES["0.51 mm"]

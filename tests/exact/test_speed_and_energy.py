@@ -16,19 +16,19 @@ import pytest
 from builders import ZERO, hanging_wire
 from tuning_cases import DELAY, DT, linear_bench
 
-from martensite.bench.bench import Bench
-from martensite.control.analysis.energy import energy_per_cycle
-from martensite.control.analysis.frequency import frequency_response
-from martensite.control.analysis.speed import speeds
-from martensite.errors import InputError, ParameterError
-from martensite.plot.energy import plot_energy
-from martensite.plot.frequency import plot_frequency_response
-from martensite.plot.speeds import plot_speeds
+from martensite.actuators.assembly import System
+from martensite.base.errors import InputError, ParameterError
+from martensite.control.loop.bench import Bench
+from martensite.design.analysis.energy import energy_per_cycle
+from martensite.design.analysis.frequency import frequency_response
+from martensite.design.analysis.speed import speeds
+from martensite.show.figures.energy import plot_energy
+from martensite.show.figures.frequency import plot_frequency_response
+from martensite.show.figures.speeds import plot_speeds
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
 
 GAIN, MASS, H = 2.0, 1.0, 100.0
 WIRE: System = hanging_wire(mass=MASS, h=H)

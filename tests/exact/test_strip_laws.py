@@ -19,12 +19,12 @@ from builders import (
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact
 from strip_cases import CASES, EVERY, KINETICS, NUMBERS, exponential
 
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.errors import ParameterError
-from martensite.laws.elahinia import Elahinia
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.laws.tanaka import Tanaka
-from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.base.errors import ParameterError
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.elahinia import Elahinia
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.tanaka import Tanaka
 from martensite.simulate.api import simulate
 
 # ---------------------------------------------------------------- curves

@@ -28,13 +28,16 @@ from builders import (
 )
 from elastic import REST, actuator, kelvins, machine
 
-from martensite.electrical.power import PowerSource
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.errors import ParameterError
-from martensite.io.scenario import read
-from martensite.laws.base import LAWS, AbstractLaw, Fractions
-from martensite.mechanisms.testing_machine import TensileTestingMachine
-from martensite.runtimes import floats
+from martensite.actuators.assembly import AbstractSystem, System
+from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
+from martensite.scenario.scenario import read
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.moments import Tone
@@ -44,9 +47,6 @@ from martensite.simulate.driven import grid_of
 from martensite.simulate.march import march_floats
 from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem, System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 SECTION = 0.25 * math.pi * 0.381e-3**2
 LENGTH = 0.25

@@ -21,14 +21,14 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from laboratory.scenarios import DRIVES, SOURCES, Scenario, make_wave
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.elements.wire import Wire
-from martensite.laws.mas import MullerAchenbachSeelecke
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.laws.mas import MullerAchenbachSeelecke
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 
 BOLTZMANN = 1.380649e-23
 RTOL, ATOL = 1e-9, (1e-11, 1e-11, 1e-8)

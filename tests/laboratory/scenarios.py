@@ -10,23 +10,23 @@ from typing import Any
 import numpy as np
 
 from laboratory.reference import Wire as Equations
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.electrical.power import PowerSource
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.laws.tanaka import Tanaka
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.sine import Sine
 from martensite.signals.step import Step
 from martensite.signals.table import Table
-from martensite.system import System
-from martensite.thermal.base import Environment
-from martensite.thermal.constant import ConstantCooling
 
 SOURCES = {"voltage": VoltageSource, "current": CurrentSource, "power": PowerSource}
 DRIVES = ("step", "sine", "round sine", "table", "pulses", "pwm", "fast pwm")

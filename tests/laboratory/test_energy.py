@@ -13,9 +13,9 @@ import pytest
 from builders import SINE_A, examples, label, problem_a, raised_cosine, wire_a
 from elastic import machine
 
-from martensite.io.scenario import load
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.mechanisms.lever import Lever
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.lever import Lever
+from martensite.scenario.scenario import load
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 

@@ -21,17 +21,17 @@ from builders import LAW_A, SINE_A, problem_a, wire_a
 
 from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
 from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case, try_layers
-from martensite.io.scenario import load
-from martensite.laws.base import AbstractLaw
-from martensite.laws.elahinia import Elahinia
-from martensite.laws.tanaka import Tanaka
+from martensite.base.status import Status
+from martensite.physics.laws.base import AbstractLaw
+from martensite.physics.laws.elahinia import Elahinia
+from martensite.physics.laws.tanaka import Tanaka
+from martensite.scenario.scenario import load
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.sine import Sine
 from martensite.simulate.adaptive import find_dip
 from martensite.simulate.api import simulate
 from martensite.simulate.batch import simulate_batch
-from martensite.status import Status
 
 ROOT = Path(__file__).parents[2]
 needs_c = pytest.mark.usefixtures("c_compiler")

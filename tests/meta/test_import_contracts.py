@@ -45,17 +45,25 @@ def test_contracts_hold() -> None:
 @pytest.mark.parametrize(
     ("file", "line", "contract"),
     [
-        ("thermal/base.py", "from martensite.elements.wire import Wire", "layers below its own"),
-        ("system/single.py", "import martensite.simulate.api", "layers below its own"),
-        ("laws/liang_rogers.py", "import martensite.laws.extra", "No law imports another"),
-        ("elements/wire.py", "import pint", "Only martensite.units imports pint"),
+        (
+            "physics/thermal/base.py",
+            "from martensite.actuators.elements.wire import Wire",
+            "layers below its own",
+        ),
+        ("actuators/assembly/single.py", "import martensite.simulate.api", "layers below its own"),
+        (
+            "physics/laws/liang_rogers.py",
+            "import martensite.physics.laws.extra",
+            "No law imports another",
+        ),
+        ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
         ("simulate/march.py", "import xarray", "import xarray"),
-        ("system/base.py", "import jax", "import jax"),
+        ("actuators/assembly/base.py", "import jax", "import jax"),
         ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
     ],
 )
 def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str) -> None:
-    (copy / "martensite" / "laws" / "extra.py").write_text('"""Another law."""\n')
+    (copy / "martensite" / "physics" / "laws" / "extra.py").write_text('"""Another law."""\n')
     spoiled = copy / "martensite" / file
     spoiled.write_text(f"{spoiled.read_text()}\n\ndef _late() -> None:\n    {line}\n")
     done = lint_imports(copy)

@@ -5,11 +5,11 @@ import pytest
 from builders import REGISTRIES, SINE_A, example_system, label
 from kernels import KERNELS, case_id, cases, traced, xp_methods
 
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
-from martensite.thermal.constant import ConstantCooling
 
 
 @pytest.mark.parametrize(("kind", "thing", "name"), cases(), ids=case_id)

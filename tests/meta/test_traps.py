@@ -19,15 +19,15 @@ from builders import example
 from command import Command
 from kernels import Kernel, traced
 
-from martensite.errors import InputError, KernelError, UnknownOperationError
-from martensite.laws.base import LAWS
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.parameters import Parametrised
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.runtimes.dual import Dual
-from martensite.runtimes.namespace import OPERATIONS
-from martensite.runtimes.traced_numbers import TracedNumber
+from martensite.base.errors import InputError, KernelError, UnknownOperationError
+from martensite.base.parameters import Parametrised
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.dual import Dual
+from martensite.kernels.namespace import OPERATIONS
+from martensite.kernels.traced_numbers import TracedNumber
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 SCENARIO = """\
 title = "Lifting 400 g"
@@ -53,8 +53,8 @@ MODULE = """\
 import math
 import statistics
 import numpy as np
-from martensite.laws.base import LAWS
-from martensite.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.liang_rogers import LiangRogers
 
 
 @LAWS.register("NAME")
@@ -246,8 +246,8 @@ def test_the_place_is_where_the_mistake_is(write: Any) -> None:
 def test_a_mechanism_is_named_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("slack_spring.py").write_text(
-        "from martensite.mechanisms.base import MECHANISMS\n"
-        "from martensite.mechanisms.dead_weight import DeadWeight\n"
+        "from martensite.actuators.mechanisms.base import MECHANISMS\n"
+        "from martensite.actuators.mechanisms.dead_weight import DeadWeight\n"
         "@MECHANISMS.register('slack-weight')\n"
         "class SlackWeight(DeadWeight):\n"
         "    'A weight.'\n"

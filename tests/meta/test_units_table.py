@@ -13,8 +13,8 @@ from pathlib import Path
 import pint
 import pytest
 
-from martensite import units
-from martensite.materials.names import NAMES
+from martensite.base import units
+from martensite.physics.materials.names import NAMES
 
 MATERIALS = Path(units.__file__).parent / "materials" / "data"
 REGISTRY = pint.UnitRegistry()

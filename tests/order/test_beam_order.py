@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from martensite.mechanisms.shared import beam_modes as module
-from martensite.mechanisms.shared.beam_modes import (
+from martensite.actuators.mechanics import beam_modes as module
+from martensite.actuators.mechanics.beam_modes import (
     CantileverBeam,
     beam_modes,
     exact_omega,

@@ -12,8 +12,8 @@ import pytest
 from benchmarks.problem_b import Wire, stiff, system, waveform
 from mas_paths import follow, table_1
 
-from martensite.runtimes import floats
-from martensite.runtimes.c99 import compiler
+from martensite.kernels import floats
+from martensite.kernels.c99 import compiler
 from martensite.simulate.api import simulate
 
 STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3)

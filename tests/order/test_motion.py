@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import pytest
 
-from martensite.mechanisms.shared.motion import Course, dynamic, predicted, quasi_static
-from martensite.runtimes import floats
+from martensite.actuators.mechanics.motion import Course, dynamic, predicted, quasi_static
+from martensite.kernels import floats
 
 OMEGA, ZETA = 2.0 * math.pi, 0.05
 

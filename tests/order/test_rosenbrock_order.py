@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from benchmarks.problem_b import Wire, system
 
-from martensite.electrical.voltage import VoltageSource
+from martensite.actuators.assembly import System
+from martensite.physics.electrical.voltage import VoltageSource
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import bind_march, fed
-from martensite.system import System
 
 POWER, SWING, RATE = 1.0, 0.3, 2.0
 SLOW = Wire()._replace(layer_volume=5e-24, layer_time=5e-2)

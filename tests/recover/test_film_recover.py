@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.base.confidence import Interval, interval_contains
 from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, fit_film
 from martensite.characterise.film_points import FilmPoints
 from martensite.characterise.film_report import judge_film
-from martensite.confidence import Interval, interval_contains
 
 REPETITIONS = 200
 AT = np.linspace(45.0, 95.0, 7)

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from design_cases import differences
 
-from martensite.io.scenario import load
+from martensite.design.optimise.evaluate import Designs
+from martensite.design.optimise.judged import Scales
+from martensite.design.optimise.optimise import optimise_design
+from martensite.design.optimise.question import read_question
+from martensite.design.optimise.scan import scan
+from martensite.scenario.scenario import load
 from martensite.simulate.steered import Steering
-from martensite.sizing.design.evaluate import Designs
-from martensite.sizing.design.judged import Scales
-from martensite.sizing.design.optimise import optimise_design
-from martensite.sizing.design.question import read_question
-from martensite.sizing.design.scan import scan
 
 SCENARIO = Path(__file__).parents[2] / "examples" / "finger_design.toml"
 BOX = ("strand.diameter=0.06..0.1 mm", "mechanism.offset=4..8 mm", "drive.waveform.high=2..6 W")

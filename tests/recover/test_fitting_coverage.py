@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from martensite.confidence import Interval, interval_contains
-from martensite.identify.fitting.uncertainty import Uncertainty, uncertainty
-from martensite.identify.fitting.whiteness import whiteness
+from martensite.base.confidence import Interval, interval_contains
+from martensite.fit.uncertainty import Uncertainty, uncertainty
+from martensite.search.whiteness import whiteness
 
 REPETITIONS = 400
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)

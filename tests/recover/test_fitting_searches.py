@@ -11,9 +11,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from martensite.errors import ParameterError, SolveError
-from martensite.identify.fitting.coordinate_search import coordinate_search
-from martensite.identify.fitting.multistart import evolve, multistart, sobol_points
+from martensite.base.errors import ParameterError, SolveError
+from martensite.fit.coordinate_search import coordinate_search
+from martensite.fit.multistart import evolve, multistart, sobol_points
 
 LOW, HIGH = (15.0, 4.0, 0.5), (35.0, 7.0, 50.0)
 BEST = (30.0, 5.2, 11.0)

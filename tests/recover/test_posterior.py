@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from martensite.errors import ParameterError
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.posterior import SPLIT, Posterior, posterior
-from martensite.identify.fitting.problem import problem
-from martensite.identify.fitting.solve import solve
-from martensite.io.scenario import read
+from martensite.base.errors import ParameterError
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.posterior import SPLIT, Posterior, posterior
+from martensite.fit.problem import problem
+from martensite.fit.solve import solve
+from martensite.scenario.scenario import read
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.scores import fit_percent

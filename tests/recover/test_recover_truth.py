@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from martensite.errors import ParameterError
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import problem
-from martensite.identify.fitting.runner import Runner
-from martensite.identify.fitting.solve import solve
-from martensite.io.scenario import Scenario, read
+from martensite.base.errors import ParameterError
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.problem import problem
+from martensite.fit.runner import Runner
+from martensite.fit.solve import solve
+from martensite.scenario.scenario import Scenario, read
 from martensite.signals.records import Record
 
 REPETITIONS = 200

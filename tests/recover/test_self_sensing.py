@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from sensing_cases import SINE, STEPS, STROKE, rms, run, sensing_bench, sensing_plant, shaken
 
-from martensite.bench.consistency import Consistency, consistency
-from martensite.observers.extended import ExtendedKalman
-from martensite.observers.inverse import InverseModel
-from martensite.observers.unscented import UnscentedKalman
+from martensite.control.loop.consistency import Consistency, consistency
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.observers.inverse import InverseModel
+from martensite.control.observers.unscented import UnscentedKalman
 from martensite.signals.sine import Sine
 
 PLANT = sensing_plant()

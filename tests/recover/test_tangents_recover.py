@@ -16,6 +16,7 @@ import pytest
 from isobaric_cases import Bent, chord, edited, isobar, record
 from scipy import stats
 
+from martensite.base.confidence import Interval, interval_contains
 from martensite.characterise.tangent_fit import TangentFit, tangent_fit
 from martensite.characterise.tangent_lines import CORE
 from martensite.characterise.tangent_points import TangentPoints, tangent_points
@@ -23,9 +24,8 @@ from martensite.characterise.transformation_strain import (
     fit_transformation_strain,
     saturating_strain,
 )
-from martensite.confidence import Interval, interval_contains
-from martensite.laws.brinson import Brinson
-from martensite.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.brinson import Brinson
+from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.signals.records import Record
 
 SAMPLE = Bent()

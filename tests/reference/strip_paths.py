@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from martensite.laws.base import Fractions
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
 
 RULES = ("resume", "restart")
 CASES = {"usual": 0, "equal slopes": 1, "overlapping strips": 2, "A_s below M_s": 3}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from builders import example
 
-from martensite.laws.base import Fractions
-from martensite.laws.brinson import Brinson
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.brinson import Brinson
 
 TOLERANCE = 1e-9
 RULES = ("resume", "restart")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from torus_reference import collocated, ritz, stiffness_terms, stress_terms
 
-from martensite.elements import coil_theory
+from martensite.actuators.elements import coil_theory
 
 INDICES = (3.0, 3.3, 4.0, 5.0, 7.0, 11.0, 20.0)
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from builders import along, stepper
 
-from martensite.laws.base import Fractions
-from martensite.laws.lagoudas import Lagoudas
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.lagoudas import Lagoudas
 
 TOLERANCE = 1e-8
 CUTS = 48

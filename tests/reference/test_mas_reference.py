@@ -13,7 +13,7 @@ from benchmarks.problem_b import Wire
 from mas_paths import TABLE_1, follow, table_1, there_and_back
 from scipy import special
 
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 CRYSTAL = Wire()._replace(**TABLE_1)
 FORMS = ("barrier", "edge", "well")

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.sweep.axes import Axis, Target, axis
+from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.design.sweep.axes import Axis, Target, axis
 
 TARGETS = {
     name: Target(name, name, unit, nominal)

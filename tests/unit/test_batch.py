@@ -10,8 +10,8 @@ import pytest
 from builders import problem_a
 
 import martensite as ms
-from martensite.errors import InputError, ParameterError, UnknownNameError
-from martensite.status import Status
+from martensite.base.errors import InputError, ParameterError, UnknownNameError
+from martensite.base.status import Status
 
 LEVELS = ms.Triangle(high=2.5, frequency=0.1)
 PULSE = ms.Step(high=2.5, at=1.0, until=8.0)

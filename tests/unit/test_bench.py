@@ -8,20 +8,22 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.stuck import Stuck
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Faults, Observers, Sensors
-from martensite.bench.run import opened, simulate_bench
-from martensite.controllers.on_off import OnOff
-from martensite.controllers.pid import Pid, PidLaw
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import InputError, ParameterError
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.observers.inverse import InverseModel
-from martensite.parameters import param
-from martensite.sensors.position import PositionSensor
-from martensite.sensors.resistance import ResistanceSensor
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base.errors import InputError, ParameterError
+from martensite.base.parameters import param
+from martensite.base.status import Status
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.faults.stuck import Stuck
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.run import opened, simulate_bench
+from martensite.control.observers.inverse import InverseModel
+from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
@@ -29,8 +31,6 @@ from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march, compile_system
 from martensite.simulate.driven import grid_of
 from martensite.simulate.native_slopes import march_slopes
-from martensite.status import Status
-from martensite.system import Actuator, Group, Machine
 
 PERIOD, DURATION = 0.05, 6.0
 REFERENCE = Sine(low=0.0, high=0.006, frequency=0.2)

@@ -11,12 +11,12 @@ import math
 import numpy as np
 import pytest
 
-from martensite.control.response import step_responses, steps
-from martensite.controllers.pid import Gains
-from martensite.errors import ParameterError
-from martensite.io import datasets
-from martensite.io.tables import read_table
-from martensite.runtimes import floats
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.pid import Gains
+from martensite.design.tuning.response import step_responses, steps
+from martensite.kernels import floats
+from martensite.scenario import datasets
+from martensite.scenario.tables import read_table
 from martensite.studies.hammerstein_wiener import branches, loop, records
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
 from martensite.studies.hammerstein_wiener.branches import GRID, ZERO

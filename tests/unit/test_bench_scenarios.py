@@ -13,15 +13,15 @@ from typing import Any
 import pytest
 from thin_wire import THIN_WIRE
 
-from martensite.bench.mounted import Mounted
-from martensite.bench.run import simulate_bench
-from martensite.controllers.mpc import Mpc
-from martensite.controllers.pid import Pid, PidLaw
-from martensite.controllers.scheduled_pid import ScheduledPid
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.io.overrides import as_toml, changed
-from martensite.io.scenario import Scenario, load, read
-from martensite.sensors.position import PositionSensor
+from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.control.controllers.mpc import Mpc
+from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.controllers.scheduled_pid import ScheduledPid
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.position import PositionSensor
+from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.scenario import Scenario, load, read
 from martensite.signals.sine import Sine
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

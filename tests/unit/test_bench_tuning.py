@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from tuning_cases import linear_bench, wire_bench
 
-from martensite.bench.bench import Bench
-from martensite.bench.parts import Controllers
-from martensite.control.rules.rule_starts import gains_by_tests, loop_tests, pid_values
-from martensite.control.search.bench_tuning import tune_bench
-from martensite.control.search.free_gains import free_gains
-from martensite.control.search.gain_search import Search
-from martensite.control.search.goals import ERRORS, Cost, Course, Goal
-from martensite.control.search.loop_runs import LoopRuns, Seen, judged_output
-from martensite.control.search.measures import measures
-from martensite.control.search.over_plants import OverPlants, over_plants
-from martensite.control.search.perturbed import METHODS, draw_plants
-from martensite.errors import ParameterError, SolveError
+from martensite.base.errors import ParameterError, SolveError
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
+from martensite.design.rules.rule_starts import gains_by_tests, loop_tests, pid_values
+from martensite.design.tuning.bench_tuning import tune_bench
+from martensite.design.tuning.free_gains import free_gains
+from martensite.design.tuning.gain_search import Search
+from martensite.design.tuning.goals import ERRORS, Cost, Course, Goal
+from martensite.design.tuning.loop_runs import LoopRuns, Seen, judged_output
+from martensite.design.tuning.measures import measures
+from martensite.design.tuning.over_plants import OverPlants, over_plants
+from martensite.design.tuning.perturbed import METHODS, draw_plants
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))
 SPREADS = {
@@ -343,7 +343,7 @@ def test_tuned_gains_beat_the_best_rule_on_plants_they_have_not_seen(sensed: Loo
 
 
 def test_rules_are_for_a_pid(sensed: LoopRuns) -> None:
-    from martensite.controllers.on_off import OnOff
+    from martensite.control.controllers.on_off import OnOff
     from martensite.signals.constant import Constant
 
     switch = OnOff(measured="position", reference=Constant(level=1e-3), high=1.0)

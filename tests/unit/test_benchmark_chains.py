@@ -10,7 +10,7 @@ from benchmarks.engines import available
 from benchmarks.peers import jaxsysid_fit
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.residuals import Aim, Squares
 

@@ -5,7 +5,7 @@ from benchmarks import sections_elements
 from benchmarks.engines import available
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 OURS = Options(available(["ours"]), repeats=1)
 

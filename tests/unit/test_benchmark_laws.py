@@ -10,8 +10,8 @@ from benchmarks.peers import mas_ode, simcoon_path
 from benchmarks.problem_b import Wire
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.laws.base import LAWS
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.physics.laws.base import LAWS
 
 OURS = Options(available(["ours"]), repeats=1, sizes=(8,))
 SOME = ("liang-rogers", "mas-hybrid")

@@ -20,7 +20,7 @@ from benchmarks.process import Usage
 from benchmarks.report import Table
 from benchmarks.sections import Options
 
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
 ENGINES = [

@@ -7,7 +7,7 @@ from benchmarks.inputs import sine
 from benchmarks.roofline import Peaks
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
 OPTIONS = Options([], repeats=1, sizes=(3,))

@@ -10,11 +10,11 @@ import pytest
 from builders import hanging_wire
 from typer.testing import CliRunner
 
+from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.cli import app
-from martensite.electrical.pwm import PwmVoltage
-from martensite.electrical.voltage import VoltageSource
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.io.scenario import read
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.scenario.scenario import read
 from martensite.signals.carrier import Carrier, pulse
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.levenberg import Normal, minimise
 from martensite.identify.chains.residuals import Aim, Squares

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
+from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
-from martensite.errors import DataError, SolveError
-from martensite.io.scenario import Scenario
+from martensite.scenario.scenario import Scenario
 
 SCENARIO = """\
 title = "Lifting 400 g"
@@ -109,8 +109,8 @@ def test_run_json_holds_numbers_in_si(folder: Path) -> None:
 
 
 def test_saved_data_hold_the_scenario_that_was_run(folder: Path) -> None:
-    from martensite.io.netcdf import open_result
-    from martensite.io.scenario import read
+    from martensite.scenario.netcdf import open_result
+    from martensite.scenario.scenario import read
 
     fine("run", "wire.toml", "--no-figure", "--set", "element.length=100 mm", "--out", "a.nc")
     text = open_result("a.nc").attrs["scenario"]
@@ -248,7 +248,7 @@ def test_failing_figure_leaves_no_data_behind(
     def fail(*_: object, **__: object) -> None:
         raise DataError("The disk is full.")
 
-    monkeypatch.setattr("martensite.plot.overview.save_figure", fail)
+    monkeypatch.setattr("martensite.show.figures.overview.save_figure", fail)
     assert "The disk is full." in refused("run", "wire.toml")
     assert names(folder) == {"wire.toml"}
 
@@ -258,8 +258,8 @@ def test_failing_figure_leaves_no_data_behind(
 
 def test_own_module_adds_a_law(folder: Path) -> None:
     (folder / "mine.py").write_text(
-        "from martensite.laws.base import LAWS\n"
-        "from martensite.laws.liang_rogers import LiangRogers\n"
+        "from martensite.physics.laws.base import LAWS\n"
+        "from martensite.physics.laws.liang_rogers import LiangRogers\n"
         "@LAWS.register('mine')\n"
         "class Mine(LiangRogers):\n"
         "    'A law of my own.'\n",

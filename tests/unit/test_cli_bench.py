@@ -17,9 +17,9 @@ import pytest
 from command import Command
 
 from martensite.cli import waiting
-from martensite.io.catalogue import registries
-from martensite.io.netcdf import open_result
-from martensite.io.scenario import load, read
+from martensite.scenario.catalogue import registries
+from martensite.scenario.netcdf import open_result
+from martensite.scenario.scenario import load, read
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SHORT = ("--runtime", "floats", "--set", "run.duration=0.5 s")
@@ -199,8 +199,8 @@ def test_help_and_a_scenario_with_a_controller_load_nothing_heavy() -> None:
     path = EXAMPLES / "closed_loop.toml"
     code = (
         "import sys, martensite.cli\n"
-        "from martensite.io.scenario import load\n"
-        "light = not any('martensite.controllers' in name for name in sys.modules)\n"
+        "from martensite.scenario.scenario import load\n"
+        "light = not any('martensite.control.controllers' in name for name in sys.modules)\n"
         f"load({str(path)!r})\n"
         "print(light, 'scipy' in sys.modules, 'matplotlib' in sys.modules)\n"
     )

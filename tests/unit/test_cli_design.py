@@ -12,7 +12,7 @@ import pytest
 from command import Command
 from design_cases import BUNDLE
 
-from martensite.io.scenario import load
+from martensite.scenario.scenario import load
 
 DESIGN = Command("design")
 FREE = "--free", "element.count=2..3", "--free", "strand.diameter=0.08..0.14 mm"

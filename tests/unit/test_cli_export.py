@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.cli import app
 from martensite.export.mjcf import to_mjcf
-from martensite.io.scenario import load
+from martensite.scenario.scenario import load
 
 FINGER = """
 [element]

@@ -17,8 +17,8 @@ from typer.testing import CliRunner, Result
 from martensite.cli import app
 from martensite.export.c_core import c_core
 from martensite.export.c_loop import c_loop
-from martensite.io.scenario import load
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.scenario.scenario import load
 
 HELD = f"""{THIN_WIRE}
 [driver]

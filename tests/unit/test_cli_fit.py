@@ -18,8 +18,8 @@ from command import Command
 from fit_cases import HEATED, ISOBARIC, Rows, edited, heated, isobaric, read_rows, write_log
 
 from martensite.cli import fit_run
-from martensite.identify.fitting.watch import Note, Tell
-from martensite.io.scenario import load
+from martensite.fit.watch import Note, Tell
+from martensite.scenario.scenario import load
 
 FIT = Command("fit")
 SMALL = ("log.csv", "--scenario", "isobaric.toml", "--free", "A_s,A_f")
@@ -265,7 +265,7 @@ def test_interrupted_search_keeps_the_best_and_is_taken_up_again(
 
 
 def test_interrupted_profile_does_not_lose_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    from martensite.identify.fitting import profiled
+    from martensite.fit import profiled
 
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 from command import Command
 
+from martensite.actuators.assembly import System
 from martensite.characterise.film_coefficient import FORMS
 from martensite.characterise.film_points import FilmPoints
 from martensite.characterise.film_report import judge_film
-from martensite.io.scenario import read
-from martensite.plot.film_fit import plot_film
-from martensite.system import System
+from martensite.scenario.scenario import read
+from martensite.show.figures.film_fit import plot_film
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MIGAONE = str(EXAMPLES / "migaone_table2.csv")

@@ -18,8 +18,8 @@ from typer.testing import CliRunner, Result
 from martensite.characterise.tangent_fit import tangent_fit
 from martensite.characterise.tangent_points import tangent_points
 from martensite.cli import app
-from martensite.io import datasets
-from martensite.plot.tangents import MOST_PANELS, plot_tangents
+from martensite.scenario import datasets
+from martensite.show.figures.tangents import MOST_PANELS, plot_tangents
 
 SAMPLE = Bent()
 STRESSES = (50e6, 100e6, 200e6)

@@ -13,15 +13,15 @@ import pytest
 from command import Command
 from first_order import LINE, STRUCTURE, log, pulses, ramps
 
+from martensite.base.errors import InputError
 from martensite.cli import identify_run
 from martensite.cli.identify_columns import chosen
 from martensite.cli.identify_show import warnings
-from martensite.errors import InputError
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
-from martensite.io.model_files import read_model
-from martensite.io.sampled_files import read_sampled, write_sampled
+from martensite.scenario.model_files import read_model
+from martensite.scenario.sampled_files import read_sampled, write_sampled
 
 IDENTIFY = Command("identify")
 SIGNALS = ("--input", "duty", "--unit", "duty=%", "--starts", "3")

@@ -13,8 +13,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
-from martensite.io.tables import read_table
-from martensite.laws.base import LAWS
+from martensite.physics.laws.base import LAWS
+from martensite.scenario.tables import read_table
 from martensite.simulate.paths import PATHS
 
 QUICK = ("--tolerance", "0.05")
@@ -188,7 +188,7 @@ def test_bad_input_is_one_sentence_and_writes_nothing(
 def test_a_law_without_a_material_says_what_is_missing(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("martensite.io.laws.material_names", lambda: ["flexinol-90"])
+    monkeypatch.setattr("martensite.scenario.laws.material_names", lambda: ["flexinol-90"])
     said = refused("brinson")
     assert "`flexinol-90` comes nearest and lacks `sigma_s`, `sigma_f`" in said
     assert report("brinson", "--set", "sigma_s=100 MPa", "--set", "sigma_f=170 MPa", *QUICK)

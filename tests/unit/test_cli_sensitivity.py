@@ -13,9 +13,9 @@ import pytest
 from command import Command
 from sweep_cases import AXES, WIRE
 
-from martensite.io.sweeps.reading import read_sweep
-from martensite.sweep.indices import sensitivity
-from martensite.sweep.pareto import pareto_front
+from martensite.design.sweep.indices import sensitivity
+from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.reading import read_sweep
 
 SWEEP, SENSITIVITY, PARETO = Command("sweep"), Command("sensitivity"), Command("pareto")
 QUICK = "--backend", "serial", "--runtime", "floats"

@@ -13,9 +13,9 @@ import pytest
 from command import Command
 from sweep_cases import AXES, WIRE, arrays, undisturbed
 
-from martensite.io.sweeps.store import Store
-from martensite.status import Status
-from martensite.sweep.plan import Plan
+from martensite.base.status import Status
+from martensite.design.sweep.plan import Plan
+from martensite.design.sweep.store import Store
 
 SWEEP = Command("sweep")
 QUICK = "--runtime", "floats", "--backend", "serial", "--chunk-size", "3"

@@ -14,7 +14,7 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner
 
 from martensite.cli import app
-from martensite.io.scenario import load
+from martensite.scenario.scenario import load
 
 SCENARIO = f"""
 title = "thin wire"{THIN_WIRE}[drive]

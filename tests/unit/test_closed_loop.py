@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 from builders import ZERO, chamber, hanging_wire, law_a
 
-from martensite.electrical.power import PowerSource
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import InputError, ParameterError, SolveError
-from martensite.parameters import param, part
+from martensite.base.errors import InputError, ParameterError, SolveError
+from martensite.base.parameters import param, part
+from martensite.base.status import Status
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
@@ -21,7 +22,6 @@ from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
 from martensite.simulate.closed_loop import ELECTRICAL, simulate_loop
 from martensite.simulate.controlled import simulate_controlled
-from martensite.status import Status
 
 OUTPUTS = hanging_wire().outputs()
 

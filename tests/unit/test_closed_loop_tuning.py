@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from martensite.control.closed_loop import ControlledModel, Trajectory, logs
-from martensite.control.response import StepResponse, steps
-from martensite.control.tuning import Tuning, cost, tune
-from martensite.controllers.pid import Gains, PidLaw
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.pid import Gains, PidLaw
+from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, logs
+from martensite.design.tuning.response import StepResponse, steps
+from martensite.design.tuning.tuning import Tuning, cost, tune
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 DT = 0.05
 WIDE = PidLaw(low=-1e6, high=1e6)

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.control.design.linear import in_readings, linearised
-from martensite.control.design.operating_point import operating_point_at
-from martensite.controllers.pid import Pid, PidLaw
-from martensite.errors import InputError
+from martensite.base.errors import InputError
+from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.sensors.position import PositionSensor
+from martensite.design.synthesis.linear import in_readings, linearised
+from martensite.design.synthesis.operating_point import operating_point_at
 from martensite.export.control_systems import (
     plant_state_space,
     rest_state,
@@ -21,7 +22,6 @@ from martensite.export.control_systems import (
     to_nonlinear_system,
     to_state_space,
 )
-from martensite.sensors.position import PositionSensor
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate

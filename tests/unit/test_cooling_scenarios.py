@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 import martensite as ms
-from martensite.errors import InputError
-from martensite.io.citations import citations
-from martensite.io.overrides import changed
-from martensite.io.scenario import Scenario, read
-from martensite.thermal.base import AbstractCooling
+from martensite.base.errors import InputError
+from martensite.physics.thermal.base import AbstractCooling
+from martensite.scenario.citations import citations
+from martensite.scenario.overrides import changed
+from martensite.scenario.scenario import Scenario, read
 
 SCENARIO = """\
 [element]
@@ -136,7 +136,7 @@ def test_a_wire_in_still_air_settles_where_the_film_coefficient_says() -> None:
     run = found.run()
     wire, environment = found.system.element, found.system.environment
     final = run["temperature"][-1]
-    from martensite.runtimes import floats
+    from martensite.kernels import floats
 
     assert wire.heat_loss(floats, final, environment) == pytest.approx(0.5, rel=2e-3)
     assert 45.0 < final - 273.15 < 75.0

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from martensite.errors import DataError, UnknownNameError
-from martensite.files import cache_folder
-from martensite.io import datasets
-from martensite.io.citations import entries
-from martensite.io.layout import read_headings
-from martensite.io.tables import read_table
+from martensite.base.errors import DataError, UnknownNameError
+from martensite.base.files import cache_folder
+from martensite.scenario import datasets
+from martensite.scenario.citations import entries
+from martensite.scenario.layout import read_headings
+from martensite.scenario.tables import read_table
 
 CONTENT = {"cycle_a.txt": b"20 0.04\n80 0.01\n", "cycle_b.txt": b"20 0.05\n80 0.02\n"}
 ENTRY = '[[files]]\nname = "{name}"\nupstream = "raw_{name}"\nsha256 = "{sha}"\n'

@@ -21,20 +21,20 @@ from design_cases import (
 )  # fmt: skip
 from numpy.typing import NDArray
 
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.parameters import param
+from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.base.parameters import param
+from martensite.design.optimise.designed import Designed
+from martensite.design.optimise.evaluate import Designs
+from martensite.design.optimise.judged import Scales
+from martensite.design.optimise.life import life_constraints
+from martensite.design.optimise.optimise import optimise_design
+from martensite.design.optimise.question import read_question
+from martensite.design.optimise.scan import scan
+from martensite.design.optimise.search import Search
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
 from martensite.simulate.steered import Steering
-from martensite.sizing.design.designed import Designed
-from martensite.sizing.design.evaluate import Designs
-from martensite.sizing.design.judged import Scales
-from martensite.sizing.design.life import life_constraints
-from martensite.sizing.design.optimise import optimise_design
-from martensite.sizing.design.question import read_question
-from martensite.sizing.design.scan import scan
-from martensite.sizing.design.search import Search
 
 ALL = (
     "stroke >= 3 mm", "rise-time <= 1 s", "fall-time <= 1 s", "max(stress) <= 200 MPa",

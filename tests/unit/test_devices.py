@@ -13,7 +13,7 @@ import pytest
 from builders import problem_a
 
 import martensite as ms
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.simulate.devices import AHEAD, WIDE_CHUNK, chunk_for, devices_of, march_chunks
 
 TWICE: Any = 2.0

@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
-from martensite.control.averaging import compare_averaging
-from martensite.errors import DataError
-from martensite.io.compare import compare
-from martensite.io.fitting.api import fit
-from martensite.io.model_files import read_provenance
-from martensite.io.scenario import Scenario, load
-from martensite.io.tables import read_table
+from martensite.base.errors import DataError
+from martensite.design.tuning.averaging import compare_averaging
+from martensite.fit.api import fit
+from martensite.scenario.compare import compare
+from martensite.scenario.model_files import read_provenance
+from martensite.scenario.scenario import Scenario, load
+from martensite.scenario.tables import read_table
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -23,13 +23,15 @@ import pytest
 from builders import problem_a, volts_a
 from c_cores import BAD_INPUT, LONG_STEP, NOT_FINITE, OK, UNSOLVED, Called, built, compiled
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Observers, Sensors
-from martensite.bench.realtime import RealtimeStep
-from martensite.controllers.pid import Pid
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.pid import Pid
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.sensors.position import PositionSensor
 from martensite.export.c_core import CCore, c_core
 from martensite.export.c_example import example_text
 from martensite.export.c_kernels import PRECISIONS
@@ -37,12 +39,10 @@ from martensite.export.c_loop import c_loop
 from martensite.export.c_names import identifier
 from martensite.export.c_operations import operations
 from martensite.export.c_played import played_by_system
-from martensite.observers.extended import ExtendedKalman
-from martensite.runtimes.program import Program
-from martensite.sensors.position import PositionSensor
+from martensite.kernels.program import Program
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.sine import Sine
 from martensite.simulate.compiled import bind_system
-from martensite.system import AbstractSystem
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

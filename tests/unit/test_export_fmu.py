@@ -18,15 +18,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.bench.run import simulate_bench
-from martensite.errors import InputError, MartensiteError, ParameterError, UnitError
+from martensite.base.errors import InputError, MartensiteError, ParameterError, UnitError
+from martensite.base.units import dimensions
+from martensite.control.loop.run import simulate_bench
 from martensite.export.fmu import Fmu, binaries, to_fmu
 from martensite.export.fmu.units import base_units
-from martensite.io.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read
 from martensite.signals.held import Held
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite.units import dimensions
 
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402

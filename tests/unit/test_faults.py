@@ -9,21 +9,21 @@ from typing import Any
 import pytest
 from builders import plain_system, problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.base import FAULTS
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Faults, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.pwm import PwmVoltage
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.electrical.voltage import VoltageSource
-from martensite.errors import ParameterError
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.runtimes import floats
-from martensite.sensors.ideal import IdealSensor
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base.errors import ParameterError
+from martensite.control.faults.base import FAULTS
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Faults, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.kernels import floats
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.voltage import VoltageSource
 from martensite.signals.constant import Constant
-from martensite.system import Actuator, Group, Machine
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))
 DUTY = 0.2

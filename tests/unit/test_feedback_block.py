@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.residuals import Aim, Squares
-from martensite.runtimes import floats
+from martensite.identify.operators import sections
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 RNG = np.random.default_rng(5)

@@ -11,35 +11,35 @@ import numpy as np
 import pytest
 from builders import law_a, problem_a, wire_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.control.design.inverse_hysteresis import identify_hysteresis, rising_curve
-from martensite.control.response import rms_error
-from martensite.controllers.base import AbstractController
-from martensite.controllers.correction import Correction
-from martensite.controllers.feedforward import Feedforward
-from martensite.controllers.inverse_play import InversePlay
-from martensite.controllers.pid import PidLaw
-from martensite.controllers.row import Row
-from martensite.electrical.power import PowerSource
-from martensite.errors import InputError, ParameterError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, ParameterError
+from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.correction import Correction
+from martensite.control.controllers.feedforward import Feedforward
+from martensite.control.controllers.inverse_play import InversePlay
+from martensite.control.controllers.pid import PidLaw
+from martensite.control.controllers.row import Row
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.sensors.position import PositionSensor
+from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis, rising_curve
+from martensite.design.tuning.response import rms_error
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
-from martensite.identify.blocks.shared.play import PlaySum
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options
 from martensite.identify.chains.plant import plant as plant_of
-from martensite.runtimes import floats
-from martensite.runtimes.dual import value_and_slope
-from martensite.sensors.position import PositionSensor
+from martensite.identify.operators.play import PlaySum
+from martensite.kernels import floats
+from martensite.kernels.dual import value_and_slope
+from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import bind_system
-from martensite.system import AbstractSystem
 
 PERIOD = 0.02
 SINE = Sine(low=1e-3, high=6e-3, frequency=0.05, phase="low")

@@ -14,17 +14,17 @@ import fit_cases
 import pytest
 from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, write_log
 
-from martensite.errors import DataError, InputError, UnitError
-from martensite.identify.fitting.free import Wish
-from martensite.io.compare import compare
-from martensite.io.fitting.api import fit, read_problem
-from martensite.io.fitting.compared import columns_of, echoes
-from martensite.io.fitting.documents import read_fit_file
-from martensite.io.fitting.hold_out import ALL, held_out
-from martensite.io.fitting.steps import halved, with_step
-from martensite.io.fitting.wishes import Compared, read_columns, read_noise, read_wishes
-from martensite.io.scenario import Scenario, load, read
-from martensite.io.tables import read_table
+from martensite.base.errors import DataError, InputError, UnitError
+from martensite.fit.api import fit, read_problem
+from martensite.fit.compared import columns_of, echoes
+from martensite.fit.documents import read_fit_file
+from martensite.fit.free import Wish
+from martensite.fit.hold_out import ALL, held_out
+from martensite.fit.steps import halved, with_step
+from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
+from martensite.scenario.compare import compare
+from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
 
 FREE = "A_s,A_f"
@@ -448,7 +448,7 @@ def test_steps_that_are_too_long_are_told_after_the_fit(monkeypatch: pytest.Monk
     log = heated()
     short = fit("heated.toml", log, "h", hold_out="none", step=0.02)
     assert short.cautions == ()
-    monkeypatch.setattr("martensite.io.fitting.steps.NOTICEABLE", 1e-5)
+    monkeypatch.setattr("martensite.fit.steps.NOTICEABLE", 1e-5)
     (caution,) = fit("heated.toml", log, "h", hold_out="none", step=0.1).cautions
     assert "would move `h` by about" in caution
     assert "too long" in caution

@@ -22,17 +22,21 @@ from drawn_texts import check_apart, visible_texts
 from finished_fits import FREE, Sample, poor_sample, sample
 from matplotlib.figure import Figure
 
-from martensite.errors import InputError
-from martensite.identify.fit_rows import HELD_OUT, TRAINING, compared, covered, rms
-from martensite.identify.fit_verdicts import predictions, warnings
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.profiles import End, Point, Profile
-from martensite.plot.fit import HELD, SEEN, plot_fit, plot_fit_loops
-from martensite.plot.fit_knowledge import plot_correlation, plot_search, plot_singular_values
-from martensite.plot.fit_likelihood import plot_likelihood
-from martensite.plot.fit_residuals import plot_fit_residuals
-from martensite.plot.style import SIMULATED
-from martensite.report.fit_report import report_files, write_report
+from martensite.base.errors import InputError
+from martensite.fit.fit import Fit
+from martensite.fit.fit_rows import HELD_OUT, TRAINING, compared, covered, rms
+from martensite.fit.fit_verdicts import predictions, warnings
+from martensite.fit.profiles import End, Point, Profile
+from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops
+from martensite.show.figures.fit_knowledge import (
+    plot_correlation,
+    plot_search,
+    plot_singular_values,
+)
+from martensite.show.figures.fit_likelihood import plot_likelihood
+from martensite.show.figures.fit_residuals import plot_fit_residuals
+from martensite.show.figures.style import SIMULATED
+from martensite.show.reports.fit_report import report_files, write_report
 
 VOID = {"meta", "img", "br", "hr", "link"}
 

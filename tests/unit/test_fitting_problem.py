@@ -16,18 +16,18 @@ import numpy as np
 import pytest
 from builders import FunctionWaveform, chamber, hanging_wire, law_a, through
 
-from martensite.electrical.voltage import VoltageSource
-from martensite.errors import ParameterError, SolveError
-from martensite.identify.fitting import runner as runners
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import Problem, problem
-from martensite.identify.fitting.solve import solve
-from martensite.io.scenario import load
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError, SolveError
+from martensite.fit import runner as runners
+from martensite.fit.experiment import Experiment
+from martensite.fit.free import Wish
+from martensite.fit.problem import Problem, problem
+from martensite.fit.solve import solve
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.scenario.scenario import load
 from martensite.signals.records import Record
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
-from martensite.system import AbstractSystem
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 UNITS = {"time": "s", "position": "m", "temperature": "K", "martensite_fraction": "1"}

@@ -12,24 +12,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Sensors
-from martensite.bench.supervisors.checks.base import CHECKS
-from martensite.bench.supervisors.from_plant import guard_for
-from martensite.bench.supervisors.from_sensors import (
+from martensite.base.errors import InputError
+from martensite.control.checks.base import CHECKS
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Sensors
+from martensite.control.sensors.base import SENSORS
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import PositionSensor
+from martensite.control.supervisors.from_plant import guard_for
+from martensite.control.supervisors.from_sensors import (
     CHANCE,
     checks_for,
     lost_after,
     stuck_after,
 )
-from martensite.bench.supervisors.guard import Guard
-from martensite.errors import InputError
-from martensite.io.scenario import Scenario, load, read
-from martensite.runtimes import floats
-from martensite.sensors.base import SENSORS
-from martensite.sensors.ideal import IdealSensor
-from martensite.sensors.position import PositionSensor
+from martensite.control.supervisors.guard import Guard
+from martensite.kernels import floats
+from martensite.scenario.scenario import Scenario, load, read
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SENSOR: Any = SENSORS

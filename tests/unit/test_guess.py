@@ -2,8 +2,8 @@
 
 import pytest
 
-from martensite.io.guess import SPELLINGS, guess, guesses, usual_units
-from martensite.io.layout import CANONICAL, read_headings
+from martensite.scenario.guess import SPELLINGS, guess, guesses, usual_units
+from martensite.scenario.layout import CANONICAL, read_headings
 
 HEADINGS = {
     "T [degC]": ("temperature", "degC"),

@@ -19,9 +19,9 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from tuning_cases import wire_bench
 
-from martensite.bench.bench import Bench
-from martensite.bench.parts import Controllers
-from martensite.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
 from martensite.export.gymnasium import NAME, SmaEnv
 from martensite.export.gymnasium_vector import SmaVectorEnv
 from martensite.export.learning_task import Task

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import expit, logit
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.heated_duhem import MIDDLE, HeatedDuhem
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.engine import Engine

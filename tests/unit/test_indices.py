@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
-from martensite.errors import DataError, InputError, UnknownNameError
-from martensite.sweep.designs.base import design
-from martensite.sweep.given_data import first_order, given_data, moved, ranks, slopes
-from martensite.sweep.indices import Sensitivity, blocks, sensitivity
-from martensite.sweep.table import SweepTable
+from martensite.base.errors import DataError, InputError, UnknownNameError
+from martensite.design.sampling.base import design
+from martensite.design.sweep.given_data import first_order, given_data, moved, ranks, slopes
+from martensite.design.sweep.indices import Sensitivity, blocks, sensitivity
+from martensite.design.sweep.table import SweepTable
 
 BASE = 2048
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from isobaric_cases import Bent, edited, record
 
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.isobaric_cycles import cut_cycle, find_turning_points
 from martensite.characterise.straight_lines import (
     average_cells,
@@ -24,7 +25,6 @@ from martensite.characterise.straight_lines import (
 from martensite.characterise.tangent_fit import tangent_fit
 from martensite.characterise.tangent_points import tangent_points
 from martensite.characterise.transformation_strain import fit_transformation_strain
-from martensite.errors import DataError, ParameterError
 from martensite.signals.records import Record
 
 SAMPLE = Bent()

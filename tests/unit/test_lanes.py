@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import InputError
-from martensite.runtimes.c99 import compiler
+from martensite.base.errors import InputError
+from martensite.base.status import Status
+from martensite.kernels.c99 import compiler
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.march import SOLVED
-from martensite.status import Status
 
 DT, COUNT = 0.04, 5
 PATH = "environment.temperature"

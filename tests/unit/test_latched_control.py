@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.controllers.latched import LatchedOnOff, replayed
-from martensite.errors import ParameterError
-from martensite.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.assembly import Machine
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.latched import LatchedOnOff, replayed
 from martensite.signals.constant import Constant
 from martensite.simulate.controlled import simulate_controlled
-from martensite.system import Machine
 
 TIMES = [k / 200.0 for k in range(2001)]
 

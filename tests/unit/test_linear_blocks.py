@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from martensite.errors import DataError, InputError, ParameterError
+from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import best_linear, linear_start
@@ -26,7 +25,8 @@ from martensite.identify.chains.linear_parts import (
 from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.realisation import matched, realised
 from martensite.identify.chains.scores import fit_percent
-from martensite.runtimes import floats
+from martensite.identify.operators import sections
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1

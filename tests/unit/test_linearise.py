@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from martensite.errors import InputError, ParameterError, SolveError
+from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.chain import Chain, untrained
 from martensite.identify.chains.engine import Engine

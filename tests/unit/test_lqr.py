@@ -12,21 +12,21 @@ import pytest
 from builders import problem_a
 from scipy.linalg import solve_discrete_lyapunov
 
-from martensite.bench.bench import Bench
-from martensite.bench.parts import Controllers
-from martensite.control.design.linear import Readings, in_readings, linearised, mean_of
-from martensite.control.design.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
-from martensite.control.design.operating_point import (
+from martensite.base.errors import InputError, ParameterError, SolveError
+from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.controllers.state_feedback import StateFeedback
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
+from martensite.design.synthesis.linear import Readings, in_readings, linearised, mean_of
+from martensite.design.synthesis.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
+from martensite.design.synthesis.operating_point import (
     Direction,
     OperatingPoint,
     operating_point,
     operating_point_at,
 )
-from martensite.controllers.pid import Pid, PidLaw
-from martensite.controllers.state_feedback import StateFeedback
-from martensite.errors import InputError, ParameterError, SolveError
 from martensite.identify.chains.linear_system import Linear
-from martensite.runtimes import floats
+from martensite.kernels import floats
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate

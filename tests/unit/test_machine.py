@@ -12,20 +12,20 @@ import builders
 import numpy as np
 import pytest
 
-from martensite.elements.limits import Limits
-from martensite.errors import InputError, ParameterError
-from martensite.io.assemble import scenario_path
-from martensite.io.netcdf import open_result, save, to_dataset
-from martensite.io.scenario import Scenario, load
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.plot.overview import plot_result
+from martensite.actuators.assembly import Actuator, Group, Machine, System
+from martensite.actuators.elements.limits import Limits
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base.errors import InputError, ParameterError
+from martensite.scenario.assemble import scenario_path
+from martensite.scenario.netcdf import open_result, save, to_dataset
+from martensite.scenario.scenario import Scenario, load
+from martensite.show.figures.overview import plot_result
 from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
 from martensite.simulate.controlled import simulate_controlled
 from martensite.simulate.result import Result
-from martensite.system import Actuator, Group, Machine, System
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "antagonistic_wires.toml"
 PULLEY = AntagonisticPulley(radius=5e-3, preload=3.0)

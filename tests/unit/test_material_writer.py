@@ -21,20 +21,20 @@ from finished_fits import FREE, LAW, TEXT, Sample, poor_sample, sample
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite import units
-from martensite.errors import InputError
-from martensite.io.canonical import canonical, one_law
-from martensite.io.citations import bibliography
-from martensite.io.exact_text import exact_text, shown, shown_range
-from martensite.io.law_match import law_words
-from martensite.io.laws import dressed_laws
-from martensite.io.material_files import write_material
-from martensite.io.scenario import read
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.materials.base import load_material
-from martensite.materials.names import NAMES
-from martensite.mechanisms.pulley import AntagonisticPulley
-from martensite.system import Actuator, Group, Machine
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.base import units
+from martensite.base.errors import InputError
+from martensite.fit.canonical import canonical, one_law
+from martensite.fit.material_files import write_material
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.materials.base import load_material
+from martensite.physics.materials.names import NAMES
+from martensite.scenario.citations import bibliography
+from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.law_match import law_words
+from martensite.scenario.laws import dressed_laws
+from martensite.scenario.scenario import read
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from martensite.errors import InputError
-from martensite.materials.base import load_material, material_names
-from martensite.materials.names import NAMES
+from martensite.base.errors import InputError
+from martensite.physics.materials.base import load_material, material_names
+from martensite.physics.materials.names import NAMES
 
 SOUND = """
 title = "T"
@@ -63,7 +63,7 @@ def test_relative_file_is_found_in_the_given_folder(tmp_path: Path) -> None:
 
 def test_reading_needs_neither_pint_nor_numpy() -> None:
     code = (
-        "import sys; from martensite.materials.base import load_material, material_names;"
+        "import sys; from martensite.physics.materials.base import load_material, material_names;"
         "[load_material(n) for n in material_names()];"
         "sys.exit(bool({'pint', 'numpy', 'jax'} & sys.modules.keys()))"
     )

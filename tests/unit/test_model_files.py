@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from command import Command
 
-from martensite.errors import DataError, InputError, ParameterError
+from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.base.parameters import part
 from martensite.export.control_systems import to_control, to_state_space
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
@@ -16,7 +17,7 @@ from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.linearise import linearise, operating_point
 from martensite.identify.chains.plant import ModelMechanism, plant
 from martensite.identify.chains.written import parse_chain
-from martensite.io.model_files import (
+from martensite.scenario.model_files import (
     digest,
     model_provenance,
     model_text,
@@ -24,8 +25,7 @@ from martensite.io.model_files import (
     read_provenance,
     write_model,
 )
-from martensite.io.scenario import load
-from martensite.parameters import part
+from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractDrive
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine

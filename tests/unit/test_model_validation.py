@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import crossed
 from martensite.identify.chains.directions import rising, split
@@ -15,11 +15,11 @@ from martensite.identify.chains.sandwich import sums
 from martensite.identify.chains.uncertainty import coverage, uncertainty
 from martensite.identify.chains.validation import compared, validate
 from martensite.identify.chains.written import parse_chain
-from martensite.plot.model import plot_model, plot_model_loop
-from martensite.plot.model_axes import thinned
-from martensite.plot.model_blocks import plot_linear_blocks, plot_static_blocks
-from martensite.plot.model_tests import plot_model_tests
-from martensite.report.model_report import write_model_report
+from martensite.show.figures.model import plot_model, plot_model_loop
+from martensite.show.figures.model_axes import thinned
+from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
+from martensite.show.figures.model_tests import plot_model_tests
+from martensite.show.reports.model_report import write_model_report
 from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")

@@ -16,6 +16,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.base.confidence import Interval, interval_contains
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.motor_constants import LONG, UNITS, MotorConstants, motor_constants
 from martensite.characterise.motor_tests import (
@@ -25,8 +27,6 @@ from martensite.characterise.motor_tests import (
     winding_resistance,
 )
 from martensite.characterise.time_constant import Rise, fit_rise
-from martensite.confidence import Interval, interval_contains
-from martensite.errors import DataError, ParameterError
 
 R, L, K, B, F_C, J = 6.22, 3.1e-3, 0.0211, 2e-6, 4e-4, 8.68e-5
 TRUTH = {"resistance": R, "inductance": L, "constant": K, "friction": B, "dry_friction": F_C,

@@ -16,23 +16,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from kernels import RUNTIMES, Kernel, disagreement, on_kernel_itself
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.base import AbstractFault
-from martensite.bench.faults.stuck import Stuck
-from martensite.bench.mounted import NEVER, WORST, Disturbed, Mounted, Sensed
-from martensite.bench.parts import Controllers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.controllers.on_off import OnOff
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.parameters import text
-from martensite.runtimes import floats
-from martensite.sensors.current import CurrentSensor
-from martensite.sensors.gyroscope import GyroscopeSensor
-from martensite.sensors.ideal import IdealSensor
-from martensite.sensors.infrared import InfraredSensor
-from martensite.sensors.position import PositionSensor
-from martensite.sensors.resistance import ResistanceSensor
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import text
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.faults.base import AbstractFault
+from martensite.control.faults.stuck import Stuck
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import NEVER, WORST, Disturbed, Mounted, Sensed
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.current import CurrentSensor
+from martensite.control.sensors.gyroscope import GyroscopeSensor
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.infrared import InfraredSensor
+from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.kernels import floats
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 

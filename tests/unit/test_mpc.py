@@ -14,25 +14,25 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.controllers.mpc import Mpc, Planned
-from martensite.controllers.pid import Pid
-from martensite.controllers.planning import Limits, Moment, Planner, Price, Search, moved
-from martensite.controllers.reach import reach
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.mechanisms.dead_weight import DeadWeight
-from martensite.observers.hidden import names
-from martensite.runtimes.c99 import compiler
-from martensite.sensors.position import PositionSensor
+from martensite.actuators.assembly import AbstractSystem, Group, Machine
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.mpc import Mpc, Planned
+from martensite.control.controllers.pid import Pid
+from martensite.control.controllers.planning import Limits, Moment, Planner, Price, Search, moved
+from martensite.control.controllers.reach import reach
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.observers.hidden import names
+from martensite.control.sensors.position import PositionSensor
+from martensite.kernels.c99 import compiler
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem, Group, Machine
 
 in_c = pytest.mark.skipif(compiler() is None, reason="too slow without a C compiler")
 MM, PERIOD = 1e-3, 0.05

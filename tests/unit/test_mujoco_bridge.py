@@ -22,8 +22,16 @@ from matplotlib.image import imread
 from mujoco_cases import GRAVITY, actuator, hanging, lever, weighed
 
 import martensite as ms
-from martensite.elements.base import ELEMENTS
-from martensite.errors import InputError, MartensiteError, ParameterError, SolveError, UnitError
+from martensite.actuators.assembly import OUTPUTS
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.base.errors import (
+    InputError,
+    MartensiteError,
+    ParameterError,
+    SolveError,
+    UnitError,
+)
+from martensite.base.status import Status
 from martensite.export import balance, mujoco_render
 from martensite.export.balance import Answer, settle
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator, read_model
@@ -34,8 +42,6 @@ from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.table import Table
-from martensite.status import Status
-from martensite.system import OUTPUTS
 
 mujoco: Any = installed
 MASS = 0.5

@@ -26,13 +26,13 @@ import mujoco as installed
 from command import Command
 
 import martensite as ms
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.export.mjcf import bridge_of, tendon_signals, to_mjcf
 from martensite.export.mjcf_snippet import to_mjcf_snippet
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.export.mujoco_driver import driver_text
-from martensite.io.scenario import Scenario, load
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
 from martensite.studies.platform.bench import SCENARIO as PLATFORM
 

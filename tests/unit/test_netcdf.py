@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 from builders import plain_system
 
-from martensite.errors import DataError
-from martensite.io.netcdf import open_result, save, to_dataset
+from martensite.base.errors import DataError
+from martensite.base.status import Status
+from martensite.scenario.netcdf import open_result, save, to_dataset
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
-from martensite.status import Status
 
 if TYPE_CHECKING:
     import xarray

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite.elements.network import others, solved
+from martensite.actuators.elements.network import others, solved
 
 POSITIVE = st.floats(1e-3, 1e3)
 ANY = st.floats(-1e3, 1e3)

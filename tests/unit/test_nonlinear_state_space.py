@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.nonlinear_state_space import FARTHEST, NonlinearStateSpace
-from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.chains.best_linear import linear_start
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
-from martensite.runtimes import floats
+from martensite.identify.operators import sections
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1

@@ -13,23 +13,23 @@ import pytest
 from builders import REGISTRIES, example, examples, label, law_a, wire_a
 from sensing_cases import PERIOD, run, sensing_bench, sensing_plant, shaken
 
-from martensite.bench.consistency import consistency
-from martensite.electrical.per_length import PerLengthResistance
-from martensite.errors import InputError, ParameterError
-from martensite.laws.base import Fractions
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.observers import covariance, hidden
-from martensite.observers.base import OBSERVERS
-from martensite.observers.covariance import Reading
-from martensite.observers.extended import ExtendedKalman
-from martensite.observers.filter import Believed
-from martensite.observers.going import Going
-from martensite.observers.inverse import InverseModel
-from martensite.observers.unscented import UnscentedKalman
-from martensite.runtimes import floats
-from martensite.runtimes.nested import flatten
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.base.errors import InputError, ParameterError
+from martensite.control.loop.consistency import consistency
+from martensite.control.observers import covariance, hidden
+from martensite.control.observers.base import OBSERVERS
+from martensite.control.observers.covariance import Reading
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.observers.filter import Believed
+from martensite.control.observers.going import Going
+from martensite.control.observers.inverse import InverseModel
+from martensite.control.observers.unscented import UnscentedKalman
+from martensite.kernels import floats
+from martensite.kernels.nested import flatten
+from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.signals.sine import Sine
-from martensite.system import Actuator, Group, Machine
 
 FILTERS = [ExtendedKalman, UnscentedKalman]
 PLANT = sensing_plant()

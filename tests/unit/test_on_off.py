@@ -12,14 +12,14 @@ from collections.abc import Sequence
 import pytest
 from builders import ZERO, hanging_wire
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.controllers.on_off import OnOff
-from martensite.electrical.power import PowerSource
-from martensite.errors import ParameterError
-from martensite.sensors.ideal import IdealSensor
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.simulate.controlled import simulate_controlled

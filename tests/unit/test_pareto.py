@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sweep_tables import table, with_status, with_value
 
-from martensite.errors import DataError, ParameterError, UnknownNameError
-from martensite.sweep.pareto import BLOCK, pareto_front, unbeaten
-from martensite.sweep.table import SweepTable
+from martensite.base.errors import DataError, ParameterError, UnknownNameError
+from martensite.design.sweep.pareto import BLOCK, pareto_front, unbeaten
+from martensite.design.sweep.table import SweepTable
 
 
 def by_definition(values: np.ndarray) -> list[int]:

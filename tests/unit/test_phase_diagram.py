@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from martensite.errors import InputError, ParameterError
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.plot.law_paths import plot_point
-from martensite.plot.phase_diagram import Band, Line, bands, driven
+from martensite.base.errors import InputError, ParameterError
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.show.figures.law_paths import plot_point
+from martensite.show.figures.phase_diagram import Band, Line, bands, driven
 from martensite.simulate.courses import TWINNED, Choices
 from martensite.simulate.landmarks import isobar, loaded
 from martensite.simulate.paths import PATHS, named_path

@@ -14,11 +14,11 @@ import pytest
 from builders import ZERO, hanging_wire
 from scipy.signal import lfilter
 
-from martensite.control.response import rms_error, step_responses, steps
-from martensite.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
-from martensite.electrical.power import PowerSource
-from martensite.errors import InputError, ParameterError
-from martensite.runtimes import floats
+from martensite.base.errors import InputError, ParameterError
+from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
+from martensite.design.tuning.response import rms_error, step_responses, steps
+from martensite.kernels import floats
+from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.controlled import simulate_controlled

@@ -10,15 +10,15 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from martensite.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.blocks.generalised_prandtl_ishlinskii import GeneralisedPrandtlIshlinskii
 from martensite.identify.blocks.play import Play
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
 from martensite.identify.blocks.preisach import Preisach
-from martensite.identify.blocks.shared.play import PlaySum
 from martensite.identify.chains.written import parse_block
-from martensite.runtimes import floats
+from martensite.identify.operators.play import PlaySum
+from martensite.kernels import floats
 
 PI = PrandtlIshlinskii(plays=4.0)
 PREISACH = Preisach(levels=3.0, knots=5.0)

@@ -15,23 +15,23 @@ from builders import problem_a
 from drawn_texts import check_apart, visible_texts
 from matplotlib.figure import Figure
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.stuck import Stuck
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Faults, Observers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.bench.supervisors.checks.above import Overheat
-from martensite.bench.supervisors.checks.base import Checks
-from martensite.bench.supervisors.guard import Guard
-from martensite.controllers.on_off import OnOff
-from martensite.controllers.pid import Pid
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import DataError, InputError
-from martensite.observers.inverse import InverseModel
-from martensite.plot.bench import plot_bench
-from martensite.plot.overview import plot_result
-from martensite.sensors.ideal import IdealSensor
-from martensite.sensors.position import PositionSensor
+from martensite.base.errors import DataError, InputError
+from martensite.control.checks.above import Overheat
+from martensite.control.checks.base import Checks
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.pid import Pid
+from martensite.control.faults.stuck import Stuck
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.observers.inverse import InverseModel
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import PositionSensor
+from martensite.control.supervisors.guard import Guard
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.show.figures.bench import plot_bench
+from martensite.show.figures.overview import plot_result
 from martensite.signals.constant import Constant
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate

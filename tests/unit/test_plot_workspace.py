@@ -15,10 +15,10 @@ from drawn_texts import check_apart
 from matplotlib.figure import Figure
 from platform_cases import GEOMETRIES, PLATES
 
-from martensite.errors import InputError
-from martensite.mechanisms.shared.platform_kinematics import Plates, platform_lengths
-from martensite.mechanisms.shared.platform_workspace import Workspace, reachable_angles
-from martensite.plot.workspace import plot_workspace
+from martensite.actuators.mechanics.platform_kinematics import Plates, platform_lengths
+from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
+from martensite.base.errors import InputError
+from martensite.show.figures.workspace import plot_workspace
 
 CASES = {
     "platform": (PLATES, 0.030, 0.090),

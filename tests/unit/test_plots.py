@@ -24,18 +24,18 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from martensite.electrical.base import AbstractSource
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.errors import DataError
-from martensite.laws.base import AbstractLaw
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.laws.mas import MullerAchenbachSeelecke
-from martensite.parameters import param
-from martensite.plot.hysteresis import senses, strips
-from martensite.plot.overview import plot_result, save_figure
+from martensite.base.errors import DataError
+from martensite.base.parameters import param
+from martensite.base.status import Status
+from martensite.physics.electrical.base import AbstractSource
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.laws.base import AbstractLaw
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.mas import MullerAchenbachSeelecke
+from martensite.show.figures.hysteresis import senses, strips
+from martensite.show.figures.overview import plot_result, save_figure
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
-from martensite.status import Status
 
 N = 41
 TIMES = np.arange(N) * 1.0

@@ -12,17 +12,17 @@ import builders
 import numpy as np
 import pytest
 
-from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError
-from martensite.laws.base import AbstractLaw, Fractions
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.runtimes import floats
+from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError
+from martensite.base.status import Status
+from martensite.kernels import floats
+from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.courses import Choices
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.simulate.stages import residual_strain, stages
-from martensite.status import Status
 
 LAW: dict[str, Any] = {
     "E_A": 60e9, "E_M": 30e9, "eps_L": 0.05, "A_s": 310.0, "A_f": 325.0, "M_s": 300.0,

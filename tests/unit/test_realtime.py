@@ -12,21 +12,21 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Observers, Sensors
-from martensite.bench.realtime import RealtimeStep
-from martensite.bench.run import simulate_bench
-from martensite.bench.supervisor import AbstractSupervisor, Column, Named, Verdict
-from martensite.controllers.base import AbstractController, Readings
-from martensite.controllers.pid import Pid
-from martensite.electrical.pwm import PwmVoltage
-from martensite.errors import ParameterError
-from martensite.observers.extended import ExtendedKalman
-from martensite.parameters import param
-from martensite.runtimes.c99 import compiler
-from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.sensors.position import PositionSensor
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.control.controllers.base import AbstractController, Readings
+from martensite.control.controllers.pid import Pid
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.loop.run import simulate_bench
+from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, Verdict
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.sensors.position import PositionSensor
+from martensite.kernels.c99 import compiler
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.sine import Sine
 from martensite.simulate.result import Result
 

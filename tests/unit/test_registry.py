@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from martensite.errors import InputError
-from martensite.laws.base import LAWS
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.laws.tanaka import Tanaka
-from martensite.registry import Registry
+from martensite.base.errors import InputError
+from martensite.base.registry import Registry
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.tanaka import Tanaka
 
 MINE = """\
 from martensite.{module} import {registry}
@@ -91,7 +91,8 @@ def test_a_plug_in_that_takes_a_name_is_refused_every_time(folder: Path) -> None
     plug_in(folder, "anything", "vendor")
     write_law(folder, "vendor.py", '"tanaka"')
     code = (
-        "from martensite.errors import InputError\nfrom martensite.laws.base import LAWS\n"
+        "from martensite.base.errors import InputError\n"
+        "from martensite.physics.laws.base import LAWS\n"
         "for _ in range(2):\n    try: LAWS.names()\n    except InputError as e: print(e)"
     )
     done = python("-c", code)
@@ -99,7 +100,7 @@ def test_a_plug_in_that_takes_a_name_is_refused_every_time(folder: Path) -> None
 
 
 def test_two_classes_of_one_file_cannot_share_a_name() -> None:
-    shelf: Registry[object] = Registry("law", "martensite.laws")
+    shelf: Registry[object] = Registry("law", "martensite.physics.laws")
 
     @shelf.register("test-twice")
     class First:
@@ -115,10 +116,10 @@ def test_two_classes_of_one_file_cannot_share_a_name() -> None:
 
 
 def test_parts_of_the_package_are_refused_too() -> None:
-    twin = type("Other", (LiangRogers,), {"__module__": "martensite.laws.other"})
+    twin = type("Other", (LiangRogers,), {"__module__": "martensite.physics.laws.other"})
     with pytest.raises(InputError, match="cannot have it"):
         LAWS.register("tanaka")(twin)
-    again = type("Tanaka", (LiangRogers,), {"__module__": "martensite.laws.tanaka"})
+    again = type("Tanaka", (LiangRogers,), {"__module__": "martensite.physics.laws.tanaka"})
     with pytest.raises(InputError, match="cannot have it"):
         LAWS.register("tanaka")(again)
     assert LAWS["tanaka"] is Tanaka
@@ -129,14 +130,17 @@ def test_parts_of_the_package_are_refused_too() -> None:
 
 def test_a_part_is_replaced_when_it_is_said(folder: Path) -> None:
     write_law(folder, "mine.py", '"tanaka", replace=True')
-    code = "import mine; from martensite.laws.base import LAWS; LAWS.names(); print(LAWS['tanaka'])"
+    code = (
+        "import mine; from martensite.physics.laws.base import LAWS; "
+        "LAWS.names(); print(LAWS['tanaka'])"
+    )
     done = python("-c", code)
     assert (done.stdout, done.stderr) == ("<class 'mine.Mine'>\n", "")
 
 
 def test_a_class_may_be_defined_again() -> None:
     """As in a notebook whose cell is executed twice, or a module that is loaded again."""
-    shelf: Registry[object] = Registry("law", "martensite.laws")
+    shelf: Registry[object] = Registry("law", "martensite.physics.laws")
 
     def execute_cell() -> type:
         @shelf.register("test-again")
@@ -153,8 +157,8 @@ def test_a_file_may_be_imported_under_two_names(folder: Path) -> None:
     (folder / "laws").mkdir()
     write_law(folder / "laws", "mine.py", '"my-own"')
     code = (
-        "import laws.mine\nfrom martensite.registry import import_modules\n"
-        "import_modules(['laws/mine.py'])\nfrom martensite.laws.base import LAWS\n"
+        "import laws.mine\nfrom martensite.base.registry import import_modules\n"
+        "import_modules(['laws/mine.py'])\nfrom martensite.physics.laws.base import LAWS\n"
         "print(LAWS['my-own'])"
     )
     done = python("-c", code)

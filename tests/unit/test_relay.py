@@ -14,15 +14,15 @@ import pytest
 from scipy.optimize import brentq
 from tuning_cases import DELAY, DT, linear_bench
 
-from martensite.control.rules.relay import (
+from martensite.base.errors import DataError, ParameterError
+from martensite.design.rules.relay import (
     RELAY_CITES,
     RELAY_RULES,
     LimitCycle,
     gains_by_relay,
     relay_test,
 )
-from martensite.errors import DataError, ParameterError
-from martensite.io.citations import bibliography
+from martensite.scenario.citations import bibliography
 
 LATE = (DELAY - 1.0) * DT
 SWING = 0.25

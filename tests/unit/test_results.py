@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from builders import SINE_A, problem_a
 
-from martensite.errors import UnknownNameError
+from martensite.base.errors import UnknownNameError
 from martensite.simulate.api import simulate
 from martensite.simulate.result import LINES, Result
 

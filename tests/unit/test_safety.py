@@ -12,21 +12,21 @@ from dataclasses import asdict, replace
 import pytest
 from builders import ZERO, chamber, hanging_wire, law_a, plain_law, problem_a, through
 
-from martensite.electrical.base import AbstractSource
-from martensite.electrical.current import CurrentSource
-from martensite.electrical.power import PowerSource
-from martensite.electrical.pwm import PwmVoltage
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.limits import Limits
-from martensite.io.netcdf import to_dataset
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.limits import Limits
+from martensite.physics.electrical.base import AbstractSource
+from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.scenario.netcdf import to_dataset
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.alarms import Alarm, alarms_of, excursion, undelivered
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.system import System
 
 
 def only(result: Result, kind: str) -> Alarm:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.signals.records import Record
 from martensite.signals.sampling.gridded import from_record, pieces_of_record, to_record
 from martensite.signals.sampling.periods import periods

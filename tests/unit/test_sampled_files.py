@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from martensite.errors import DataError, InputError
-from martensite.io.sampled_files import read_sampled, write_sampled
+from martensite.base.errors import DataError, InputError
+from martensite.scenario.sampled_files import read_sampled, write_sampled
 from martensite.signals.sampling.sampled import Sampled
 
 TIMES = 0.02 * np.arange(50)

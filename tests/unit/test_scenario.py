@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from martensite.elements.wire import Wire
-from martensite.errors import InputError
-from martensite.io.overrides import as_toml, changed, read_settings
-from martensite.io.scenario import Scenario, load, read
-from martensite.laws.liang_rogers import LiangRogers
-from martensite.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import InputError
+from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.scenario.overrides import as_toml, changed, read_settings
+from martensite.scenario.scenario import Scenario, load, read
 from martensite.signals.sine import Sine
 
 SOUND = """\
@@ -156,7 +156,7 @@ def test_loading_a_scenario_needs_no_heavy_package(tmp_path: Path) -> None:
     path = tmp_path / "scenario.toml"
     path.write_text(SOUND, encoding="utf-8")
     code = (
-        "import sys; from martensite.io.scenario import load;"
+        "import sys; from martensite.scenario.scenario import load;"
         f"load({str(path)!r}).run(tolerance=0.01);"
         "print({'pint', 'numpy', 'jax', 'xarray', 'typer', 'matplotlib'} & sys.modules.keys())"
     )

@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.runtimes import floats
-from martensite.sensors.base import SENSORS, AbstractSensor, Probe, readings
-from martensite.sensors.current import CurrentSensor
-from martensite.sensors.encoder import EncoderSensor
-from martensite.sensors.force import ForceSensor
-from martensite.sensors.gyroscope import GyroscopeSensor
-from martensite.sensors.ideal import IdealSensor
-from martensite.sensors.infrared import InfraredSensor
-from martensite.sensors.position import PositionSensor
-from martensite.sensors.resistance import ResistanceSensor
-from martensite.sensors.thermocouple import ThermocoupleSensor
-from martensite.sensors.tilt import TiltSensor
+from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.control.sensors.base import SENSORS, AbstractSensor, Probe, readings
+from martensite.control.sensors.current import CurrentSensor
+from martensite.control.sensors.encoder import EncoderSensor
+from martensite.control.sensors.force import ForceSensor
+from martensite.control.sensors.gyroscope import GyroscopeSensor
+from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.infrared import InfraredSensor
+from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.control.sensors.thermocouple import ThermocoupleSensor
+from martensite.control.sensors.tilt import TiltSensor
+from martensite.kernels import floats
 
 AMBIENT = 296.15
 

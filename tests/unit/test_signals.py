@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.signals.base import MANY, WAVEFORMS
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation

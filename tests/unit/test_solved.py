@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.runtimes.bracket import solve_bracketed
-from martensite.runtimes.c99 import load_library
-from martensite.runtimes.c99_slopes import constants, slopes_source
-from martensite.runtimes.dual import DualNamespace, value_and_slope, values_and_slopes
-from martensite.runtimes.jax_setup import jax_namespace, storing
-from martensite.runtimes.program import Program
-from martensite.runtimes.tangent import differentiated
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.c99 import load_library
+from martensite.kernels.c99_slopes import constants, slopes_source
+from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes
+from martensite.kernels.jax_setup import jax_namespace, storing
+from martensite.kernels.program import Program
+from martensite.kernels.tangent import differentiated
 
 TURNS = 24
 Kernel = Callable[..., Sequence[Any]]

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite.errors import DataError, ParameterError
-from martensite.io.staircase import plateaus, supply_offset, unwrap_counter
+from martensite.base.errors import DataError, ParameterError
+from martensite.scenario.staircase import plateaus, supply_offset, unwrap_counter
 from martensite.signals.records import Record
 
 STEPS = st.lists(st.integers(0, 100), min_size=1, max_size=60)

@@ -12,7 +12,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from martensite.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError
 from martensite.identify.blocks.dead_zone import DeadZone
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
@@ -28,7 +28,7 @@ from martensite.identify.blocks.wavelet_network import WaveletNetwork
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.written import parse_block, parse_chain
-from martensite.runtimes import floats
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 RANGE: dict[str, Any] = {"low": -2.0, "high": 6.0}

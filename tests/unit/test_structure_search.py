@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
 
-from martensite.errors import DataError, InputError, SolveError
+from martensite.base.errors import DataError, InputError, SolveError
 from martensite.identify.chains.estimate import Options, estimate
 from martensite.identify.chains.goals import at_rest
 from martensite.identify.chains.patterns import MOST, expanded

@@ -11,7 +11,7 @@ from typing import Any
 import pint
 import pytest
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.studies import tables
 from martensite.studies.base import load_study, study_names
 from martensite.studies.tables import Printed, TableStudy, find_number, read_claims, settle_claims

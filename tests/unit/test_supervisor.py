@@ -15,30 +15,30 @@ from builders import example, problem_a
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from martensite.bench.bench import Bench
-from martensite.bench.faults.base import FAULTS
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Faults, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.bench.supervisor import SUPERVISORS
-from martensite.bench.supervisors.checks.base import CHECKS, Checks, alarm_names
-from martensite.bench.supervisors.checks.thermal_bound import ThermalBound
-from martensite.bench.supervisors.from_plant import guard_for, least_conductance, worst_power
-from martensite.bench.supervisors.guard import Guard
-from martensite.controllers.pid import Pid
-from martensite.electrical.mosfet import Mosfet
-from martensite.electrical.power import PowerSource
-from martensite.elements.bundle import Bundle
-from martensite.elements.limits import Limits
-from martensite.elements.ribbon import Ribbon
-from martensite.errors import InputError, ParameterError
-from martensite.mechanisms.bias_spring import BiasSpring
-from martensite.parameters import param
-from martensite.runtimes import floats
-from martensite.sensors.base import AbstractSensor
+from martensite.actuators.elements.bundle import Bundle
+from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.ribbon import Ribbon
+from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.base.errors import InputError, ParameterError
+from martensite.base.parameters import param
+from martensite.control.checks.base import CHECKS, Checks, alarm_names
+from martensite.control.checks.thermal_bound import ThermalBound
+from martensite.control.controllers.pid import Pid
+from martensite.control.faults.base import FAULTS
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Faults, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.loop.supervisor import SUPERVISORS
+from martensite.control.sensors.base import AbstractSensor
+from martensite.control.supervisors.from_plant import guard_for, least_conductance, worst_power
+from martensite.control.supervisors.guard import Guard
+from martensite.kernels import floats
+from martensite.physics.electrical.mosfet import Mosfet
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.thermal.ends import ClampedEnds
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
-from martensite.thermal.ends import ClampedEnds
 
 NEVER = 1e6
 LIMIT = 413.15

@@ -16,17 +16,17 @@ import numpy as np
 import pytest
 from sweep_cases import OVER, WIRE, arrays, wanted, wire
 
-from martensite.errors import DataError, InputError
-from martensite.io.sweeps import store as stores
-from martensite.io.sweeps import summary
-from martensite.io.sweeps.api import How, begin, sweep
-from martensite.io.sweeps.dataset import open_sweep
-from martensite.io.sweeps.job import MEASURES, SweepJob, Wanted, prepared, spec_of
-from martensite.io.sweeps.store import Store, create
+from martensite.base.errors import DataError, InputError
+from martensite.base.status import Status
+from martensite.design.sweep import store as stores
+from martensite.design.sweep import summary
+from martensite.design.sweep.api import How, begin, sweep
+from martensite.design.sweep.dataset import open_sweep
+from martensite.design.sweep.job import MEASURES, SweepJob, Wanted, prepared, spec_of
+from martensite.design.sweep.plan import Piece, Plan
+from martensite.design.sweep.running import share_of
+from martensite.design.sweep.store import Store, create
 from martensite.simulate.variants import Ran
-from martensite.status import Status
-from martensite.sweep.plan import Piece, Plan
-from martensite.sweep.running import share_of
 
 SERIAL = How("serial")
 TRACES = (("position", 6), ("temperature", 3))

@@ -14,12 +14,12 @@ from typing import Any
 import pytest
 from sweep_cases import Doubling, arrays, ran, undisturbed, wanted, wire
 
-from martensite.errors import InputError
-from martensite.io.sweeps.api import How, begin
-from martensite.status import Status
-from martensite.sweep.backends import dask_cluster
-from martensite.sweep.backends.base import Report, StoppedError
-from martensite.sweep.backends.dask_cluster import DaskCluster
+from martensite.base.errors import InputError
+from martensite.base.status import Status
+from martensite.design.backends import dask_cluster
+from martensite.design.backends.base import Report, StoppedError
+from martensite.design.backends.dask_cluster import DaskCluster
+from martensite.design.sweep.api import How, begin
 
 distributed: Any = pytest.importorskip("distributed")
 

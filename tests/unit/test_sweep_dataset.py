@@ -15,12 +15,12 @@ import pytest
 import sweep_cases
 from sweep_cases import wanted, wire
 
-from martensite.errors import DataError, InputError
-from martensite.io.sweeps.api import How, begin
-from martensite.io.sweeps.dataset import open_sweep
-from martensite.io.sweeps.reading import read_sweep
-from martensite.status import Status
-from martensite.sweep.indices import sensitivity
+from martensite.base.errors import DataError, InputError
+from martensite.base.status import Status
+from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.dataset import open_sweep
+from martensite.design.sweep.indices import sensitivity
+from martensite.design.sweep.reading import read_sweep
 
 DIAMETER, HIGH = "element.diameter", "drive.waveform.high"
 PART = How("serial", part="1/2")

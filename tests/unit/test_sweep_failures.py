@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 from sweep_cases import Doubling, Poison, arrays, ran, undisturbed, wanted, wire
 
-from martensite.errors import DataError, InputError
-from martensite.io.sweeps.api import How, begin
-from martensite.io.sweeps.store import Store
-from martensite.status import Status
-from martensite.sweep.backends.base import StoppedError
-from martensite.sweep.backends.serial import Serial
-from martensite.sweep.running import Progress
-from martensite.sweep.salvage import MOST, kept
+from martensite.base.errors import DataError, InputError
+from martensite.base.status import Status
+from martensite.design.backends.base import StoppedError
+from martensite.design.backends.serial import Serial
+from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.running import Progress
+from martensite.design.sweep.salvage import MOST, kept
+from martensite.design.sweep.store import Store
 
 SERIAL = How("serial")
 PATIENCE = 60.0

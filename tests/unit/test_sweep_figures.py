@@ -10,14 +10,14 @@ import pytest
 from drawn_texts import check_apart, visible_texts
 from sweep_tables import ANGLES, ishigami, table, with_status, with_value
 
-from martensite.errors import UnknownNameError
-from martensite.plot.pareto import plot_pareto
-from martensite.plot.sensitivity import plot_sensitivity
-from martensite.plot.sweep import plot_sweep
-from martensite.sweep.axes import axis
-from martensite.sweep.indices import sensitivity
-from martensite.sweep.pareto import pareto_front
-from martensite.sweep.table import Column, SweepTable
+from martensite.base.errors import UnknownNameError
+from martensite.design.sweep.axes import axis
+from martensite.design.sweep.indices import sensitivity
+from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.table import Column, SweepTable
+from martensite.show.figures.pareto import plot_pareto
+from martensite.show.figures.sensitivity import plot_sensitivity
+from martensite.show.figures.sweep import plot_sweep
 
 GRID = [replace(one, count=7) for one in ANGLES]
 LOG = axis("h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")})

@@ -16,10 +16,10 @@ from pathlib import Path
 import pytest
 from sweep_cases import AXES, OVER, WIRE, Doubling, arrays, ran, undisturbed, wanted
 
-from martensite.io.scenario import load
-from martensite.io.sweeps.api import How, begin
-from martensite.status import Status
-from martensite.sweep.backends.processes import Processes
+from martensite.base.status import Status
+from martensite.design.backends.processes import Processes
+from martensite.design.sweep.api import How, begin
+from martensite.scenario.scenario import load
 
 PATIENCE = 60.0
 
@@ -46,7 +46,7 @@ def test_a_process_that_cannot_start_is_no_lost_run(tmp_path: Path) -> None:
     script.write_text(
         "from pathlib import Path\n"
         "from sweep_cases import Doubling\n"
-        "from martensite.sweep.backends.processes import Processes\n"
+        "from martensite.design.backends.processes import Processes\n"
         f"list(Processes(1).run(Doubling(Path({str(tmp_path)!r}), size=4), [0]))\n"
     )
     done = subprocess.run(
@@ -144,7 +144,7 @@ def test_a_process_whose_parent_is_killed_ends(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "import os, sys, time\n"
-        "from martensite.sweep.backends.processes import _pool_of\n"
+        "from martensite.design.backends.processes import _pool_of\n"
         'if __name__ == "__main__":\n'
         "    with _pool_of(1) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from builders import plain_system
 
-from martensite.errors import DataError, ParameterError
-from martensite.io.compare import compare
-from martensite.io.tables import read_table
+from martensite.base.errors import DataError, ParameterError
+from martensite.scenario.compare import compare
+from martensite.scenario.tables import read_table
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.records import Record, table_waveform
 from martensite.simulate.api import simulate

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from tuning_cases import DELAY, DT, linear_bench
 
-from martensite.control.rules.first_order_fit import fitted
-from martensite.control.rules.formulas import (
+from martensite.base.errors import DataError, ParameterError
+from martensite.design.rules.first_order_fit import fitted
+from martensite.design.rules.formulas import (
     FORMS,
     RULES,
     FirstOrder,
@@ -22,9 +23,8 @@ from martensite.control.rules.formulas import (
     gains_by_rule,
     series,
 )
-from martensite.control.rules.step_test import holding, step_test
-from martensite.errors import DataError, ParameterError
-from martensite.io.citations import bibliography
+from martensite.design.rules.step_test import holding, step_test
+from martensite.scenario.citations import bibliography
 
 LAG = FirstOrder(2.0, 5.0, 1.0)
 

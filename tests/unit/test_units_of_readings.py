@@ -14,22 +14,22 @@ import pytest
 from thin_wire import THIN_WIRE
 from typer.testing import CliRunner
 
-from martensite import units
-from martensite.bench.faults.base import FAULTS
-from martensite.bench.supervisors.checks.base import CHECKS
+from martensite.actuators.assembly import Members
+from martensite.base import units
+from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.base.parameters import Leaf, Parametrised, param, part, text
 from martensite.cli import app
-from martensite.controllers.on_off import OnOff
-from martensite.controllers.planning import Price
-from martensite.errors import InputError, ParameterError, UnitError
-from martensite.io.build import Builder
-from martensite.io.catalogue import registries
-from martensite.io.components import component_class
-from martensite.io.places import Places
-from martensite.io.scales import Scales, named_readings
-from martensite.io.scenario import Scenario, load, read
-from martensite.parameters import Leaf, Parametrised, param, part, text
+from martensite.control.checks.base import CHECKS
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.planning import Price
+from martensite.control.faults.base import FAULTS
+from martensite.scenario.build import Builder
+from martensite.scenario.catalogue import registries
+from martensite.scenario.components import component_class
+from martensite.scenario.places import Places
+from martensite.scenario.scales import Scales, named_readings
+from martensite.scenario.scenario import Scenario, load, read
 from martensite.signals.constant import Constant
-from martensite.system import Members
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LOOP = f"""{THIN_WIRE}

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from builders import plain_system, problem_a
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
+from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
 from martensite.simulate.variants import Course, Ran
-from martensite.status import Status
 
 SYSTEM = problem_a()
 PWM = PulseWidthModulation(high=3.0, frequency=2.0, duty=0.5)

@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from martensite.base.confidence import Interval, interval_contains
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import Estimate, propagate_errors
 from martensite.characterise.free_vibration import (
     LogDecrement,
@@ -27,8 +29,6 @@ from martensite.characterise.free_vibration import (
 from martensite.characterise.moving_average import moving_average, moving_average_gain
 from martensite.characterise.spectrum import natural_frequency
 from martensite.characterise.strain_gauge import bending_strain, half_bridge, ina129_gain
-from martensite.confidence import Interval, interval_contains
-from martensite.errors import DataError, ParameterError
 
 Rows = tuple[list[float], list[float]]
 F, ZETA, OFFSET = 8.42, 0.02, 0.3

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from martensite.errors import InputError
-from martensite.io.citations import bibliography
-from martensite.materials.base import KINDS, load_material
-from martensite.materials.wires import UNITS, WireSize, load_wires, wire_catalogues
+from martensite.base.errors import InputError
+from martensite.physics.materials.base import KINDS, load_material
+from martensite.physics.materials.wires import UNITS, WireSize, load_wires, wire_catalogues
+from martensite.scenario.citations import bibliography
 
 CATALOGUE = load_wires("flexinol")
 SIZES = list(CATALOGUE.sizes.values())

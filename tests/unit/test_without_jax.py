@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fences import ROOT
 
-from martensite.runtimes import c99
+from martensite.kernels import c99
 
 HIDDEN = """
 import sys
@@ -17,7 +17,7 @@ import sys
 sys.modules["jax"] = sys.modules["jaxlib"] = None  # as if it were not installed
 
 import martensite as ms
-from martensite.errors import MartensiteError
+from martensite.base.errors import MartensiteError
 
 scenario = ms.load("{examples}/pwm_bias_spring.toml")
 system, waveform = scenario.system, scenario.waveform

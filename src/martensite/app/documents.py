@@ -13,9 +13,9 @@ from typing import Any, cast
 from martensite.app.gallery import FOLDER, built
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.errors import DataError, ParameterError
-from martensite.files import toml_document
-from martensite.io.scenario import Scenario
+from martensite.base.errors import DataError, ParameterError
+from martensite.base.files import toml_document
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 
 LONGEST = 2**20

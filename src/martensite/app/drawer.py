@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from martensite.app.messages import Refusal
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 
 MOST_BYTES = 64 * 2**20
 LONGEST_NAME = 160

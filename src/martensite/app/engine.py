@@ -16,11 +16,11 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
-from martensite.errors import MartensiteError
-from martensite.files import cache_folder
-from martensite.io.scenario import Scenario
-from martensite.parameters import structure
-from martensite.runtimes.c99 import compiler
+from martensite.base.errors import MartensiteError
+from martensite.base.files import cache_folder
+from martensite.base.parameters import structure
+from martensite.kernels.c99 import compiler
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 LONG = 10.0

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.io.recorded import LOG
+from martensite.scenario.recorded import LOG
 
 if TYPE_CHECKING:
-    from martensite.io.scenario import Scenario
+    from martensite.scenario.scenario import Scenario
     from martensite.signals.records import Record
 
 PACKAGED = Path(__file__).parents[1] / "examples"
@@ -42,7 +42,7 @@ def built(
     text: str, changes: Mapping[str, Any] | None = None, log: Record | None = None
 ) -> Scenario:
     """The scenario in a text; files that it names lie beside the packaged ones."""
-    from martensite.io.scenario import read
+    from martensite.scenario.scenario import read
 
     return read(text, FOLDER / "scenario.toml", changes, log=log)
 

@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, cast
 
-from martensite.errors import InputError, MartensiteError
-from martensite.io.plain import plain
+from martensite.base.errors import InputError, MartensiteError
+from martensite.scenario.plain import plain
 
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""

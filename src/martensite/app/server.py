@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 LOOPBACK = "127.0.0.1"
 

@@ -42,7 +42,7 @@ from martensite.app.guard import Guard
 from martensite.app.jobs import Job, Jobs
 from martensite.app.messages import BadMessageError, Refusal, loads, refused, wanted
 from martensite.app.workers import Pool
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""

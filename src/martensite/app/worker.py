@@ -28,7 +28,7 @@ from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from martensite.app.messages import BadMessageError, dumps, refused
-from martensite.errors import suggestion
+from martensite.base.errors import suggestion
 
 PACKAGE = "martensite.app.calls"
 MEMORY = 4 * 2**30

@@ -25,10 +25,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import EVERYTHING, LEVEL, Interval
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.characterise.tangent_points import TangentPoints
-from martensite.confidence import EVERYTHING, LEVEL, Interval
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 
 
 def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float]) -> None:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.confidence import EVERYTHING, LEVEL, Interval, student_quantile
+from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.spectrum import natural_frequency, sampling_interval
-from martensite.errors import DataError, ParameterError
 
 FEWEST_ROWS = 10
 """Rows that a cycle must have."""

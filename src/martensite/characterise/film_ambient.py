@@ -23,9 +23,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from martensite.base.confidence import LEVEL, Interval, student_quantile
 from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
-from martensite.confidence import LEVEL, Interval, student_quantile
 
 
 @dataclass(frozen=True)

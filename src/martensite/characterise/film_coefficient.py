@@ -19,10 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL, Interval
+from martensite.base.errors import DataError
 from martensite.characterise.columns import check_columns
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
-from martensite.confidence import LEVEL, Interval
-from martensite.errors import DataError
 
 FORMS: dict[str, tuple[int, ...]] = {
     "constant": (0,),

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.columns import check_columns
-from martensite.errors import DataError, ParameterError
 
 ABSOLUTE_ZERO = -273.15
 """[°C]"""

@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL
 from martensite.characterise.film_ambient import FreeAmbient, fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, FilmFit, fit_film
 from martensite.characterise.film_points import FilmPoints
@@ -34,7 +35,6 @@ from martensite.characterise.film_verdicts import (
     judge_curvature,
     judge_slope,
 )
-from martensite.confidence import LEVEL
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL
 from martensite.characterise.film_coefficient import FORMS, FilmFit, fit_film
 from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.confidence import LEVEL
 
 SHIFTS = (-2.5, -1.0, 0.0, 1.0, 2.5)
 """Ambient temperatures tried, less the given one [K]."""

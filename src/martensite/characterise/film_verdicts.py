@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL, Interval, interval_contains
 from martensite.characterise.film_ambient import FreeAmbient
 from martensite.characterise.film_coefficient import FilmFit
 from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints
 from martensite.characterise.film_sensitivity import Confounding
-from martensite.confidence import LEVEL, Interval, interval_contains
 
 UNITS = ("W/m²/K", "W/m²/K²", "W/m²/K³")
 """Units of h₀, h₁, h₂."""

@@ -24,11 +24,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import Estimate, propagate_errors
 from martensite.characterise.extremes import Extremes, find_extremes
 from martensite.characterise.nonlinear_regression import fit_residuals
-from martensite.confidence import LEVEL
-from martensite.errors import DataError, ParameterError
 
 LEAST_SHARE = 0.05
 """Extremes smaller than this share of the first are left out."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
 from martensite.signals.records import Record, not_finite, out_of_order
 
 FEWEST_ROWS = 20

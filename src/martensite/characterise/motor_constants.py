@@ -25,11 +25,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from martensite.base.confidence import LEVEL, interval_contains
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import Estimate, propagate_errors
 from martensite.characterise.motor_tests import SteadyRunning, Winding
 from martensite.characterise.time_constant import Rise
-from martensite.confidence import LEVEL, interval_contains
-from martensite.errors import DataError, ParameterError
 
 Formula = Callable[..., float]
 

@@ -15,10 +15,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from martensite.base.errors import DataError
 from martensite.characterise.columns import check_columns
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
-from martensite.errors import DataError
 
 
 @dataclass(frozen=True)

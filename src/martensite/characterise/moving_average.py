@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
 
 
 def moving_average(values: Sequence[float], window: int) -> list[float]:

@@ -15,8 +15,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.errors import SolveError
 from martensite.characterise.estimate import Estimate
-from martensite.errors import SolveError
 
 TOLERANCE = 1e-14
 """Relative change of the squares, the numbers and the gradient at which the search ends."""

@@ -16,16 +16,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.characterise.columns import check_columns
-from martensite.characterise.estimate import Estimate
-from martensite.confidence import (
+from martensite.base.confidence import (
     EVERYTHING,
     LEVEL,
     Interval,
     student_quantile,
     two_sided_probability,
 )
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
+from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import Estimate
 
 
 @dataclass(frozen=True)

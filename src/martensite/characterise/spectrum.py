@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.columns import check_columns
-from martensite.errors import DataError, ParameterError
 
 FEWEST = 16
 """Rows below which there is no spectrum worth the name."""

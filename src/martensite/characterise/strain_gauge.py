@@ -11,7 +11,7 @@ Source: Kossoski (2018), Appendix A; Texas Instruments, INA129 data sheet, secti
 
 from __future__ import annotations
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 
 INA129 = 49.4e3
 """Sum of the two feedback resistors in the INA129 [ohm]."""

@@ -15,13 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.confidence import LEVEL
+from martensite.base.errors import DataError, ParameterError, suggestion
 from martensite.characterise.clausius_clapeyron import Direction, fit_direction
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.tangent_lines import COSINE
 from martensite.characterise.tangent_points import TangentPoints, tangent_points
 from martensite.characterise.transformation_strain import StrainFit, fit_transformation_strain
-from martensite.confidence import LEVEL
-from martensite.errors import DataError, ParameterError, suggestion
 from martensite.signals.records import Record
 
 ENDS = ("tangents", "cosine")

@@ -26,6 +26,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from martensite.base.errors import DataError
 from martensite.characterise.straight_lines import (
     FEWEST,
     Line,
@@ -36,7 +37,6 @@ from martensite.characterise.straight_lines import (
     smooth_median,
     sort_by_temperature,
 )
-from martensite.errors import DataError
 
 CORE = 0.4
 """Share of the way through which the steep line is fitted."""

@@ -19,9 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from martensite.base.errors import DataError
 from martensite.characterise.isobaric_cycles import Branch, IsobaricCycle, cut_cycle
 from martensite.characterise.tangent_lines import BranchTangents, branch_tangents
-from martensite.errors import DataError
 from martensite.signals.records import Record
 
 FEW = 6

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from martensite.base.confidence import LEVEL
+from martensite.base.errors import DataError, SolveError
 from martensite.characterise.columns import check_columns
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.nonlinear_regression import fit_residuals
-from martensite.confidence import LEVEL
-from martensite.errors import DataError, SolveError
 
 FEWEST = 6
 """Rows below which three numbers are not fitted."""

@@ -22,10 +22,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from martensite.base.confidence import LEVEL, two_sided_probability
+from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
-from martensite.confidence import LEVEL, two_sided_probability
-from martensite.errors import DataError, SolveError
 
 FEWEST = 4
 """Different stresses from which on the saturating form is tried."""

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from martensite.errors import MartensiteError
+from martensite.base.errors import MartensiteError
 
 GROUPS = {
     "Simulate": ("run", "check", "law", "demo", "study"),

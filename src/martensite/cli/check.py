@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.errors import InputError
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
-from martensite.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from martensite.io.scenario import Scenario
-    from martensite.parameters import Leaf
+    from martensite.base.parameters import Leaf
+    from martensite.scenario.scenario import Scenario
     from martensite.simulate.end_states import EndState
     from martensite.simulate.result import Result
 
@@ -37,8 +37,8 @@ def check(
     """
     import_modules(modules)
     from martensite.cli import show
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     loaded = load(scenario, read_settings(settings or []))
     report = _report(loaded) | _ends(loaded)
@@ -124,7 +124,7 @@ def _sound(report: dict[str, Any]) -> str:
 def _report(scenario: Scenario) -> dict[str, Any]:
     import math
 
-    from martensite.materials.base import DOUBTFUL
+    from martensite.physics.materials.base import DOUBTFUL
     from martensite.simulate.api import first_step
 
     period = None if scenario.bench is None else scenario.bench.period
@@ -172,8 +172,8 @@ def params(
 
 def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:
     from martensite.cli import show
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     rows = _values(load(path, read_settings(settings or [])))
     if json:
@@ -198,7 +198,7 @@ def _values(scenario: Scenario) -> list[dict[str, Any]]:
 
 def _levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
     """The numbers of the waveforms; their levels are in the unit of what they drive."""
-    from martensite.io.assemble import waveform_path
+    from martensite.scenario.assemble import waveform_path
     from martensite.signals.base import DRIVE
     from martensite.simulate.driven import by_name
 

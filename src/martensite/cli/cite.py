@@ -22,7 +22,7 @@ def cite(
     """Print BibTeX of what a scenario or a study rests on."""
     import_modules(modules)
     from martensite.cli import show
-    from martensite.io import citations
+    from martensite.scenario import citations
 
     keys = _of_scenario(name, settings) if name.endswith(".toml") else _of_study(name)
     texts = citations.entries(keys)
@@ -33,9 +33,9 @@ def cite(
 
 
 def _of_scenario(name: str, settings: list[str] | None) -> list[str]:
-    from martensite.io.citations import citations
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.citations import citations
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     scenario = load(name, read_settings(settings or []))
     return citations(scenario, scenario.material)

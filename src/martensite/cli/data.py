@@ -25,7 +25,7 @@ def overview(ctx: typer.Context, json: Json = False) -> None:
 def list_all(json: Json = False) -> None:
     """List the data sets, their licences, and which are on this machine."""
     from martensite.cli import show
-    from martensite.io.datasets import dataset_names, describe
+    from martensite.scenario.datasets import dataset_names, describe
 
     found = [describe(name) for name in dataset_names()]
     if json:
@@ -36,8 +36,8 @@ def list_all(json: Json = False) -> None:
 
 
 def _here(name: str) -> str:
-    from martensite.errors import DataError
-    from martensite.io.datasets import describe, locate
+    from martensite.base.errors import DataError
+    from martensite.scenario.datasets import describe, locate
 
     found = 0
     files = describe(name).files
@@ -56,7 +56,7 @@ def show_one(
 ) -> None:
     """Show a data set: what it holds, what it is not, where it comes from, its files."""
     from martensite.cli import show
-    from martensite.io.datasets import describe
+    from martensite.scenario.datasets import describe
 
     dataset = describe(name)
     if json:
@@ -78,7 +78,7 @@ def fetch(
 ) -> None:
     """Download a data set from its authors, and check every file against its SHA-256."""
     from martensite.cli import show
-    from martensite.io import datasets
+    from martensite.scenario import datasets
 
     folder = datasets.fetch(name, force)
     if json:

@@ -17,7 +17,7 @@ def demo(json: Json = False) -> None:
     from martensite.cli.execute import Wanted, execute
     from martensite.cli.outputs import Outputs
     from martensite.cli.study import print_claims
-    from martensite.io.scenario import load
+    from martensite.scenario.scenario import load
     from martensite.studies.base import load_study
     from martensite.studies.migaone.bench import SCENARIO
 

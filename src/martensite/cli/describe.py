@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from martensite.base.errors import UnknownNameError
+from martensite.base.registry import Registry
+from martensite.base.units import OF_READINGS
 from martensite.cli import show
-from martensite.errors import UnknownNameError
-from martensite.io.catalogue import described, registries, summary
-from martensite.registry import Registry
+from martensite.scenario.catalogue import described, registries, summary
 from martensite.signals.base import DRIVE
-from martensite.units import OF_READINGS
 
 
 def one(registry: Registry[Any], name: str) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def anywhere(name: str) -> list[dict[str, Any]]:
 
 def print_part(part: dict[str, Any]) -> None:
     """Print a description with its table of parameters and the works it rests on."""
-    from martensite.io import citations
+    from martensite.scenario import citations
 
     show.text(f"{part['kind']} {part['name']}: {part['summary']}", "bold")
     show.text()

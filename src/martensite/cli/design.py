@@ -80,8 +80,8 @@ def design(
     from martensite.cli.design_run import Given, run_design
     from martensite.cli.design_show import shown
     from martensite.cli.outputs import Outputs
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     outputs = Outputs(save, figure).check(force, data=(".toml",))
     given = Given(

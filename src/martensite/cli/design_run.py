@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from martensite.base.errors import InputError, ParameterError
 from martensite.cli.options import quantity
 from martensite.cli.waiting import share_bar
-from martensite.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
-    from martensite.io.scenario import Scenario
-    from martensite.sizing.design.designed import Designed
+    from martensite.design.optimise.designed import Designed
+    from martensite.scenario.scenario import Scenario
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ def run_design(scenario: Scenario, given: Given, *, saved: bool) -> Designed:
         SolveError: no design can be run.
     """
     from martensite.cli.design_saved import require_written, written
-    from martensite.sizing.design.optimise import optimise_design
-    from martensite.sizing.design.search import Search
+    from martensite.design.optimise.optimise import optimise_design
+    from martensite.design.optimise.search import Search
 
     if scenario.bench is not None:
         raise InputError(
@@ -77,8 +77,8 @@ def run_design(scenario: Scenario, given: Given, *, saved: bool) -> Designed:
         )  # fmt: skip
         if given.grid is None:
             return found
-        from martensite.sizing.design.judged import Scales
-        from martensite.sizing.design.scan import scan
+        from martensite.design.optimise.judged import Scales
+        from martensite.design.optimise.scan import scan
 
         watch = None if tell is None else partial(tell, "grid")
         compared = scan(found.designs, Scales(found.question), given.grid, watch)

@@ -6,19 +6,19 @@ import tomllib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 if TYPE_CHECKING:
-    from martensite.io.scenario import Scenario
-    from martensite.sizing.design.designed import Designed
-    from martensite.sizing.design.free import Choice
+    from martensite.design.optimise.designed import Designed
+    from martensite.design.optimise.free import Choice
+    from martensite.scenario.scenario import Scenario
 
 
 def written(scenario: Scenario) -> dict[str, str]:
     """Path in the system of every number that may be free -> its path in the scenario."""
-    from martensite.io.assemble import waveform_path
+    from martensite.design.optimise.free import level_path
+    from martensite.scenario.assemble import waveform_path
     from martensite.simulate.steered import PEAK, Steering
-    from martensite.sizing.design.free import level_path
 
     system, places = scenario.system, scenario.places
     found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
@@ -47,7 +47,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
 
 def saved(found: Designed, scenario: Scenario) -> str:
     """The scenario with the numbers found, as TOML."""
-    from martensite.io.overrides import as_toml, changed
+    from martensite.scenario.overrides import as_toml, changed
 
     numbers: dict[str, Any] = {}
     for one, value in zip(found.question.free, found.numbers, strict=True):
@@ -63,7 +63,7 @@ def saved(found: Designed, scenario: Scenario) -> str:
 
 def _settings(choice: Choice, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
     """What a number is in the scenario: by path, as text with a unit."""
-    from martensite.io.exact_text import exact_text
+    from martensite.scenario.exact_text import exact_text
     from martensite.simulate.steered import PEAK
 
     if choice.level is not None and choice.level.name == PEAK:
@@ -75,8 +75,8 @@ def _settings(choice: Choice, value: float, scenario: Scenario, *, whole: bool) 
 
 def _scaled(choice: Choice, factor: float, scenario: Scenario) -> dict[str, Any]:
     """All levels of a waveform, scaled."""
-    from martensite import units
-    from martensite.io.exact_text import exact_text
+    from martensite.base import units
+    from martensite.scenario.exact_text import exact_text
     from martensite.simulate.driven import by_name
 
     before = choice.written.removesuffix("peak")

@@ -12,8 +12,8 @@ from martensite.cli.design_saved import saved
 from martensite.cli.outputs import Outputs, parts
 
 if TYPE_CHECKING:
-    from martensite.io.scenario import Scenario
-    from martensite.sizing.design.designed import Designed, Held, Reported
+    from martensite.design.optimise.designed import Designed, Held, Reported
+    from martensite.scenario.scenario import Scenario
 
 NUMBERS = ("free", "scenario", "found", "from", "to", "")
 MEASURES = ("measure", "scenario", "found", "limit", " ")
@@ -170,7 +170,7 @@ def _print_grid(found: Designed) -> None:
 
 
 def _draw(found: Designed, title: str, path: Path) -> None:
-    from martensite.plot.design import plot_design
-    from martensite.plot.files import write_figure
+    from martensite.show.figures.design import plot_design
+    from martensite.show.figures.files import write_figure
 
     write_figure(plot_design(found, title), path)

@@ -13,9 +13,9 @@ from martensite.cli.waiting import run_bar, spinner
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from martensite.control.averaging import Averaging
-    from martensite.io.compare import Agreement
-    from martensite.io.scenario import Scenario
+    from martensite.design.tuning.averaging import Averaging
+    from martensite.scenario.compare import Agreement
+    from martensite.scenario.scenario import Scenario
     from martensite.signals.records import Record
     from martensite.simulate.result import Result
 
@@ -195,10 +195,10 @@ def _run(scenario: Scenario, wanted: Wanted) -> Result:
 def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
     if carrier is None:
         return None
-    from martensite.control.averaging import compare_averaging
-    from martensite.errors import InputError
+    from martensite.actuators.assembly import System
+    from martensite.base.errors import InputError
+    from martensite.design.tuning.averaging import compare_averaging
     from martensite.signals.base import AbstractWaveform
-    from martensite.system import System
 
     system, waveform = scenario.system, scenario.waveform
     alone = scenario.bench is None and isinstance(system, System)
@@ -212,7 +212,7 @@ def _averaged(scenario: Scenario, carrier: float | None) -> Averaging | None:
 
 def _draw(path: Path, scenario: Scenario, result: Result, records: list[Record] | None) -> None:
     """The standard figure."""
-    from martensite.plot.overview import save_figure
+    from martensite.show.figures.overview import save_figure
 
     save_figure(result, path, records, scenario.title, scenario.outside)
 
@@ -225,14 +225,14 @@ def _record(scenario: Scenario, wanted: Wanted) -> Record | None:
         return _as_far_as_run(wanted.log, scenario)
     if wanted.compare is None:
         return scenario.measured.read() if scenario.measured else None
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     return read_table(wanted.compare, wanted.columns)
 
 
 def _as_far_as_run(log: Record, scenario: Scenario) -> Record:
     """The rows of a log from its beginning to the end of the run."""
-    from martensite.io.recorded import from_zero
+    from martensite.scenario.recorded import from_zero
 
     found = from_zero(log, scenario.lead)
     rows = bisect_right(found.times, scenario.duration * (1.0 + HAIR))
@@ -242,23 +242,23 @@ def _as_far_as_run(log: Record, scenario: Scenario) -> Record:
 def _compared(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
     if record is None:
         return []
-    from martensite.io.compare import common, compare
+    from martensite.scenario.compare import common, compare
 
     return [] if followed and not common(result, record) else compare(result, record)
 
 
 def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:
-    from martensite.io.citations import citations
+    from martensite.scenario.citations import citations
 
     if files.data is not None:
-        from martensite.io.netcdf import save
+        from martensite.scenario.netcdf import save
 
         cited = citations(scenario, scenario.material)
         save(result, files.data, scenario.text, cited, scenario.material)
     if files.figure is not None:
         _draw(files.figure, scenario, result, [record] if record else None)
     if files.profile is not None:
-        from martensite.plot.files import write_figure
-        from martensite.plot.profile import plot_profile
+        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.profile import plot_profile
 
         write_figure(plot_profile(result, scenario.title), files.profile)

@@ -12,7 +12,7 @@ from martensite.cli.options import Force, Imports, Json, ScenarioFile, Settings,
 
 if TYPE_CHECKING:
     from martensite.export.c_core import CCore
-    from martensite.io.scenario import Scenario
+    from martensite.scenario.scenario import Scenario
 
 PARTS = ("whole", "plant", "loop")
 STEPS = 400
@@ -47,10 +47,10 @@ def c(
     Operations are counted at worst: what is not chosen in a step is not computed.
     """
     import_modules(modules)
-    from martensite.errors import ParameterError, suggestion
+    from martensite.base.errors import ParameterError, suggestion
     from martensite.export.c_names import checked_identifier, identifier
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     if part not in PARTS:
         raise ParameterError(f"There is no part `{part}`. {suggestion(part, PARTS)}")
@@ -79,7 +79,7 @@ def _free(folder: Path, name: str, force: bool) -> list[Path]:
 
 
 def _write(path: Path, text: str) -> None:
-    from martensite.files import replacing
+    from martensite.base.files import replacing
 
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
@@ -87,7 +87,7 @@ def _write(path: Path, text: str) -> None:
 
 def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
     """The core of a part of a scenario, and the text of its example."""
-    from martensite.errors import ParameterError
+    from martensite.base.errors import ParameterError
     from martensite.export.c_core import c_core
     from martensite.export.c_example import example_text
     from martensite.export.c_loop import c_loop

@@ -60,11 +60,11 @@ def fmu(
     are parameters; a closed loop has its reference as an input.
     """
     import_modules(modules)
+    from martensite.base.errors import InputError
     from martensite.cli.outputs import Outputs
-    from martensite.errors import InputError
     from martensite.export.fmu import to_fmu
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     if sources_only and platforms:
         raise InputError("Options `--sources-only` and `--platform` exclude each other.")

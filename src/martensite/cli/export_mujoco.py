@@ -20,7 +20,7 @@ from martensite.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from martensite.io.scenario import Scenario
+    from martensite.scenario.scenario import Scenario
 
 HERE = Path("SCENARIO_driver.py")
 """Stands for the file that is written where `--driver` names none."""
@@ -78,8 +78,8 @@ def mujoco(
     from martensite.cli.outputs import Outputs
     from martensite.export.mjcf import to_mjcf
     from martensite.export.mjcf_snippet import to_mjcf_snippet
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     loaded = load(scenario, read_settings(settings or []))
     out = out or Path(f"{scenario.stem}{'_snippet' if snippet else ''}.xml")
@@ -98,7 +98,7 @@ def mujoco(
 
 def _driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[str]) -> str:
     """The text of the driver; `InputError` if the scenario has nothing to play."""
-    from martensite.errors import InputError
+    from martensite.base.errors import InputError
     from martensite.export.mujoco_driver import driver_text
 
     if loaded.outside or (loaded.bench and loaded.bench.controllers.members()):
@@ -113,7 +113,7 @@ def _driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[st
 
 
 def _write(texts: dict[Path, str]) -> None:
-    from martensite.files import replacing
+    from martensite.base.files import replacing
 
     for path, text in texts.items():
         with replacing(path) as part:

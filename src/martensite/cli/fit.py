@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer.core import TyperGroup
 
+from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.app import app
 from martensite.cli.options import Figure, Force, Json
-from martensite.errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
     from martensite.characterise.film_report import FilmReport
@@ -270,7 +270,7 @@ def _shown(report: FilmReport, form: str) -> list[str]:
 
 
 def _draw(report: FilmReport, forms: list[str], table: Path, path: Path) -> None:
-    from martensite.plot.files import write_figure
-    from martensite.plot.film_fit import plot_film
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.film_fit import plot_film
 
     write_figure(plot_film(report, forms, f"Film coefficient from {table.name}"), path)

@@ -9,15 +9,15 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from martensite.base.errors import DataError, InputError
 from martensite.cli.options import quantity
-from martensite.errors import DataError, InputError
 
 if TYPE_CHECKING:
     from martensite.characterise.film_coefficient import FilmFit
     from martensite.characterise.film_points import FilmPoints
     from martensite.characterise.film_report import FilmReport
+    from martensite.physics.thermal.base import AbstractCooling
     from martensite.signals.records import Record
-    from martensite.thermal.base import AbstractCooling
 
 ZERO = 273.15
 """0 °C [K]."""
@@ -71,7 +71,7 @@ def read_points(table: Path, wire: Wire) -> tuple[FilmPoints, str]:
         InputError: an option is missing, or has no effect.
     """
     from martensite.characterise.film_points import FilmPoints, points_from_power
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     record = read_table(table, interval=1.0)
     at = tuple(_celsius(kelvin) for kelvin in record["temperature"])
@@ -203,8 +203,8 @@ def snippet(report: FilmReport, form: str, table: str) -> str:
 
 def _model(fit: FilmFit) -> AbstractCooling:
     """The heat-loss model with the fitted numbers; refuses what it does not allow."""
-    from martensite.thermal.constant import ConstantCooling
-    from martensite.thermal.polynomial import PolynomialCooling
+    from martensite.physics.thermal.constant import ConstantCooling
+    from martensite.physics.thermal.polynomial import PolynomialCooling
 
     if fit.terms == (0,):
         return ConstantCooling(h=fit.coefficients[0])

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from martensite.base.errors import DataError, InputError
 from martensite.cli.fit_vibration import estimate_row
 from martensite.cli.options import quantity
-from martensite.errors import DataError, InputError
 
 if TYPE_CHECKING:
     from martensite.characterise.motor_constants import MotorConstants
@@ -37,7 +37,7 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
     """
     from martensite.characterise.estimate import Estimate
     from martensite.characterise.motor_tests import Winding, winding_resistance
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     if (locked is None) == (resistance is None):
         raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
@@ -64,7 +64,7 @@ def read_steady(path: Path) -> SteadyRunning:
         DataError: the table does not hold what is needed.
     """
     from martensite.characterise.motor_tests import steady_running
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     record = read_table(path, interval=1.0)
     return steady_running(record["voltage"], record["current"], _speeds(record))
@@ -77,7 +77,7 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
         DataError: the record does not hold what is needed.
     """
     from martensite.characterise.time_constant import fit_rise
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     if path is None:
         return None
@@ -90,7 +90,7 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
 
 def _speeds(record: Record) -> list[float]:
     """Column `speed` [rad/s]."""
-    from martensite import units
+    from martensite.base import units
 
     numbers, unit = record["speed"], record.units["speed"]
     if unit not in SPEEDS:
@@ -110,9 +110,9 @@ def _positive(name: str, text: str, unit: str) -> float:
 
 def print_motor(found: MotorConstants, states: int) -> None:
     """Print the constants, and what is doubtful."""
+    from martensite.base.confidence import LEVEL
     from martensite.characterise.motor_constants import UNITS
     from martensite.cli import show
-    from martensite.confidence import LEVEL
 
     show.text(f"DC motor from {states} steady states", "bold")
     rows = [

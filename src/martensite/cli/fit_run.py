@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.cli.options import quantity
 from martensite.cli.waiting import search_bar, spinner
-from martensite.errors import DataError, InputError, UnknownNameError
 
 if TYPE_CHECKING:
-    from martensite.identify.fitting.posterior import Posterior
-    from martensite.identify.fitting.profiles import Profile
-    from martensite.identify.fitting.watch import Note
-    from martensite.io.fitting.task import Arranged, LogFit, Task
+    from martensite.fit.posterior import Posterior
+    from martensite.fit.profiles import Profile
+    from martensite.fit.task import Arranged, LogFit, Task
+    from martensite.fit.watch import Note
 
 REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 
@@ -52,9 +52,9 @@ class Given:
         Raises:
             InputError: something is missing, or contradicts a fit file.
         """
-        from martensite.io.fitting.documents import is_fit_file, read_fit_file
-        from martensite.io.fitting.wishes import split_list
-        from martensite.io.overrides import read_settings
+        from martensite.fit.documents import is_fit_file, read_fit_file
+        from martensite.fit.wishes import split_list
+        from martensite.scenario.overrides import read_settings
 
         if any(map(is_fit_file, self.logs)):
             self._refuse_beside_fit_file()
@@ -72,7 +72,7 @@ class Given:
         )
 
     def _own(self) -> Task:
-        from martensite.io.fitting.api import task_of
+        from martensite.fit.api import task_of
 
         if not self.scenarios:
             raise InputError("A fit needs --scenario, the file of one; none given.")
@@ -149,12 +149,12 @@ class Files:
         """Write what is wanted; the files that were written."""
         written: list[Path] = []
         if self.material is not None:
-            from martensite.io.material_files import write_material
+            from martensite.fit.material_files import write_material
 
             write_material(fit, self.material, scenario=fit.scenario)
             written.append(self.material)
         if self.report is not None:
-            from martensite.report.fit_report import write_report
+            from martensite.show.reports.fit_report import write_report
 
             written += write_report(fit, self.report, scenario=fit.scenario, profiles=profiles)
         return written
@@ -216,7 +216,7 @@ def run_fit(task: Task, files: Files, further: Further, json: bool) -> bool:
 
 def _posterior(fit: LogFit, draws: int) -> Posterior | None:
     """Samples; None if they were interrupted."""
-    from martensite.identify.fitting.posterior import posterior
+    from martensite.fit.posterior import posterior
 
     try:
         return posterior(fit, draws=draws, progress=sys.stderr.isatty())
@@ -226,7 +226,7 @@ def _posterior(fit: LogFit, draws: int) -> Posterior | None:
 
 def _profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
     """Profiles; fewer if they were interrupted."""
-    from martensite.identify.fitting.profiled import profiled
+    from martensite.fit.profiled import profiled
 
     walked: list[Profile] = []
     try:

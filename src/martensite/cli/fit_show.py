@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from martensite.identify.fitting.free import Free
-    from martensite.identify.fitting.posterior import Posterior
-    from martensite.identify.fitting.profiles import Profile
-    from martensite.identify.fitting.scores import Score
-    from martensite.io.fitting.task import LogFit
+    from martensite.fit.free import Free
+    from martensite.fit.posterior import Posterior
+    from martensite.fit.profiles import Profile
+    from martensite.fit.task import LogFit
+    from martensite.search.scores import Score
 
 PARAMETERS = ("parameter", "value", "95 % interval", "start", "bounds", "")
 WIDE = 1.1
@@ -121,7 +121,7 @@ def _as_dict(fit: LogFit) -> dict[str, Any]:
 
 def warnings(fit: LogFit) -> list[str]:
     """What a reader must know before the numbers are used."""
-    from martensite.identify.fit_verdicts import warnings as verdicts
+    from martensite.fit.fit_verdicts import warnings as verdicts
 
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
     found = [*fit.cautions, *verdicts(fit)]
@@ -167,9 +167,9 @@ def _mark(fit: LogFit, name: str, known: bool) -> str:
 
 def _shown(free: Free) -> tuple[float, float, str]:
     """Factor and offset to SI, and name, of the unit in which a parameter is read."""
-    from martensite import units
-    from martensite.identify.fitting.nuisance import is_nuisance
-    from martensite.identify.fitting.words import difference
+    from martensite.base import units
+    from martensite.fit.nuisance import is_nuisance
+    from martensite.search.words import difference
 
     if is_nuisance(free):
         factor, spelling = difference(free.unit)

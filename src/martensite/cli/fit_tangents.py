@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from martensite.base.errors import InputError
 from martensite.cli.options import quantity
-from martensite.errors import InputError
 
 if TYPE_CHECKING:
+    from martensite.base.confidence import Interval
     from martensite.characterise.estimate import Estimate
     from martensite.characterise.tangent_fit import TangentFit
     from martensite.characterise.tangent_points import TangentPoints
-    from martensite.confidence import Interval
 
 ZERO = 273.15
 """0 °C [K]."""
@@ -31,7 +31,7 @@ def read_cycles(
         UnitError: a stress is none.
     """
     from martensite.characterise.tangent_points import tangent_points
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     if cycle is not None and cycle < 1:
         raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
@@ -59,8 +59,8 @@ def fitted(levels: Sequence[TangentPoints]) -> TangentFit | None:
 
 def draw(levels: Sequence[TangentPoints], fit: TangentFit | None, path: Path) -> None:
     """Write the figure."""
-    from martensite.plot.files import write_figure
-    from martensite.plot.tangents import plot_tangents
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.tangents import plot_tangents
 
     title = f"Tangents of {levels[0].name}" if fit is None else f"Tangents of {len(levels)} cycles"
     write_figure(plot_tangents(levels[0] if fit is None else fit, title), path)

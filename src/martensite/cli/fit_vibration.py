@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from martensite.base.errors import DataError, InputError, suggestion
 from martensite.cli.options import quantity
-from martensite.errors import DataError, InputError, suggestion
 
 if TYPE_CHECKING:
     from martensite.characterise.estimate import Estimate
@@ -78,7 +78,7 @@ def read_vibration(
         DataError: there is no such column, none to choose, no time, or no row in between.
         UnitError: `start` or `end` is no time.
     """
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     record = read_table(path)
     if record.interval is not None:
@@ -127,8 +127,8 @@ def print_vibration(
     peak: SpectralPeak, fit: LogDecrement, oscillator: Oscillator, rows: int, label: str
 ) -> None:
     """Print frequency, decay and what follows for a given stiffness or mass."""
+    from martensite.base.confidence import LEVEL
     from martensite.cli import show
-    from martensite.confidence import LEVEL
 
     show.text(f"Free vibration of {label}, {rows} rows, {fit.cycles:g} cycles used", "bold")
     show.text(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 
 def columns_of(log: str) -> list[str]:
     """Names of the columns of a text log, without its time; none for logs of other kinds."""
-    from martensite.io.sampled_files import TEXT
-    from martensite.io.tables import read_table
+    from martensite.scenario.sampled_files import TEXT
+    from martensite.scenario.tables import read_table
 
     if not log.startswith("data:") and not log.lower().endswith(TEXT):
         return []

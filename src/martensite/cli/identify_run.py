@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from martensite.base.errors import InputError, suggestion
 from martensite.cli.identify_columns import chosen
 from martensite.cli.options import quantity
 from martensite.cli.outputs import Outputs, parts
 from martensite.cli.waiting import share_bar, spinner
-from martensite.errors import InputError, suggestion
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,7 +99,7 @@ class Given:
         return tuple(groups)
 
     def _read(self, log: str, outputs: Sequence[str], interval: float | None) -> Sampled:
-        from martensite.io.sampled_files import read_sampled
+        from martensite.scenario.sampled_files import read_sampled
 
         return read_sampled(log, self.inputs, outputs, interval, self._units())
 
@@ -172,13 +172,13 @@ def _write(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> l
         if files.data is not None:
             _save(found, files.data)
         if files.figure is not None:
-            from martensite.plot.files import write_figure
-            from martensite.plot.identified import plot_identified
+            from martensite.show.figures.files import write_figure
+            from martensite.show.figures.identified import plot_identified
 
             write_figure(plot_identified(found, records), files.figure)
     if outputs.data is not None and len(found.estimates) > 1:
         for k, one in enumerate(found.estimates, start=1):
-            from martensite.io.model_files import model_provenance, write_model
+            from martensite.scenario.model_files import model_provenance, write_model
 
             beside = outputs.data.with_name(f"{outputs.data.stem}.stage{k}.json")
             write_model(one.chain, beside, model_provenance(one))
@@ -189,7 +189,7 @@ def _write(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> l
 def _save(found: Identified, path: Path) -> None:
     from dataclasses import asdict
 
-    from martensite.io.model_files import model_provenance, write_model
+    from martensite.scenario.model_files import model_provenance, write_model
 
     stages = [model_provenance(one) for one in found.estimates]
     origin = stages[0] if len(stages) == 1 else {"stages": stages}

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.errors import ParameterError, UnitError, UnknownNameError
 from martensite.cli.app import app
 from martensite.cli.options import Figure, Force, Imports, Json, import_modules
-from martensite.errors import ParameterError, UnitError, UnknownNameError
 
 if TYPE_CHECKING:
-    from martensite.io.laws import Dressed
+    from martensite.scenario.laws import Dressed
     from martensite.simulate.courses import Choices, Rates
     from martensite.simulate.point import PointResult
     from martensite.simulate.stages import Stage
@@ -80,8 +80,8 @@ def law(
     """Drive laws along a path: a summary, a figure, a table."""
     import_modules(modules)
     from martensite.cli.outputs import Outputs, parts
-    from martensite.io.laws import dressed_laws
-    from martensite.io.overrides import read_settings
+    from martensite.scenario.laws import dressed_laws
+    from martensite.scenario.overrides import read_settings
     from martensite.simulate.paths import find_path, named_path
 
     outputs = Outputs(out, figure).check(force, data=(".csv",))
@@ -127,7 +127,7 @@ def _choices(
 
 def _quantities(option: str, text: str | None, unit: str) -> tuple[float, ...]:
     """Quantities separated by commas, in SI."""
-    from martensite import units
+    from martensite.base import units
 
     if text is None:
         return ()
@@ -155,7 +155,7 @@ def _rates(text: str | None) -> Rates:
 
 def _rate(text: str) -> tuple[str, float]:
     """Field of `Rates` and value of one rate; its unit says which."""
-    from martensite import units
+    from martensite.base import units
 
     spelled = text.replace("%", " percent")
     for name, unit in RATES.items():
@@ -179,12 +179,12 @@ def _write(
 ) -> None:
     every = [result for own in results for result in own]
     if files.data is not None:
-        from martensite.io.points import write_points
+        from martensite.scenario.points import write_points
 
         write_points(every, files.data)
     if files.figure is not None:
-        from martensite.plot.files import write_figure
-        from martensite.plot.law_paths import plot_point
+        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.law_paths import plot_point
 
         write_figure(plot_point(every, title=title, plane=plane), files.figure)
 

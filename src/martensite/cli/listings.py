@@ -10,21 +10,21 @@ from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, import_modules
 
 if TYPE_CHECKING:
+    from martensite.base.registry import Registry
     from martensite.identify.blocks.base import AbstractBlock
-    from martensite.materials.base import Material
-    from martensite.registry import Registry
+    from martensite.physics.materials.base import Material
 
 
 def complete_kind(incomplete: str) -> list[str]:
     """Kinds of parts that begin as what is typed in a shell."""
-    from martensite.io import catalogue
+    from martensite.scenario import catalogue
 
     return [kind for kind in catalogue.registries(blocks=True) if kind.startswith(incomplete)]
 
 
 def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
     """Parts of the kind before it that begin as what is typed in a shell."""
-    from martensite.io import catalogue
+    from martensite.scenario import catalogue
 
     registry = catalogue.registries(blocks=True).get(ctx.params.get("kind") or "")
     names = registry.names() if registry is not None else []
@@ -54,7 +54,7 @@ def list_parts(
     if kind is None:
         _list_kinds(json)
         return
-    from martensite.io import catalogue
+    from martensite.scenario import catalogue
 
     registry = catalogue.find_registry(kind)
     if name is not None:
@@ -70,7 +70,7 @@ def list_parts(
 def _list_kinds(json: bool) -> None:
     """All kinds of parts, with what there is of each."""
     from martensite.cli import show
-    from martensite.io import catalogue
+    from martensite.scenario import catalogue
 
     found = {kind: r.names() for kind, r in catalogue.registries(blocks=True).items()}
     if json:
@@ -122,7 +122,7 @@ def materials(
         _list_materials(json)
         return
     from martensite.cli import show
-    from martensite.materials.base import load_material
+    from martensite.physics.materials.base import load_material
 
     material = load_material(name)
     if json:
@@ -135,7 +135,7 @@ def materials(
 
 def _list_materials(json: bool) -> None:
     from martensite.cli import show
-    from martensite.materials.base import load_material, material_names
+    from martensite.physics.materials.base import load_material, material_names
 
     found = [load_material(name) for name in material_names()]
     if json:
@@ -146,8 +146,8 @@ def _list_materials(json: bool) -> None:
 
 def _print_material(material: Material) -> None:
     from martensite.cli import show
-    from martensite.materials.base import DOUBTFUL
-    from martensite.materials.names import NAMES
+    from martensite.physics.materials.base import DOUBTFUL
+    from martensite.physics.materials.names import NAMES
 
     show.text(f"{material.name}: {material.title}", "bold")
     show.text(material.summary)

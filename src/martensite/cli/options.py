@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from martensite.errors import UnitError
+from martensite.base.errors import UnitError
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
@@ -37,7 +37,7 @@ def quantity(name: str, text: str, unit: str) -> float:
     Raises:
         UnitError: it is no quantity, or one of another dimension.
     """
-    from martensite import units
+    from martensite.base import units
 
     try:
         return units.parse(text, unit)
@@ -47,6 +47,6 @@ def quantity(name: str, text: str, unit: str) -> float:
 
 def import_modules(names: list[str] | None) -> None:
     """Import what `--import` names."""
-    from martensite import registry
+    from martensite.base import registry
 
     registry.import_modules(names or [])

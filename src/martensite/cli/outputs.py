@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from martensite.errors import DataError
-from martensite.plot.files import FORMATS
+from martensite.base.errors import DataError
+from martensite.show.figures.files import FORMATS
 
 DATA = (".nc",)
 FIGURE = tuple(f".{name}" for name in FORMATS)

@@ -12,8 +12,8 @@ from martensite.cli.options import Figure, Force, Json
 from martensite.cli.sensitivity import StoreFolder
 
 if TYPE_CHECKING:
-    from martensite.sweep.pareto import ParetoFront
-    from martensite.sweep.table import SweepTable
+    from martensite.design.sweep.pareto import ParetoFront
+    from martensite.design.sweep.table import SweepTable
 
 SHOWN = 20
 """Runs of a front that are printed."""
@@ -39,8 +39,8 @@ def pareto(
     """Find the runs of a sweep that no other beats."""
     from martensite.cli import show
     from martensite.cli.outputs import Outputs
-    from martensite.io.sweeps.reading import read_sweep
-    from martensite.sweep.pareto import pareto_front
+    from martensite.design.sweep.pareto import pareto_front
+    from martensite.design.sweep.reading import read_sweep
 
     outputs = Outputs(save, figure).check(force, data=(".csv",))
     table = read_sweep(store)
@@ -114,7 +114,7 @@ def _write(table: SweepTable, front: ParetoFront, path: Path) -> None:
     """The front as text: one row per run, numbers in SI, units in the heads."""
     import csv
 
-    from martensite.files import replacing
+    from martensite.base.files import replacing
 
     columns = front.columns(table)
     with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
@@ -125,7 +125,7 @@ def _write(table: SweepTable, front: ParetoFront, path: Path) -> None:
 
 
 def _draw(table: SweepTable, front: ParetoFront, path: Path) -> None:
-    from martensite.plot.files import write_figure
-    from martensite.plot.pareto import plot_pareto
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.pareto import plot_pareto
 
     write_figure(plot_pareto(table, front), path)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from martensite.base.errors import InputError
 from martensite.cli.app import app
 from martensite.cli.options import (
     Force,
@@ -17,7 +18,6 @@ from martensite.cli.options import (
     import_modules,
     quantity,
 )
-from martensite.errors import InputError
 
 if TYPE_CHECKING:
     from martensite.signals.records import Record
@@ -94,8 +94,8 @@ def run(
     import_modules(modules)
     from martensite.cli.execute import Wanted, execute
     from martensite.cli.outputs import Outputs
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     names = [name.strip() for name in columns.split(",")] if columns else None
     record = None if log is None else _read_log(log, None if compare else names)
@@ -121,7 +121,7 @@ def run(
 
 
 def _read_log(log: str, columns: list[str] | None) -> Record:
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     return read_table(log, columns, gaps=True)
 

@@ -11,8 +11,8 @@ from martensite.cli.app import app
 from martensite.cli.options import Figure, Json
 
 if TYPE_CHECKING:
-    from martensite.sweep.indices import Sensitivity
-    from martensite.sweep.table import SweepTable
+    from martensite.design.sweep.indices import Sensitivity
+    from martensite.design.sweep.table import SweepTable
 
 StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
 HOW = {
@@ -40,8 +40,8 @@ def sensitivity(
     """
     from martensite.cli import show
     from martensite.cli.outputs import Outputs
-    from martensite.io.sweeps.reading import read_sweep
-    from martensite.sweep.indices import sensitivity as found_of
+    from martensite.design.sweep.indices import sensitivity as found_of
+    from martensite.design.sweep.reading import read_sweep
 
     outputs = Outputs(None, figure).check(force)
     table = read_sweep(store)
@@ -101,7 +101,7 @@ def _report(store: Path, table: SweepTable, found: list[Sensitivity]) -> dict[st
 
 
 def _draw(found: list[Sensitivity], title: str, path: Path) -> None:
-    from martensite.plot.files import write_figure
-    from martensite.plot.sensitivity import plot_sensitivity
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.sensitivity import plot_sensitivity
 
     write_figure(plot_sensitivity(found, title), path)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from martensite.base.errors import DataError
 from martensite.cli.app import app
 from martensite.cli.options import Json
-from martensite.errors import DataError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,7 +46,7 @@ def bench_app(
 
 def _text(scenario: Path) -> str:
     """The text of a scenario that can be built."""
-    from martensite.io.scenario import load
+    from martensite.scenario.scenario import load
 
     return load(scenario).text
 

@@ -63,14 +63,14 @@ def table(
 
 def as_json(value: Any) -> None:
     """Print JSON; numbers that JSON does not have become null."""
-    from martensite.io.plain import plain
+    from martensite.scenario.plain import plain
 
     typer.echo(json.dumps(plain(value), indent=2, ensure_ascii=False))
 
 
 def quantity(value: float, unit: str) -> str:
     """A number declared in the SI `unit`, in a readable unit; `none` for a limit that is none."""
-    from martensite import units
+    from martensite.base import units
 
     if math.isinf(value):
         return "none"
@@ -82,7 +82,7 @@ def quantity(value: float, unit: str) -> str:
 
 def difference(value: float, unit: str) -> str:
     """A difference of two quantities declared in the SI `unit`, in a readable unit."""
-    from martensite import units
+    from martensite.base import units
 
     shown = units.readable(unit)
     factor, _ = units.conversion(shown, unit)

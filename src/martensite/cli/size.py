@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
 from martensite.cli.options import Json, quantity
 from martensite.cli.waiting import progress_bar
-from martensite.errors import InputError, ParameterError
 
 if TYPE_CHECKING:
-    from martensite.sizing.candidates import Sizing
-    from martensite.sizing.request import WireRequest
+    from martensite.design.sizing.candidates import Sizing
+    from martensite.design.sizing.request import WireRequest
 
 Text = str | None
 
@@ -71,7 +71,7 @@ def size(
     Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
     request = _request(given, {"alloy": alloy, **chosen})
     with progress_bar("simulating wires") as progress:
-        from martensite.sizing.candidates import size_wire
+        from martensite.design.sizing.candidates import size_wire
 
         sizing = size_wire(request, progress=progress)
     _answer(sizing, pick, every, out, json)
@@ -81,7 +81,7 @@ def size(
 
 
 def _request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
-    from martensite.sizing.request import WireRequest
+    from martensite.design.sizing.request import WireRequest
 
     missing = [n for n in ("force", "stroke", "rate", "supply") if given[n] is None]
     if missing:
@@ -113,7 +113,7 @@ def _answer(sizing: Sizing, pick: int | None, every: bool, out: Path | None, jso
         _write(sizing, chosen, out)
     files = [] if out is None else [str(out)]
     if json:
-        from martensite.report.sizing import report
+        from martensite.show.reports.sizing import report
 
         show.as_json(report(sizing, chosen, files))
         return
@@ -136,9 +136,9 @@ def _chosen(sizing: Sizing, pick: int | None) -> int | None:
 
 
 def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
-    from martensite.files import replacing
-    from martensite.materials.wires import load_wires
-    from martensite.sizing.scenario import scenario_text
+    from martensite.base.files import replacing
+    from martensite.design.sizing.scenario import scenario_text
+    from martensite.physics.materials.wires import load_wires
 
     if chosen is None:
         nearest = sizing.candidates[0]
@@ -153,8 +153,8 @@ def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
 
 def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     from martensite.cli import show, sized
-    from martensite.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
-    from martensite.sizing.request import ALLOYS, WireRequest
+    from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
+    from martensite.design.sizing.request import ALLOYS, WireRequest
 
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)
     alloys = ALLOYS if alloy == "any" else (alloy,)
@@ -163,7 +163,7 @@ def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     with progress_bar("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
     if json:
-        from martensite.report.catalogue_check import check_report
+        from martensite.show.reports.catalogue_check import check_report
 
         show.as_json(check_report(rows, load, room))
     else:

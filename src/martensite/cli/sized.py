@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from martensite.cli import show
 
 if TYPE_CHECKING:
-    from martensite.sizing.candidates import Sizing
-    from martensite.sizing.catalogue_check import CheckRow
+    from martensite.design.sizing.candidates import Sizing
+    from martensite.design.sizing.catalogue_check import CheckRow
 
 NEAREST = 5
 """Wires that do not do and are shown if none does."""
@@ -20,7 +20,7 @@ NEAREST = 5
 
 def show_candidates(sizing: Sizing, every: bool, chosen: int | None) -> None:
     """Print the table of wires: those that do, or all, or the nearest."""
-    from martensite.report.sizing import COLUMNS, row
+    from martensite.show.reports.sizing import COLUMNS, row
 
     right = ",".join(COLUMNS[:1] + COLUMNS[4:-1])
     numbered = list(enumerate(sizing.candidates))
@@ -41,7 +41,7 @@ def show_candidates(sizing: Sizing, every: bool, chosen: int | None) -> None:
 
 def show_one(sizing: Sizing, chosen: int) -> None:
     """Print one candidate in words."""
-    from martensite.report import sizing as words
+    from martensite.show.reports import sizing as words
 
     found = sizing.candidates[chosen]
     show.text(words.headline(found), "bold")
@@ -60,7 +60,7 @@ def show_one(sizing: Sizing, chosen: int) -> None:
 
 def show_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> None:
     """Print the model beside the maker's table."""
-    from martensite.report import catalogue_check as words
+    from martensite.show.reports import catalogue_check as words
 
     show.text(words.conditions(stress, ambient))
     right = ",".join(words.COLUMNS[2:])

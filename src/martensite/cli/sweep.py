@@ -78,10 +78,10 @@ def sweep(
     import_modules(modules)
     from martensite.cli.outputs import Outputs
     from martensite.cli.sweep_run import swept
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
-    from martensite.io.sweeps.api import How
-    from martensite.io.sweeps.job import MEASURES, Wanted
+    from martensite.design.sweep.api import How
+    from martensite.design.sweep.job import MEASURES, Wanted
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     Outputs(None, figure).check(force=True)
     wanted = Wanted(
@@ -98,15 +98,15 @@ def sweep(
 
 
 def _draw(store: Path, path: Path) -> None:
-    from martensite.io.sweeps.reading import read_sweep
-    from martensite.plot.files import write_figure
-    from martensite.plot.sweep import plot_sweep
+    from martensite.design.sweep.reading import read_sweep
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.sweep import plot_sweep
 
     write_figure(plot_sweep(read_sweep(store)), path)
 
 
 def _trace(words: str) -> tuple[str, int]:
-    from martensite.errors import InputError
+    from martensite.base.errors import InputError
 
     name, _, count = words.rpartition(":")
     if not name or not count.isdecimal() or int(count) < 2:

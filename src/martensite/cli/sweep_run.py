@@ -10,9 +10,9 @@ from martensite.cli.waiting import spinner, sweep_bar
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from martensite.io.scenario import Scenario
-    from martensite.io.sweeps.api import How
-    from martensite.io.sweeps.job import Wanted
+    from martensite.design.sweep.api import How
+    from martensite.design.sweep.job import Wanted
+    from martensite.scenario.scenario import Scenario
 
 
 def swept(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Swept:
@@ -22,7 +22,7 @@ def swept(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Swept:
         InputError: an axis, an option or the store is wrong.
         StoppedError: it stopped on the way; what was made is kept.
     """
-    from martensite.io.sweeps.api import begin
+    from martensite.design.sweep.api import begin
 
     with spinner(f"preparing {scenario.title}"):
         begun = begin(scenario, wanted, path, how)

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from martensite.status import Status
-from martensite.sweep.plan import ACCURACY
+from martensite.base.status import Status
+from martensite.design.sweep.plan import ACCURACY
 
 if TYPE_CHECKING:
-    from martensite.io.sweeps.store import Store
-    from martensite.sweep.plan import Plan
-    from martensite.sweep.running import Progress
+    from martensite.design.sweep.plan import Plan
+    from martensite.design.sweep.running import Progress
+    from martensite.design.sweep.store import Store
 
 NAMED = 5
 """Failed runs that are named."""
@@ -64,7 +64,7 @@ class Swept:
 
     def _failures(self) -> Iterator[str]:
         """Sentences on runs that failed, or are coarse."""
-        from martensite.io.sweeps.summary import count_above, statuses
+        from martensite.design.sweep.summary import count_above, statuses
 
         tolerance = self.plan.course.tolerance
         rough = count_above(self.store, ACCURACY, tolerance)
@@ -87,13 +87,13 @@ class Swept:
 
     def _spread(self, words: str) -> tuple[float, ...]:
         """Lowest, median and highest of what there is."""
-        from martensite.io.sweeps.summary import spread
+        from martensite.design.sweep.summary import spread
 
         return spread(self.store, words)
 
     def _report(self) -> dict[str, Any]:
         """For JSON; numbers in SI."""
-        from martensite.io.sweeps.summary import statuses
+        from martensite.design.sweep.summary import statuses
 
         counts, _ = statuses(self.store, 0)
         names = ("lowest", "median", "highest")

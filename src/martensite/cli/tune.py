@@ -89,8 +89,8 @@ def tune(
     from martensite.cli.outputs import Outputs
     from martensite.cli.tune_run import Given, run_tuning
     from martensite.cli.tune_show import shown
-    from martensite.io.overrides import read_settings
-    from martensite.io.scenario import load
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
 
     outputs = Outputs(save, figure).check(force, data=(".toml",))
     given = Given(

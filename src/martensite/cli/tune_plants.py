@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from martensite.base.errors import InputError, ParameterError, suggestion
 from martensite.cli.options import quantity
-from martensite.errors import InputError, ParameterError, suggestion
 
 if TYPE_CHECKING:
-    from martensite.bench.bench import Bench
-    from martensite.control.search.bench_tuning import TunedBench
-    from martensite.control.search.loop_runs import LoopRuns
-    from martensite.control.search.over_plants import Ratio
-    from martensite.control.search.perturbed import Plants
-    from martensite.io.scenario import Scenario
+    from martensite.control.loop.bench import Bench
+    from martensite.design.tuning.bench_tuning import TunedBench
+    from martensite.design.tuning.loop_runs import LoopRuns
+    from martensite.design.tuning.over_plants import Ratio
+    from martensite.design.tuning.perturbed import Plants
+    from martensite.scenario.scenario import Scenario
 
 PLANTS = 64
 
@@ -29,7 +29,7 @@ def drawn_plants(
     """
     if not texts:
         return None, None
-    from martensite.control.search.perturbed import draw_plants
+    from martensite.design.tuning.perturbed import draw_plants
 
     spreads = dict(_spread(text, scenario, bench) for text in texts)
     first, second = (
@@ -65,7 +65,7 @@ def judged(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | 
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None
-    from martensite.control.search.over_plants import over_plants
+    from martensite.design.tuning.over_plants import over_plants
 
     both = over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")

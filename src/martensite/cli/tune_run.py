@@ -6,20 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from martensite.base.errors import InputError, ParameterError, UnknownNameError
 from martensite.cli.options import quantity
 from martensite.cli.tune import METHODS
 from martensite.cli.tune_plants import drawn_plants, judged
 from martensite.cli.waiting import share_bar, spinner
-from martensite.errors import InputError, ParameterError, UnknownNameError
 
 if TYPE_CHECKING:
-    from martensite.bench.bench import Bench
-    from martensite.control.rules.rule_starts import LoopTests
-    from martensite.control.search.bench_tuning import TunedBench
-    from martensite.control.search.loop_runs import LoopRuns
-    from martensite.control.search.over_plants import Ratio
-    from martensite.control.search.perturbed import Plants
-    from martensite.io.scenario import Scenario
+    from martensite.control.loop.bench import Bench
+    from martensite.design.rules.rule_starts import LoopTests
+    from martensite.design.tuning.bench_tuning import TunedBench
+    from martensite.design.tuning.loop_runs import LoopRuns
+    from martensite.design.tuning.over_plants import Ratio
+    from martensite.design.tuning.perturbed import Plants
+    from martensite.scenario.scenario import Scenario
 
 TRIED = 3
 """Starts by rules that a search is given: the best."""
@@ -60,8 +60,8 @@ class Given:
 
     def _rules(self) -> list[str]:
         """Rules of the method."""
-        from martensite.control.rules.formulas import RULES
-        from martensite.control.rules.relay import RELAY_RULES
+        from martensite.design.rules.formulas import RULES
+        from martensite.design.rules.relay import RELAY_RULES
 
         return list(RULES if self.method == "rules" else RELAY_RULES)
 
@@ -90,7 +90,7 @@ def run_tuning(scenario: Scenario, given: Given) -> Tuning:
         InputError: the scenario has no loop, or an option does not fit it.
         SolveError: the loop cannot be run.
     """
-    from martensite.control.search.loop_runs import loop_of
+    from martensite.design.tuning.loop_runs import loop_of
 
     bench = _bench(scenario)
     drive = loop_of(bench, given.loop)
@@ -129,7 +129,7 @@ def _duration(given: Given, scenario: Scenario) -> float:
 
 
 def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
-    from martensite.control.search.loop_runs import LoopRuns
+    from martensite.design.tuning.loop_runs import LoopRuns
     from martensite.simulate.driven import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
@@ -141,7 +141,7 @@ def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> Loop
 
 def _level(given: Given, runs: LoopRuns) -> float:
     """Where step and relay are laid."""
-    from martensite.bench.names import readings
+    from martensite.control.loop.names import readings
 
     measured = runs.bench.controllers.members()[runs.drive].measured
     if given.level is not None:
@@ -153,7 +153,7 @@ def _level(given: Given, runs: LoopRuns) -> float:
 
 
 def _tests(given: Given, runs: LoopRuns, scenario: Scenario) -> LoopTests:
-    from martensite.control.rules.rule_starts import loop_tests
+    from martensite.design.rules.rule_starts import loop_tests
     from martensite.simulate.driven import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
@@ -166,10 +166,10 @@ def _tests(given: Given, runs: LoopRuns, scenario: Scenario) -> LoopTests:
 
 def _ruled(runs: LoopRuns, given: Given, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
     """Gains by one rule, and the loop before and after."""
-    from martensite.control.rules.formulas import gains_by_rule
-    from martensite.control.rules.relay import gains_by_relay
-    from martensite.control.rules.rule_starts import pid_values
-    from martensite.control.search.bench_tuning import compared
+    from martensite.design.rules.formulas import gains_by_rule
+    from martensite.design.rules.relay import gains_by_relay
+    from martensite.design.rules.rule_starts import pid_values
+    from martensite.design.tuning.bench_tuning import compared
 
     tests, form = _tests(given, runs, scenario), given.form or "pid"
     if given.method == "rules":
@@ -188,10 +188,10 @@ def _searched(
     runs: LoopRuns, given: Given, length: float, scenario: Scenario, plants: Plants | None
 ) -> tuple[TunedBench, LoopTests | None, str]:
     """Gains of least cost."""
-    from martensite.control.search.bench_tuning import tune_bench
-    from martensite.control.search.gain_search import Search
-    from martensite.control.search.goals import Goal
-    from martensite.controllers.pid import Pid
+    from martensite.control.controllers.pid import Pid
+    from martensite.design.tuning.bench_tuning import tune_bench
+    from martensite.design.tuning.gain_search import Search
+    from martensite.design.tuning.goals import Goal
     from martensite.simulate.driven import by_name
 
     goal = Goal(error=given.goal or "itae")
@@ -224,7 +224,7 @@ def _starts(
     """The best gains by rules on the nominal plant; none where the tests cannot be made."""
     if not pid:
         return None, []
-    from martensite.control.rules.rule_starts import best_rules
+    from martensite.design.rules.rule_starts import best_rules
 
     try:
         tests = _tests(given, runs, scenario)

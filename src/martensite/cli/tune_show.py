@@ -35,7 +35,7 @@ def saved(found: Tuning) -> str:
     """The scenario with the new numbers, as TOML."""
     import tomllib
 
-    from martensite.io.overrides import as_toml, changed
+    from martensite.scenario.overrides import as_toml, changed
 
     document = tomllib.loads(found.scenario.text)
     numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
@@ -77,7 +77,7 @@ def as_dict(found: Tuning) -> dict[str, Any]:
 
 def _gains(found: Tuning) -> list[tuple[str, float, str]]:
     """Path, number and unit of what was tuned."""
-    from martensite.bench.names import readings
+    from martensite.control.loop.names import readings
 
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
@@ -143,9 +143,9 @@ def _rows(found: Tuning) -> list[tuple[str, str, str]]:
 
 def _number(name: str, value: float, found: Tuning) -> str:
     """A measure in a unit that people read."""
-    from martensite import units
-    from martensite.control.search.loop_runs import judged_output
-    from martensite.control.search.measures import UNITS
+    from martensite.base import units
+    from martensite.design.tuning.loop_runs import judged_output
+    from martensite.design.tuning.measures import UNITS
 
     bench = found.found.bench
     unit = bench.outputs()[judged_output(bench, found.drive)].unit
@@ -162,7 +162,7 @@ def _number(name: str, value: float, found: Tuning) -> str:
 
 
 def _draw(found: Tuning, path: Path) -> None:
-    from martensite.plot.files import write_figure
-    from martensite.plot.tuning import plot_tuning
+    from martensite.show.figures.files import write_figure
+    from martensite.show.figures.tuning import plot_tuning
 
     write_figure(plot_tuning(found.found, found.drive, found.scenario.title), path)

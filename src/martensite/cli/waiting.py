@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from martensite.identify.fitting.watch import Note, Tell
-    from martensite.sweep.running import Progress as Swept
+    from martensite.design.sweep.running import Progress as Swept
+    from martensite.fit.watch import Note, Tell
 
 
 @contextmanager

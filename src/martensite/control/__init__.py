@@ -1,1 +1,1 @@
-"""Control: drives that act on what is measured."""
+"""Control: sensors, observers, controllers, supervisors and faults, closed in a loop."""

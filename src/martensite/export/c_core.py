@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from martensite.bench.names import JITTER, NOISE
+from martensite.actuators.assembly import PROFILES, AbstractSystem
+from martensite.base.files import replacing
+from martensite.control.loop.names import JITTER, NOISE
 from martensite.export.c_kernels import Precision, precision_of, used_parameters
 from martensite.export.c_names import (
     Variable,
@@ -24,10 +26,8 @@ from martensite.export.c_names import (
 from martensite.export.c_operations import operations
 from martensite.export.c_source import source_text
 from martensite.export.c_text import Layout, header_text, sized
-from martensite.files import replacing
-from martensite.runtimes.program import Program
+from martensite.kernels.program import Program
 from martensite.simulate.compiled import compile_system
-from martensite.system import PROFILES, AbstractSystem
 
 Rows = list[tuple[str, str, str]]
 """Name, unit and words."""

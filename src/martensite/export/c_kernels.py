@@ -15,11 +15,11 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from martensite.errors import ParameterError, suggestion
-from martensite.runtimes.c99 import Going, scalar_dialect
-from martensite.runtimes.graph import Expr
-from martensite.runtimes.printer import Dialect, Printer
-from martensite.runtimes.program import Function, Program
+from martensite.base.errors import ParameterError, suggestion
+from martensite.kernels.c99 import Going, scalar_dialect
+from martensite.kernels.graph import Expr
+from martensite.kernels.printer import Dialect, Printer
+from martensite.kernels.program import Function, Program
 from martensite.simulate.march import SOLVED
 
 TINY, HUGE = 1.1754943508222875e-38, 3.4028234663852886e38

@@ -1,6 +1,6 @@
 """`c_loop`: what one would flash: observers, controllers and supervisor of a bench as C99.
 
-The same kernels as those of `martensite.bench.realtime.RealtimeStep`, without the plant.
+The same kernels as those of `martensite.control.loop.realtime.RealtimeStep`, without the plant.
 """
 
 from __future__ import annotations
@@ -8,15 +8,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from martensite.bench.bench import Bench
-from martensite.bench.names import AGE, ALARM, readings, reference_units, references
-from martensite.bench.names import estimates as estimate_outputs
-from martensite.bench.period import estimates
-from martensite.bench.realtime_program import Loop, Traced, reads, trace
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import AGE, ALARM, readings, reference_units, references
+from martensite.control.loop.names import estimates as estimate_outputs
+from martensite.control.loop.period import estimates
+from martensite.control.loop.realtime_program import Loop, Traced, reads, trace
 from martensite.export.c_core import CCore, Rows, core_of
 from martensite.export.c_kernels import precision_of
-from martensite.runtimes.program import Function, Program
+from martensite.kernels.program import Function, Program
 
 
 def c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:

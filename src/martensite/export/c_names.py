@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from martensite import units
-from martensite.errors import ParameterError
-from martensite.parameters import Leaf
+from martensite.base import units
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Leaf
 
 KEYWORDS = frozenset((
     "alignas", "alignof", "asm", "auto", "bool", "break", "case", "catch", "char", "class",

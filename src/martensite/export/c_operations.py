@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from martensite.runtimes.graph import Expr, Graph
+from martensite.kernels.graph import Expr, Graph
 
 COSTS: Mapping[str, Mapping[str, int]] = {
     "add": {"add": 1},

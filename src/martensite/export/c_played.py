@@ -6,17 +6,17 @@ from collections.abc import Mapping
 from itertools import accumulate
 from typing import Any
 
-from martensite.bench.bench import Bench
-from martensite.bench.names import MEASURED, references
-from martensite.bench.realtime_program import reads
-from martensite.bench.run import reference_waveforms
+from martensite.actuators.assembly import AbstractSystem
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import MEASURED, references
+from martensite.control.loop.realtime_program import reads
+from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_example import Step
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import Waveforms, by_name, grid_of
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem
 
 Played = tuple[tuple[float, ...], list[Step]]
 """Inputs at the start, and the steps."""

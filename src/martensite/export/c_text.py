@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from martensite.base.status import Status
 from martensite.export.c_kernels import Precision
 from martensite.export.c_names import Variable
-from martensite.runtimes.program import Program
-from martensite.status import Status
+from martensite.kernels.program import Program
 
 
 @dataclass(frozen=True)

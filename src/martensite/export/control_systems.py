@@ -20,17 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from martensite.bench.names import JITTER, NOISE
-from martensite.control.design.linear import linearised
-from martensite.control.design.operating_point import OperatingPoint
-from martensite.errors import InputError, suggestion
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, suggestion
+from martensite.control.loop.names import JITTER, NOISE
+from martensite.design.synthesis.linear import linearised
+from martensite.design.synthesis.operating_point import OperatingPoint
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear
 from martensite.identify.chains.linearise import linearise
-from martensite.runtimes import floats
+from martensite.kernels import floats
 from martensite.simulate.api import steps_in
 from martensite.simulate.compiled import bind_system
-from martensite.system import AbstractSystem
 
 
 def to_control(chain: Chain) -> Any:

@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.bench.bench import Bench
-from martensite.bench.names import JITTER, NOISE, references
-from martensite.bench.run import reference_waveforms
-from martensite.errors import InputError, suggestion
+from martensite.actuators.assembly.base import Drive
+from martensite.base.errors import InputError, suggestion
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import JITTER, NOISE, references
+from martensite.control.loop.run import reference_waveforms
 from martensite.export.learning_task import (
     Numbers,
     Task,
@@ -31,7 +32,6 @@ from martensite.export.learning_task import (
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.march import SOLVED
-from martensite.system.base import Drive
 
 BOUND = 2.0
 """Bound of observations."""

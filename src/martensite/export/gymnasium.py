@@ -18,8 +18,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from martensite.bench.bench import Bench
-from martensite.errors import InputError
+from martensite.base.errors import InputError
+from martensite.control.loop.bench import Bench
 from martensite.export.episodes import BOUND, Episodes
 from martensite.export.learning_task import Task
 

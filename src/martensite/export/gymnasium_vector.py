@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from martensite.bench.bench import Bench
-from martensite.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggestion
+from martensite.control.loop.bench import Bench
 from martensite.export.episodes import Episodes, Outcome
 from martensite.export.gymnasium import HERE, gymnasium, spaces
 from martensite.export.learning_task import Task

@@ -21,15 +21,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.bench.bench import Bench
-from martensite.bench.names import AGE, MEASURED, readings
-from martensite.control.search.perturbed import (
+from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import AGE, MEASURED, readings
+from martensite.design.tuning.perturbed import (
     PLANT,
     half_width,
     plant_leaf,
     require_allowed,
 )
-from martensite.errors import InputError, ParameterError, suggestion
 
 Numbers = NDArray[np.float64]
 SHARES = (0.1, 0.4)

@@ -13,18 +13,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from martensite.errors import InputError, ParameterError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import InputError, ParameterError
 from martensite.export.mjcf_finger import write_finger
 from martensite.export.mjcf_model import Model, new_model
 from martensite.export.mjcf_platform import write_platform
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.finger import Finger
-from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.runtimes import floats
+from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.driven import Waveforms, arranged
-from martensite.system import AbstractSystem
 
 TIMESTEP = 2e-3
 """MuJoCo's own default [s]."""

@@ -1,6 +1,6 @@
 r"""The finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
 
-Exact, so that MuJoCo moves it by the equation of `martensite.mechanisms.finger`:
+Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanisms.finger`:
 
     wire              2 |g cos θ/2 - r sin θ/2| between the sites, n times by a pulley of divisor
                       1/n: the path that the bowstring shortens by n ΔL
@@ -29,10 +29,10 @@ from __future__ import annotations
 import math
 from xml.etree.ElementTree import Element
 
-from martensite.errors import InputError
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.base.errors import InputError
 from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add, add_element
-from martensite.mechanisms.finger import Finger
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 SETTLES = 2.0
 """Time constant of a limit, in steps."""

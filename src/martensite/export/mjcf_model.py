@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from martensite.runtimes.namespace import Scalar
+from martensite.kernels.namespace import Scalar
 
 Value = str | Scalar | Sequence[Scalar]
 GREY, BLUE, DARK, ORANGE = "0.6 0.64 0.67 1", "0.12 0.37 0.55 1", "0.3 0.35 0.4 1", "0.84 0.37 0 1"

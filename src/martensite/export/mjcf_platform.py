@@ -1,6 +1,6 @@
 """The parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
 
-The frame of `martensite.mechanisms.shared.platform_kinematics` has Z down; here z is up, so its
+The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its
 points (X, Y, Z) are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x,
 which makes R_Y(β) R_X(α). Plate and joint are exact: mass, moments of inertia I, I and 2 I at the
 centroid, its height over the joint, gravity, damping. What is drawn of plates and post is no part
@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element
 
+from martensite.actuators.mechanics.platform_kinematics import corners
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, add, add_element
-from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.mechanisms.shared.platform_kinematics import corners
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 
 def write_platform(model: Model, platform: ParallelPlatform, timestep: float) -> None:

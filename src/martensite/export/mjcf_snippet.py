@@ -16,13 +16,13 @@ from collections.abc import Iterator
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, indent, tostring
 
-from martensite.errors import InputError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import InputError
 from martensite.export.mjcf import WRITERS, model_of, start_forces
 from martensite.export.mjcf_model import ORANGE, add
-from martensite.mechanisms.base import AbstractMechanism
-from martensite.mechanisms.finger import Finger
-from martensite.mechanisms.parallel_platform import ParallelPlatform
-from martensite.system import AbstractSystem
 
 FRAMES: dict[type[AbstractMechanism], str] = {
     Finger: "The origin is on the hinge, which turns about +y; the phalanges lie along -x and +x, "

@@ -32,17 +32,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from martensite.errors import InputError, ParameterError, UnknownNameError, suggestion
+from martensite.actuators.assembly import Actuator
+from martensite.base.errors import InputError, ParameterError, UnknownNameError, suggestion
+from martensite.base.parameters import param, part
 from martensite.export.mujoco_plant import Plant, load_mujoco, scalar_joints
 from martensite.export.mujoco_result import MujocoResult
 from martensite.export.mujoco_step import Solved, solve
 from martensite.export.strand import CENTRED, END, Strand
-from martensite.parameters import param, part
-from martensite.runtimes.namespace import Scalar
+from martensite.kernels.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import MOST_STEPS, require_unit, share
-from martensite.system import Actuator
 
 COUPLINGS = {"end": END, "centred": CENTRED}
 

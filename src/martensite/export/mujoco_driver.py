@@ -13,9 +13,9 @@ import re
 from pathlib import Path
 from string import Template
 
-from martensite.errors import InputError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError
 from martensite.export.mjcf import start_forces
-from martensite.system import AbstractSystem
 
 
 def driver_text(
@@ -101,9 +101,9 @@ from pathlib import Path
 import martensite as ms
 import mujoco
 ${IMPORTED}from martensite.export.mujoco_plant import scalar_joints
-from martensite.files import replacing
-from martensite.io.overrides import read_settings
-from martensite.io.scenario import read
+from martensite.base.files import replacing
+from martensite.scenario.overrides import read_settings
+from martensite.scenario.scenario import read
 
 HERE = Path(__file__).resolve().parent
 MODEL = $MODEL

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import InputError, SolveError, UnknownNameError
+from martensite.base.errors import InputError, SolveError, UnknownNameError
 
 LINE = '<actuator><general tendon="{}" gainprm="1" biastype="none"/></actuator>'
 

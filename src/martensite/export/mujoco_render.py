@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import DataError, MartensiteError, ParameterError, UnknownNameError
+from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
+from martensite.base.files import replacing
 from martensite.export.mujoco_plant import load_mujoco
 from martensite.export.mujoco_result import MujocoResult
-from martensite.files import replacing
 
 FILMS = (".mp4", ".gif")
 INSTALL = (

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import SolveError
+from martensite.base.errors import SolveError
 from martensite.export.balance import nonnegative
 from martensite.export.mujoco_bridge import begin, read_model
 from martensite.export.mujoco_plant import Plant

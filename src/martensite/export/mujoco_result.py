@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from martensite.errors import UnknownNameError
+from martensite.base.errors import UnknownNameError
+from martensite.base.status import Status
 from martensite.export.strand import Strand
 from martensite.simulate.alarms import Alarm, alarms_of
-from martensite.status import Status
 
 
 @dataclass
@@ -23,7 +23,8 @@ class MujocoResult:
     tendons: dict[str, dict[str, list[float]]] = field(
         default_factory=dict[str, dict[str, list[float]]]
     )
-    """By tendon and output: those of `martensite.system.OUTPUTS`, the `elongation` of the tendon
+    """By tendon and output: those of `martensite.actuators.assembly.OUTPUTS`, the `elongation` of
+    the tendon
     from where its element is at zero strain [m], and its `length` [m]."""
     joints: dict[str, list[float]] = field(default_factory=dict[str, list[float]])
     """Position of every joint that was asked for [rad or m]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.errors import SolveError
+from martensite.base.errors import SolveError
 from martensite.export.balance import Answer, Balance, Trial, settle, share
 from martensite.export.mujoco_plant import Plant
 from martensite.export.strand import Strand, Weights

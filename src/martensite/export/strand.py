@@ -6,15 +6,15 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from martensite.errors import SolveError
+from martensite.actuators.assembly import Actuator, System
+from martensite.base.errors import SolveError
+from martensite.base.status import Status
 from martensite.export.balance import Answer
 from martensite.export.tendon_line import Held, TendonLine
-from martensite.runtimes import floats
-from martensite.runtimes.nested import flatten
+from martensite.kernels import floats
+from martensite.kernels.nested import flatten
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import classify
-from martensite.status import Status
-from martensite.system import Actuator, System
 
 NOTICED = 1e5
 """Stress [Pa] that counts as one."""

@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.elements.base import AbstractElement, Pull, Spring, fitted
-from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
-from martensite.parameters import param
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
 
 
 class Held(NamedTuple):

@@ -1,1 +1,1 @@
-"""Identification: parameters of laws and models of blocks from logs, and what logs leave open."""
+"""Identification: dynamic models of blocks from records."""

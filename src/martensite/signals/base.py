@@ -15,8 +15,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Any, ClassVar
 
-from martensite.parameters import Parametrised
-from martensite.registry import Registry
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
 from martensite.signals.moments import Moments, Segment, Shape, Tone, parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")

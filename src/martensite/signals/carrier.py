@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from martensite.errors import ParameterError
-from martensite.parameters import param, part
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param, part
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.pulses import AbstractPulses
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from martensite.parameters import param
+from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment

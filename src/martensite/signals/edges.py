@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 
 MOST_EDGES = 5_000_000
 

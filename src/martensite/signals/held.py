@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from martensite.parameters import param, part
+from martensite.base.parameters import param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import inside, interval
 from martensite.signals.moments import Segment

@@ -6,7 +6,7 @@ All are assumed: sizes with which a small actuator runs, so that a form can be s
 tried.
 """
 
-from martensite.parameters import ByUnit
+from martensite.base.parameters import ByUnit
 
 HIGH = ByUnit(
     {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.parameters import param
+from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS
 from martensite.signals.edges import require_order
 from martensite.signals.levels import HIGH

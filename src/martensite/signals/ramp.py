@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from martensite.errors import ParameterError
-from martensite.parameters import param
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
 from martensite.signals.levels import HIGH

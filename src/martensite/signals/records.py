@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from martensite.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggestion
 from martensite.signals.table import Table
 
 

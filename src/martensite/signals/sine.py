@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from martensite.parameters import option, param
+from martensite.base.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, require_order
 from martensite.signals.levels import HIGH

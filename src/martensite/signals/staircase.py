@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from martensite.errors import ParameterError
-from martensite.parameters import option, param
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside, interval
 from martensite.signals.levels import INCREMENT

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from martensite.errors import ParameterError
-from martensite.parameters import param
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import inside
 from martensite.signals.levels import HIGH

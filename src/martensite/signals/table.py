@@ -7,9 +7,9 @@ from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from martensite.errors import ParameterError
-from martensite.parameters import param, part
-from martensite.runtimes.namespace import Scalar
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param, part
+from martensite.kernels.namespace import Scalar
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, blends, inside
 from martensite.signals.levels import SAMPLES

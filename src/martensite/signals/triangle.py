@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 
-from martensite.parameters import param
+from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend, inside, interval, require_countable, require_order
 from martensite.signals.levels import HIGH

@@ -3,7 +3,8 @@ r"""The march with an error control in every step, on plain floats.
 Every step is made once whole and once in two halves, with what the drives bring in each. Halves and
 whole differ by three times the error of the halves, in the outputs that a user reads: temperature,
 fraction, stress, coordinates. Where a law gives rates a step is one of Rodas4, with the difference
-to its inner solution of order three (`martensite.laws.rosenbrock`). A step whose error is above the
+to its inner solution of order three (`martensite.physics.laws.rosenbrock`). A step whose error is
+above the
 tolerance is made again, shorter. What the difference says about the heat in an element is handed on
 to the next step as heat that is owed, which makes the march third order where it is smooth. The
 memory of a law is never touched: the two halves are legal steps.
@@ -30,12 +31,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, fed
 from martensite.simulate.ledger import Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import HAIR, AbstractMarch, Plan, Row
-from martensite.status import Status
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0

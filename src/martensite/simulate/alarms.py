@@ -18,8 +18,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from martensite.electrical.base import AbstractSource
-from martensite.system import AbstractSystem, Actuator
+from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.physics.electrical.base import AbstractSource
 
 Columns = Mapping[str, Sequence[float]]
 JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance")

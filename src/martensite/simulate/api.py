@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from martensite.errors import InputError, ParameterError, suggestion
-from martensite.runtimes import floats
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.status import Status
+from martensite.kernels import floats
 from martensite.simulate.accuracy import bound_error, march_to
 from martensite.simulate.balance import balance_heat, balance_work
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
@@ -18,8 +20,6 @@ from martensite.simulate.march import Border, Track, march_floats
 from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 RUNTIMES = ("auto", "floats", "c", "jax")
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.runtimes.jax_setup import WIDE_VECTORS, jax_namespace, storing
+from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, storing
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 from martensite.simulate.marching import Limits

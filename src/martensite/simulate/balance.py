@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
+from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.simulate.ledger import Book
-from martensite.system.ledger import ACCOUNTS
 
 LEAST_HEAT = 1e-9
 """Heat [J] below which there is nothing to balance."""

@@ -9,9 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import InputError, ParameterError, SolveError, UnknownNameError, suggestion
-from martensite.runtimes.c99 import compiler
-from martensite.runtimes.jax_setup import has_jax
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import (
+    InputError,
+    ParameterError,
+    SolveError,
+    UnknownNameError,
+    suggestion,
+)
+from martensite.base.status import Status
+from martensite.kernels.c99 import compiler
+from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
 from martensite.simulate.arrays import jitted_jacobian, jitted_march, schedule
 from martensite.simulate.compiled import CompiledMarch, compile_march
@@ -23,8 +31,6 @@ from martensite.simulate.march import Track, classify, track_of
 from martensite.simulate.marching import Limits
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.variants import Course, Ran
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 PRECISIONS = ("float64", "float32")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import Grid, Steps, cut_steps
-from martensite.system import AbstractSystem
 
 Edges = tuple[float, ...]
 """Times at which any waveform jumps or bends [s]."""

@@ -18,7 +18,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from martensite.errors import InputError, SolveError
+from martensite.actuators.assembly import System
+from martensite.base.errors import InputError, SolveError
+from martensite.base.status import Status
 from martensite.signals.base import AbstractDrive
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
@@ -28,8 +30,6 @@ from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
 from martensite.simulate.march import Track, Watch, track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
-from martensite.status import Status
-from martensite.system import System
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 """Outputs that are measured while the source is on."""

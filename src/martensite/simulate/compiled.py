@@ -10,16 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from martensite.laws.coupling import Report
-from martensite.parameters import Keyed, values_at
-from martensite.runtimes.graph import Expr
-from martensite.runtimes.nested import Shape, flatten
-from martensite.runtimes.once import once
-from martensite.runtimes.program import Program
+from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
+from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.base.parameters import Keyed, values_at
+from martensite.kernels.graph import Expr
+from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.once import once
+from martensite.kernels.program import Program
+from martensite.physics.laws.coupling import Report
 from martensite.signals.moments import Moments
 from martensite.simulate.ledger import EMPTY, Book
-from martensite.system import PROFILES, AbstractSystem, Feed
-from martensite.system.ledger import ACCOUNTS
 
 REPORT = Report._fields[:2]
 """What a step under constant signals says of itself."""

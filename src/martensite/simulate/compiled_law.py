@@ -18,13 +18,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.laws.base import AbstractLaw, Fractions
-from martensite.laws.coupling import advance
-from martensite.parameters import Keyed, values_at
-from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.runtimes.nested import Shape, flatten
-from martensite.runtimes.once import once
-from martensite.runtimes.program import Program
+from martensite.base.parameters import Keyed, values_at
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.once import once
+from martensite.kernels.program import Program
+from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.coupling import advance
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """What every function returns after the memory: [-], [-], [-], [Pa], [-]."""

@@ -12,7 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.errors import InputError, ParameterError, SolveError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, ParameterError, SolveError
+from martensite.base.status import Status
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.signals.moments import Moments
@@ -26,8 +28,6 @@ from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Border, Track, Watch, track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 Drives = Mapping[str, AbstractDrive]
 

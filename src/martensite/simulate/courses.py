@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from martensite.errors import ParameterError
-from martensite.laws.base import AbstractLaw, Fractions
-from martensite.runtimes import floats
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE
 from martensite.simulate.landmarks import Loaded, Marks, isobar, loaded
 from martensite.simulate.point import Leg, PointResult, material_point

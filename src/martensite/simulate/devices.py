@@ -15,8 +15,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from martensite.errors import ParameterError
-from martensite.runtimes.jax_setup import jax_namespace
+from martensite.base.errors import ParameterError
+from martensite.kernels.jax_setup import jax_namespace
 from martensite.simulate.arrays import Rows, Schedule
 
 CHUNKS = {"cpu": 256}

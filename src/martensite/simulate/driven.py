@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar, cast
 
-from martensite.errors import InputError, suggestion
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, suggestion
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import Grid, build_grid, grid_of_samples, require_unit
-from martensite.system import AbstractSystem
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
 """A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""

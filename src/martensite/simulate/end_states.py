@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from martensite.errors import SolveError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import SolveError
+from martensite.base.status import Status
 from martensite.signals.table import Table
 from martensite.simulate.api import longest_step, simulate
 from martensite.simulate.driven import Waveforms, by_name
 from martensite.simulate.result import Result
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 LONG = 200.0
 """Longest sensible steps for which drives are held: twenty thermal time constants."""

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from martensite.errors import SolveError
+from martensite.base.errors import SolveError
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.fixed import FixedMarch
@@ -53,7 +53,7 @@ class Engine:
 
     def _quickest(self, plan: Plan) -> Marched:
         """On floats if it is over soon, else in C, if there is a compiler."""
-        from martensite.runtimes.c99 import compiler
+        from martensite.kernels.c99 import compiler
 
         if compiler() is None:
             return self._on_floats(plan, hasty=False)

@@ -14,6 +14,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.status import Status
 from martensite.simulate.accuracy import (
     FINER,
     FLOOR,
@@ -29,8 +31,6 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.marching_native import RANGES, Rows, Runs, march_runs
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 Numbers: TypeAlias = NDArray[np.float64]
 RIPPLE, RESIDUAL = 7, 8

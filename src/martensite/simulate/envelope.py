@@ -1,7 +1,8 @@
 """The envelope: what no run leaves, whatever its parameters say.
 
 No wire is hotter than where NiTi melts, colder than absolute zero, bears 3 GPa or is stretched by a
-fifth, and a user may declare tighter bounds (`martensite.elements.limits`). A run that gets there
+fifth, and a user may declare tighter bounds (`martensite.actuators.elements.limits`). A run that
+gets there
 stops, and says when, where and how far.
 """
 
@@ -10,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from martensite import units
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base import units
 from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Limits, Row
-from martensite.system import AbstractSystem
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.simulate.api import first_step, simulate
 from martensite.simulate.driven import Waveforms
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem
 
 HALVINGS = 12
 HALVED = 0.5

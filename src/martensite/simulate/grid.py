@@ -13,7 +13,7 @@ from functools import cached_property
 from itertools import chain, pairwise
 from typing import Any, NamedTuple
 
-from martensite.errors import InputError, UnitError
+from martensite.base.errors import InputError, UnitError
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-from martensite.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW, compile_law
 
 COLDEST, HOTTEST = 100.0, 800.0

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import InputError, suggestion
-from martensite.runtimes.c99 import compiler
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, suggestion
+from martensite.base.status import Status
+from martensite.kernels.c99 import compiler
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.lanes_native import NativeLanes, Numbers
 from martensite.simulate.lanes_plain import PlainLanes
 from martensite.simulate.march import classify
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 
 class Lanes:

@@ -8,9 +8,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.runtimes.c99 import c_source, load_library
-from martensite.runtimes.c99_lanes import BLOCK, lanes_source
-from martensite.runtimes.once import once
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.once import once
 from martensite.simulate.compiled import Compiled
 
 Numbers: TypeAlias = NDArray[np.float64]

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.system.ledger import ACCOUNTS, EXCHANGED
+from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED
 
 SIXTH = 1.0 / 6.0
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))

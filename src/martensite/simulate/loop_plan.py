@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from martensite.errors import InputError, ParameterError
+from martensite.actuators.assembly import System
+from martensite.base.errors import InputError, ParameterError
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.carrier import Carrier, pulse
 from martensite.signals.held import Held
-from martensite.system import System
 
 
 @dataclass(frozen=True)

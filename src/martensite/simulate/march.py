@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.errors import SolveError
+from martensite.base.errors import SolveError
+from martensite.base.status import Status
 from martensite.simulate.compiled import CompiledMarch, Functions
 from martensite.simulate.grid import Grid
 from martensite.simulate.marching import Limits
-from martensite.status import Status
 
 SOLVED = 1e-8
 COARSE = 0.2

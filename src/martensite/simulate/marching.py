@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
 from martensite.simulate.compiled import CompiledMarch, Functions
-from martensite.status import Status
-from martensite.system.ledger import ACCOUNTS
 
 Row = tuple[float, ...]
 HAIR = 1e-9

@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.runtimes.c99 import c_source, is_compiled, load_library
-from martensite.runtimes.c99_lanes import lanes_source
-from martensite.runtimes.once import once
+from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.base.status import Status
+from martensite.kernels.c99 import c_source, is_compiled, load_library
+from martensite.kernels.c99_lanes import lanes_source
+from martensite.kernels.once import once
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, TURNED_OVER
 from martensite.simulate.marching import Marched, Plan
 from martensite.simulate.native import spread_limits
-from martensite.status import Status
-from martensite.system.ledger import ACCOUNTS
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.runtimes.c99 import c_source, load_library
-from martensite.runtimes.c99_lanes import BLOCK, lanes_source
-from martensite.runtimes.once import once
-from martensite.runtimes.program import Function
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.once import once
+from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.laws.coupling import Report
-from martensite.runtimes.c99 import load_library
-from martensite.runtimes.c99_slopes import WIDTHS, constants, slopes_source
-from martensite.runtimes.once import once
-from martensite.runtimes.tangent import differentiated
+from martensite.kernels.c99 import load_library
+from martensite.kernels.c99_slopes import WIDTHS, constants, slopes_source
+from martensite.kernels.once import once
+from martensite.kernels.tangent import differentiated
+from martensite.physics.laws.coupling import Report
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from martensite.errors import ParameterError, UnknownNameError
-from martensite.laws.base import AbstractLaw
+from martensite.base.errors import ParameterError, UnknownNameError
+from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
 from martensite.simulate.courses import Choices, Course, Guide, celsius, megapascal
 

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 
-from martensite.errors import InputError, ParameterError, SolveError, suggestion
-from martensite.laws.base import AbstractLaw, Fractions
+from martensite.base.errors import InputError, ParameterError, SolveError, suggestion
+from martensite.base.status import Status
+from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW
 from martensite.simulate.point_march import Drive, PointTrack, Section, march
-from martensite.status import Status
 
 RUNTIMES = ("floats", "c")
 CONTROLS = ("stress", "strain")

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
-from martensite.laws.base import AbstractLaw, Fractions
+from martensite.base.status import Status
+from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify
-from martensite.status import Status
 
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""

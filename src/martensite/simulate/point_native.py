@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from martensite.laws.base import AbstractLaw
-from martensite.runtimes.c99 import c_source, load_library
-from martensite.runtimes.once import once
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.once import once
+from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
 from martensite.simulate.point_march import Ramp, Ridden
 

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.files import cache_folder
-from martensite.parameters import Parametrised
+from martensite.base.files import cache_folder
+from martensite.base.parameters import Parametrised
 
 OWN = "martensite."
 """What the modules of this package begin with."""

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.errors import MartensiteError
-from martensite.parameters import Parametrised
+from martensite.base.errors import MartensiteError
+from martensite.base.parameters import Parametrised
 
 
 def refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:

@@ -11,14 +11,14 @@ from importlib import import_module
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
-from martensite import units
-from martensite.errors import SolveError, UnknownNameError
-from martensite.mechanisms.base import Output
+from martensite.actuators.assembly import PROFILES
+from martensite.actuators.mechanisms.base import Output
+from martensite.base import units
+from martensite.base.errors import SolveError, UnknownNameError
+from martensite.base.status import Status
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.balance import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
-from martensite.status import Status
-from martensite.system import PROFILES
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
@@ -54,7 +54,8 @@ class Result:
     """Exceeded limits, slack and a saturated supply, with time, duration and amount."""
 
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
-    """One list per cell and quantity named in `martensite.system.PROFILES`, in SI units; empty
+    """One list per cell and quantity named in `martensite.actuators.assembly.PROFILES`, in SI
+    units; empty
     for an element that is the same all over."""
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
     """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
@@ -104,7 +105,7 @@ class Result:
         Raises:
             DataError: the file cannot be written, or a record holds nothing that can be compared.
         """
-        room = import_module("martensite.plot.overview")
+        room = import_module("martensite.show.figures.overview")
         if path is not None:
             room.save_figure(self, path, records, title)
         return room.plot_result(self, records, title)
@@ -115,11 +116,11 @@ class Result:
         Raises:
             DataError: the file cannot be written.
         """
-        import_module("martensite.io.netcdf").save(self, path)
+        import_module("martensite.scenario.netcdf").save(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """A dataset over time [s], with units and provenance as attributes."""
-        return import_module("martensite.io.netcdf").to_dataset(self)
+        return import_module("martensite.scenario.netcdf").to_dataset(self)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with a row per sample, by time [s]; columns in SI units (`attrs["units"]`)."""

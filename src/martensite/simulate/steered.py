@@ -21,16 +21,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from martensite.errors import ParameterError, suggestion
-from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Output
-from martensite.parameters import REQUIRED, Declared, Parametrised, part
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.actuators.assembly import AbstractSystem, Actuator, Feed
+from martensite.actuators.assembly.base import Drive
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone, added
 from martensite.simulate.driven import Waveforms, arranged
-from martensite.system import AbstractSystem, Actuator, Feed
-from martensite.system.base import Drive
 
 PEAK = "peak"
 LOOKED_AT = 2001

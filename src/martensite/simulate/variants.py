@@ -21,8 +21,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.errors import ParameterError, suggestion
-from martensite.runtimes.c99_lanes import BLOCK
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.status import Status
+from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.clock import Edges, edges_of, played, steps_of
@@ -36,8 +38,6 @@ from martensite.simulate.march import classify
 from martensite.simulate.marching import HAIR, Plan
 from martensite.simulate.marching_native import Runs
 from martensite.simulate.refusals import refused
-from martensite.status import Status
-from martensite.system import AbstractSystem
 
 Numbers: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base.status import Status
 from martensite.simulate.compiled import bind_march
 from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import Grid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import Border, march_floats
-from martensite.status import Status
 
 if TYPE_CHECKING:
     from martensite.simulate.variants import Course, Values

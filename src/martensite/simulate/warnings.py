@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from martensite.laws.base import AbstractLaw
+from martensite.base.status import Status
+from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.alarms import Columns, alarms_of
 from martensite.simulate.result import Result
-from martensite.status import Status
 
 NEAR = 0.8
 """Share of a stress from which a law is doubtful, from which on it is said."""

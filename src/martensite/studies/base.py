@@ -20,9 +20,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from martensite.errors import ParameterError
-from martensite.interfaces import make_missing_error
-from martensite.registry import Registry
+from martensite.base.errors import ParameterError
+from martensite.base.interfaces import make_missing_error
+from martensite.base.registry import Registry
 
 Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.plot.style import QUIET
+from martensite.show.figures.style import QUIET
 
 LEFT, TITLE, LINE = 0.02, 0.24, 0.2
 """Left edge of a heading as a share of the width; its first line below the top, and further ones

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import martensite
-from martensite.errors import DataError
-from martensite.files import cache_folder, replacing
+from martensite.base.errors import DataError
+from martensite.base.files import cache_folder, replacing
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = (".py", ".toml", ".json", ".csv")

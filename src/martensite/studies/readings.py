@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 
 def runtime() -> str:

@@ -47,8 +47,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-from martensite.errors import DataError, suggestion
-from martensite.runtimes.c99 import compiler
+from martensite.base.errors import DataError, suggestion
+from martensite.kernels.c99 import compiler
 from martensite.studies.base import AbstractStudy, Claim
 
 FOLDER = Path(__file__).parent
@@ -135,7 +135,7 @@ class TableStudy(AbstractStudy):
 
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the source recognises (png, svg or pdf)."""
-        from martensite.plot.files import write_figure
+        from martensite.show.figures.files import write_figure
 
         write_figure(import_module(f"{self._package()}.figure").draw(self.printed), Path(path))
 
@@ -243,7 +243,7 @@ def settle_claims(
         numbers: computed numbers by their names; lists of rows for claims with `each`.
         printed: the printed numbers.
     """
-    from martensite.io.datasets import is_here
+    from martensite.scenario.datasets import is_here
 
     texts = table.get("texts", {})
     for block in table[part]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite import units
-from martensite.electrical.base import AbstractResistance, AbstractSource, Conductor
-from martensite.errors import UnitError
-from martensite.runtimes import floats
+from martensite.base import units
+from martensite.base.errors import UnitError
+from martensite.kernels import floats
+from martensite.physics.electrical.base import AbstractResistance, AbstractSource, Conductor
 from martensite.signals.moments import Moments
 from martensite.testing.conformance import Check, require
 

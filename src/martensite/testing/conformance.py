@@ -12,10 +12,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from martensite.errors import InputError, MartensiteError, UnknownNameError
-from martensite.io.catalogue import registries
-from martensite.parameters import Parametrised
-from martensite.registry import import_modules
+from martensite.base.errors import InputError, MartensiteError, UnknownNameError
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import import_modules
+from martensite.scenario.catalogue import registries
 from martensite.simulate.provenance import keep_record
 from martensite.testing.examples import label_part, list_variants
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.elements.base import AbstractElement
-from martensite.elements.lumped import AbstractLumped
-from martensite.runtimes import floats
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.kernels import floats
+from martensite.physics.thermal.base import Environment
 from martensite.testing.conformance import Check, require
 from martensite.testing.examples import build_example
 from martensite.testing.heat_losses import TEMPERATURES
-from martensite.thermal.base import Environment
 
 
 def check_heat_loss(element: AbstractElement) -> None:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, TypeVar, cast
 
-from martensite import units
-from martensite.errors import ParameterError
-from martensite.io.components import component_class, is_members
-from martensite.parameters import REQUIRED, Declared, Parametrised
-from martensite.registry import Registry
+from martensite.actuators.assembly import Members
+from martensite.base import units
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.registry import Registry
+from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE
-from martensite.system import Members
 
 Some = TypeVar("Some", bound=Parametrised)
 LEVEL = {DRIVE: "V"}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.testing.conformance import Check, require
-from martensite.thermal.base import AbstractCooling, Cylinder
 
 AMBIENT = 295.0
 TEMPERATURES = np.linspace(260.0, 450.0, 96)

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from martensite.laws.base import AbstractLaw, Fractions
-from martensite.parameters import Keyed
-from martensite.runtimes import floats
-from martensite.runtimes.arrays import ArrayNamespace
-from martensite.runtimes.nested import Shape, flatten
-from martensite.runtimes.once import once
-from martensite.runtimes.program import Program
+from martensite.base.parameters import Keyed
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.once import once
+from martensite.kernels.program import Program
+from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.testing.conformance import Check, require
 
 Point = tuple[float, float]

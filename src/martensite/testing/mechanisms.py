@@ -12,14 +12,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.elements.base import Spring
-from martensite.mechanisms.base import AbstractMechanism, Column
-from martensite.mechanisms.load_line import AbstractLoadLine, Assembly
-from martensite.mechanisms.multibody import AbstractMultibody
-from martensite.mechanisms.shared.motion import Motion
-from martensite.runtimes import floats
-from martensite.runtimes.dual import jacobian
-from martensite.runtimes.namespace import Namespace
+from martensite.actuators.elements.base import Spring
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.kernels import floats
+from martensite.kernels.dual import jacobian
+from martensite.kernels.namespace import Namespace
 from martensite.testing.conformance import Check, require
 
 Numbers: TypeAlias = tuple[float, ...]

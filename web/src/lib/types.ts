@@ -93,7 +93,7 @@ export interface KeyResult {
   offset: number;
 }
 
-/** Kinds of shapes; see martensite.mechanisms.drawing. */
+/** Kinds of shapes; see martensite.actuators.mechanisms.drawing. */
 export type Kind =
   | "ground" | "link" | "joint" | "wire" | "spring" | "tether" | "weight" | "pulley" | "plate" | "rotor" | "object";
 

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from martensite import units
 from martensite.app.messages import BadMessageError, wanted
-from martensite.errors import InputError, ParameterError, suggestion
-from martensite.io.catalogue import described
-from martensite.parameters import REQUIRED, Declared
-from martensite.sizing.request import WireRequest
+from martensite.base import units
+from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.parameters import REQUIRED, Declared
+from martensite.design.sizing.request import WireRequest
+from martensite.scenario.catalogue import described
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
 """A request that some wires meet."""

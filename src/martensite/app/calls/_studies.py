@@ -16,10 +16,10 @@ from typing import Any, get_args
 
 from martensite.app.drawer import Drawer
 from martensite.app.messages import dumps, wanted
-from martensite.errors import DataError
-from martensite.files import replacing
-from martensite.io.citations import reference
-from martensite.io.datasets import describe, is_here
+from martensite.base.errors import DataError
+from martensite.base.files import replacing
+from martensite.scenario.citations import reference
+from martensite.scenario.datasets import describe, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study
 
 

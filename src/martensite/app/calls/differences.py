@@ -11,8 +11,8 @@ from typing import Any, cast
 from martensite.app.documents import LONGEST
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.files import toml_document
-from martensite.io.overrides import toml_value
+from martensite.base.files import toml_document
+from martensite.scenario.overrides import toml_value
 
 MOST = 12
 """Documents that are compared at once."""

@@ -15,8 +15,8 @@ from martensite.app.documents import scenario_of
 from martensite.app.drawer import Drawer
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.errors import suggestion
-from martensite.io.scenario import Scenario
+from martensite.base.errors import suggestion
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 
@@ -33,21 +33,21 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 
 def _figure(scenario: Scenario, result: Result, path: Path) -> None:
-    from martensite.plot.overview import save_figure
+    from martensite.show.figures.overview import save_figure
 
     records = [scenario.measured.read()] if scenario.measured else None
     save_figure(result, path, records, scenario.title, scenario.outside)
 
 
 def _csv(scenario: Scenario, result: Result, path: Path) -> None:
-    from martensite.io.csv_files import write_csv
+    from martensite.scenario.csv_files import write_csv
 
     write_csv(result, path)
 
 
 def _netcdf(scenario: Scenario, result: Result, path: Path) -> None:
-    from martensite.io.citations import citations
-    from martensite.io.netcdf import save
+    from martensite.scenario.citations import citations
+    from martensite.scenario.netcdf import save
 
     cited = citations(scenario, scenario.material)
     save(result, path, scenario.text, cited, scenario.material)

@@ -23,8 +23,8 @@ from martensite.app.identify.outcome import outcome
 from martensite.app.identify.watching import Watching, measured, parameter
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.errors import SolveError
-from martensite.io.fitting.task import Arranged, LogFit
+from martensite.base.errors import SolveError
+from martensite.fit.task import Arranged, LogFit
 
 ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
 """What cannot be computed again from the numbers found."""

@@ -22,9 +22,9 @@ from martensite.app.identify.asked import task_of_request
 from martensite.app.identify.watching import Watching
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.errors import DataError
-from martensite.io.fitting.task import LogFit
-from martensite.io.material_files import write_material
+from martensite.base.errors import DataError
+from martensite.fit.material_files import write_material
+from martensite.fit.task import LogFit
 
 ENDINGS = {"material": "toml", "report": "html"}
 
@@ -49,7 +49,7 @@ def _write(fit: LogFit, what: str, path: Path) -> None:
     if what == "material":
         write_material(fit, path, scenario=fit.scenario)
         return
-    from martensite.report.fit_report import write_report
+    from martensite.show.reports.fit_report import write_report
 
     write_report(fit, path, scenario=fit.scenario)
 

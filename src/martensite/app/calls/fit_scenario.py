@@ -19,14 +19,14 @@ from martensite.app.identify.numbers import numbers_of
 from martensite.app.identify.shown import shown, shown_difference
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.errors import MartensiteError
-from martensite.files import toml_document
-from martensite.identify.fitting.losses import LOSSES
-from martensite.identify.fitting.solve import METHODS
-from martensite.io.assemble import waveform_path
-from martensite.io.fitting.compared import columns_of, echoes
-from martensite.io.overrides import as_toml
-from martensite.io.scenario import Scenario
+from martensite.base.errors import MartensiteError
+from martensite.base.files import toml_document
+from martensite.fit.compared import columns_of, echoes
+from martensite.fit.losses import LOSSES
+from martensite.fit.solve import METHODS
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.overrides import as_toml
+from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
 METHOD_WORDS = {

@@ -26,10 +26,10 @@ from martensite.app.forms.sections import MATERIAL, Sections
 from martensite.app.forms.switched import Switched
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.files import toml_document
-from martensite.io.catalogue import registries, summary
-from martensite.io.overrides import as_toml
-from martensite.io.scenario import Scenario
+from martensite.base.files import toml_document
+from martensite.scenario.catalogue import registries, summary
+from martensite.scenario.overrides import as_toml
+from martensite.scenario.scenario import Scenario
 
 NEW = Path(__file__).parents[1] / "forms" / "new.toml"
 

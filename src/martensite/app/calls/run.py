@@ -20,7 +20,7 @@ from martensite.app.views.scene import scene
 from martensite.app.views.traces import loops, stretches, traces
 from martensite.app.views.warnings import alarms
 from martensite.app.worker import Desk
-from martensite.io.scenario import Scenario
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 

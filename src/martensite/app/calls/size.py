@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from martensite import units
 from martensite.app.calls._sizing import asked, typed
 from martensite.app.worker import Desk
-from martensite.errors import InputError
-from martensite.materials.wires import WireCatalogue, load_wires
-from martensite.report import sizing as words
-from martensite.sizing.candidates import Candidate, size_wire
-from martensite.sizing.margins import Margin, margins, tightest
-from martensite.sizing.request import WireRequest
-from martensite.sizing.scenario import scenario_text
+from martensite.base import units
+from martensite.base.errors import InputError
+from martensite.design.sizing.candidates import Candidate, size_wire
+from martensite.design.sizing.margins import Margin, margins, tightest
+from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.scenario import scenario_text
+from martensite.physics.materials.wires import WireCatalogue, load_wires
+from martensite.show.reports import sizing as words
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

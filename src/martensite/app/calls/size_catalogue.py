@@ -12,10 +12,10 @@ from typing import Any
 
 from martensite.app.calls._sizing import read, typed
 from martensite.app.worker import Desk
-from martensite.errors import ParameterError
-from martensite.report import catalogue_check as words
-from martensite.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
-from martensite.sizing.request import ALLOYS
+from martensite.base.errors import ParameterError
+from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
+from martensite.design.sizing.request import ALLOYS
+from martensite.show.reports import catalogue_check as words
 
 FIELDS = ("stress", "ambient", "alloy")
 

@@ -14,9 +14,9 @@ from typing import Any
 from martensite.app.calls._sizing import EXAMPLE, fields, read, typed
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.errors import InputError
-from martensite.parameters import REQUIRED
-from martensite.sizing.request import WireRequest
+from martensite.base.errors import InputError
+from martensite.base.parameters import REQUIRED
+from martensite.design.sizing.request import WireRequest
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

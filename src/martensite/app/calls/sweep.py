@@ -25,13 +25,13 @@ from martensite.app.sweeping.shelf import Shelf, busy
 from martensite.app.sweeping.stored import asked_of, scenario_in
 from martensite.app.sweeping.timing import chunk_for
 from martensite.app.worker import Desk
-from martensite.io.scenario import Scenario
-from martensite.io.sweeps.api import begin
-from martensite.io.sweeps.job import Wanted, prepared
-from martensite.io.sweeps.store import Store
-from martensite.io.sweeps.summary import statuses
-from martensite.sweep.backends.base import StoppedError
-from martensite.sweep.extras import extra
+from martensite.design.backends.base import StoppedError
+from martensite.design.sweep.api import begin
+from martensite.design.sweep.extras import extra
+from martensite.design.sweep.job import Wanted, prepared
+from martensite.design.sweep.store import Store
+from martensite.design.sweep.summary import statuses
+from martensite.scenario.scenario import Scenario
 
 NAMED = 5
 """Failed runs that are named."""

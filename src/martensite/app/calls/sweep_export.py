@@ -16,10 +16,10 @@ from martensite.app.drawer import Drawer
 from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.worker import Desk
-from martensite.errors import InputError, suggestion
-from martensite.io.sweeps.reading import read_sweep
-from martensite.status import Status
-from martensite.sweep.table import NOT_MADE
+from martensite.base.errors import InputError, suggestion
+from martensite.base.status import Status
+from martensite.design.sweep.reading import read_sweep
+from martensite.design.sweep.table import NOT_MADE
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a text begins with that a spreadsheet would compute."""

@@ -10,22 +10,22 @@ from collections.abc import Iterator, Mapping
 from importlib.util import find_spec
 from typing import Any
 
-from martensite import units
 from martensite.app.documents import scenario_of
 from martensite.app.worker import Desk
-from martensite.errors import MartensiteError
-from martensite.io.catalogue import summary
-from martensite.io.exact_text import exact_text
-from martensite.io.scenario import Scenario
-from martensite.io.sweeps.job import MEASURES as USUAL
-from martensite.io.sweeps.subject import targets_of, waveforms_of
-from martensite.parameters import Declared
+from martensite.base import units
+from martensite.base.errors import MartensiteError
+from martensite.base.parameters import Declared
+from martensite.design.backends.processes import cores
+from martensite.design.sampling.base import DESIGNS
+from martensite.design.sweep.axes import Target
+from martensite.design.sweep.extras import extra
+from martensite.design.sweep.job import MEASURES as USUAL
+from martensite.design.sweep.subject import targets_of, waveforms_of
+from martensite.scenario.catalogue import summary
+from martensite.scenario.exact_text import exact_text
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, measure
 from martensite.simulate.variants import RUNTIMES
-from martensite.sweep.axes import Target
-from martensite.sweep.backends.processes import cores
-from martensite.sweep.designs.base import DESIGNS
-from martensite.sweep.extras import extra
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

@@ -12,9 +12,9 @@ from typing import Any
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.worker import Desk
-from martensite.errors import DataError
-from martensite.io.sweeps.reading import read_sweep
-from martensite.sweep.pareto import pareto_front
+from martensite.base.errors import DataError
+from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.reading import read_sweep
 
 MOST = 2000
 """Runs of a front that are listed."""

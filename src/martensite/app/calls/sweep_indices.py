@@ -12,8 +12,8 @@ from typing import Any
 from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.worker import Desk
-from martensite.io.sweeps.reading import read_sweep
-from martensite.sweep.indices import sensitivity
+from martensite.design.sweep.indices import sensitivity
+from martensite.design.sweep.reading import read_sweep
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

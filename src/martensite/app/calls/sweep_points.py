@@ -15,8 +15,8 @@ from martensite.app.sweeping.shelf import Shelf, slug
 from martensite.app.sweeping.stored import asked_of, summary
 from martensite.app.sweeping.words import command
 from martensite.app.worker import Desk
-from martensite.io.sweeps.store import Store
-from martensite.io.sweeps.summary import statuses
+from martensite.design.sweep.store import Store
+from martensite.design.sweep.summary import statuses
 
 NAMED = 5
 

@@ -13,10 +13,10 @@ from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.sweeping.stored import asked_of, scenario_in
 from martensite.app.worker import Desk
-from martensite.errors import DataError
-from martensite.io.exact_text import exact_text
-from martensite.io.sweeps.job import plan_of
-from martensite.io.sweeps.store import Store
+from martensite.base.errors import DataError
+from martensite.design.sweep.job import plan_of
+from martensite.design.sweep.store import Store
+from martensite.scenario.exact_text import exact_text
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

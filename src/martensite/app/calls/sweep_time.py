@@ -12,8 +12,8 @@ from martensite.app.documents import scenario_of
 from martensite.app.sweeping.asked import how_of, sized, wanted_of
 from martensite.app.sweeping.timing import timed
 from martensite.app.worker import Desk
-from martensite.io.sweeps.job import prepared
-from martensite.sweep.backends.processes import cores
+from martensite.design.backends.processes import cores
+from martensite.design.sweep.job import prepared
 
 
 def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:

@@ -18,8 +18,8 @@ from martensite.app.identify.raw import Raw, RawColumn, read_raw
 from martensite.app.identify.thin import envelope
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.io.guess import Guess, guesses, usual_units
-from martensite.io.layout import CANONICAL
+from martensite.scenario.guess import Guess, guesses, usual_units
+from martensite.scenario.layout import CANONICAL
 
 SMALL = 120
 """Points of the small curve of a column."""

@@ -14,14 +14,14 @@ from martensite.app.forms.documents import Table
 from martensite.app.forms.filling import KIND, Filler
 from martensite.app.forms.switched import Switched
 from martensite.app.forms.tree import placed
-from martensite.electrical.base import SOURCES
-from martensite.files import toml_document
-from martensite.io.assemble import GROUP, SIGNALS
-from martensite.io.bench_tables import REFERENCE, SECTIONS
-from martensite.io.scenario import Scenario
-from martensite.parameters import Parametrised
+from martensite.base.files import toml_document
+from martensite.base.parameters import Parametrised
+from martensite.physics.electrical.base import SOURCES
+from martensite.physics.thermal.base import COOLING
+from martensite.scenario.assemble import GROUP, SIGNALS
+from martensite.scenario.bench_tables import REFERENCE, SECTIONS
+from martensite.scenario.scenario import Scenario
 from martensite.signals.base import DRIVE, WAVEFORMS
-from martensite.thermal.base import COOLING
 
 
 def loosened(scenario: Scenario, one: Switched) -> Iterator[Switched]:

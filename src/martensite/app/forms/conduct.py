@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 from martensite.app.forms import controls, documents
 from martensite.app.forms.controls import Control, Spot
 from martensite.app.forms.tree import Paths, Walk, bare, below
-from martensite.io.bench_tables import BENCH, PERIOD, RUN, SUPERVISOR
-from martensite.io.scenario import Run, Scenario
-from martensite.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.scenario.bench_tables import BENCH, PERIOD, RUN, SUPERVISOR
+from martensite.scenario.scenario import Run, Scenario
 
 if TYPE_CHECKING:
-    from martensite.bench.bench import Bench
+    from martensite.control.loop.bench import Bench
 
 CONTROL = "Control and sensing"
 TITLE = Declared("text", "what the scenario is called", REQUIRED)
@@ -38,7 +38,7 @@ def bench_section(scenario: Scenario, walk: Walk) -> Iterator[Control]:
 
 def _chosen(walk: Walk, part: Parametrised, path: str, title: str) -> Control:
     """A part by its name; the kind of a sensor is that of what is mounted."""
-    from martensite.io.catalogue import registries
+    from martensite.scenario.catalogue import registries
 
     name = path.partition(".")[0].removesuffix("s")
     return walk.group(part, path, title, "", None if name == "sensor" else registries()[name])
@@ -46,7 +46,7 @@ def _chosen(walk: Walk, part: Parametrised, path: str, title: str) -> Control:
 
 def _bench_itself(scenario: Scenario, walk: Walk, bench: Bench) -> list[Control]:
     """How the bench runs; its period may stand in another section."""
-    from martensite.io.bench_sections import Conduct
+    from martensite.scenario.bench_sections import Conduct
 
     table = documents.table(walk.document, BENCH)
     given = {name: value for name, value in table.items() if name in Conduct.declarations}

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.app.forms import origins, ranges, words
-from martensite.materials.base import Material
-from martensite.parameters import REQUIRED, Declared
+from martensite.base.parameters import REQUIRED, Declared
+from martensite.physics.materials.base import Material
 
 Control = dict[str, Any]
 HAIR = 1e-9

@@ -20,17 +20,17 @@ from martensite.app.forms.sections import MATERIAL, Sections
 from martensite.app.forms.switched import Switched
 from martensite.app.forms.tree import flat
 from martensite.app.gallery import FOLDER, scenarios
-from martensite.bench.mounted import Mounted
-from martensite.electrical.base import SOURCES
-from martensite.errors import InputError, ParameterError
-from martensite.files import toml_document
-from martensite.io.bench_tables import MODEL, NAME, PERIOD, REFERENCE
-from martensite.io.components import nested
-from martensite.io.overrides import as_toml
-from martensite.io.scenario import Scenario, read
-from martensite.materials.base import Material
-from martensite.parameters import Leaf, Parametrised
-from martensite.registry import Registry
+from martensite.base.errors import InputError, ParameterError
+from martensite.base.files import toml_document
+from martensite.base.parameters import Leaf, Parametrised
+from martensite.base.registry import Registry
+from martensite.control.loop.mounted import Mounted
+from martensite.physics.electrical.base import SOURCES
+from martensite.physics.materials.base import Material
+from martensite.scenario.bench_tables import MODEL, NAME, PERIOD, REFERENCE
+from martensite.scenario.components import nested
+from martensite.scenario.overrides import as_toml
+from martensite.scenario.scenario import Scenario, read
 
 Unit = Callable[[Leaf], str]
 
@@ -96,7 +96,7 @@ def _place(scenario: Scenario, path: str) -> Table:
 
 
 def _registry(kind: str) -> Registry[Any]:
-    from martensite.io.catalogue import registries
+    from martensite.scenario.catalogue import registries
 
     return registries()[kind]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from copy import deepcopy
 
+from martensite.actuators.elements.base import ELEMENTS
 from martensite.app.forms import documents
 from martensite.app.forms.documents import Table
 from martensite.app.forms.filling import KIND, Filler, as_kind, without_material
 from martensite.app.forms.switched import Switched
 from martensite.app.gallery import FOLDER
-from martensite.elements.base import ELEMENTS
-from martensite.laws.base import LAWS
-from martensite.materials.base import Material, load_material
-from martensite.parameters import REQUIRED, Parametrised
+from martensite.base.parameters import REQUIRED, Parametrised
+from martensite.physics.laws.base import LAWS
+from martensite.physics.materials.base import Material, load_material
 
 USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
 """Laws among which one is chosen for a material that names none, the first if all fit."""

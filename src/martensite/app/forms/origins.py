@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.materials.base import DOUBTFUL, Material, Number
+from martensite.physics.materials.base import DOUBTFUL, Material, Number
 
 WORDS = {
     "scenario": "written in the scenario",

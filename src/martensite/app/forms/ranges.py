@@ -10,7 +10,7 @@ import math
 import re
 from typing import Any
 
-from martensite.parameters import Declared
+from martensite.base.parameters import Declared
 
 SIZES = {
     "1": 1.0, "N": 5.0, "V": 5.0, "A": 1.0, "W": 1.0, "m": 0.01, "s": 10.0, "ohm": 5.0, "Pa": 1e8,

@@ -7,17 +7,17 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.mechanisms.base import MECHANISMS
 from martensite.app.forms import conduct, controls, documents
 from martensite.app.forms.controls import Control, Spot
 from martensite.app.forms.tree import Walk, bare, below, flat, placed
-from martensite.electrical.base import SOURCES
-from martensite.elements.base import ELEMENTS
-from martensite.files import toml_document
-from martensite.io.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
-from martensite.io.scenario import Scenario
-from martensite.materials.base import load_material, material_names
-from martensite.mechanisms.base import MECHANISMS
-from martensite.parameters import Declared, Parametrised
+from martensite.base.files import toml_document
+from martensite.base.parameters import Declared, Parametrised
+from martensite.physics.electrical.base import SOURCES
+from martensite.physics.materials.base import load_material, material_names
+from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
+from martensite.scenario.scenario import Scenario
 from martensite.signals.base import WAVEFORMS
 from martensite.simulate.driven import by_name
 

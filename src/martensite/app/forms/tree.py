@@ -10,17 +10,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from martensite.actuators.assembly import Members
 from martensite.app.forms import controls, documents, words
 from martensite.app.forms.controls import Control, Spot
-from martensite.controllers.row import Row
-from martensite.io.components import is_plain
-from martensite.materials.base import Material
-from martensite.materials.names import NAMES
-from martensite.parameters import REQUIRED, Declared, Leaf, Parametrised
-from martensite.registry import Registry
+from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.base.registry import Registry
+from martensite.control.controllers.row import Row
+from martensite.physics.materials.base import Material
+from martensite.physics.materials.names import NAMES
+from martensite.scenario.components import is_plain
 from martensite.signals.base import DRIVE
 from martensite.signals.table import Table
-from martensite.system import Members
 
 Paths = Callable[[str], str]
 

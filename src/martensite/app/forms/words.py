@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from martensite import units
-from martensite.errors import UnitError
+from martensite.base import units
+from martensite.base.errors import UnitError
 
 GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "eps": "ε", "nu": "ν", "rho": "ρ",

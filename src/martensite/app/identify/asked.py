@@ -17,12 +17,12 @@ from martensite.app.gallery import built
 from martensite.app.identify.mapped import records_of
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.errors import DataError, InputError, ParameterError
-from martensite.identify.fitting.free import Wish
-from martensite.io.fitting.hold_out import AUTO
-from martensite.io.fitting.logs import Log
-from martensite.io.fitting.task import Search, Task
-from martensite.io.scenario import Scenario
+from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.fit.free import Wish
+from martensite.fit.hold_out import AUTO
+from martensite.fit.logs import Log
+from martensite.fit.task import Search, Task
+from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
 MOST_STARTS = 64

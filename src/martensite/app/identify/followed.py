@@ -9,15 +9,15 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from martensite import units
 from martensite.app.identify.thin import corners
-from martensite.electrical.base import SOURCES
-from martensite.errors import ParameterError
-from martensite.files import toml_document
-from martensite.io.assemble import GROUP, SIGNALS, drive_section, waveform_path
-from martensite.io.overrides import as_toml, changed
-from martensite.io.recorded import KIND, LOG, NATURAL, from_zero
-from martensite.io.scenario import Scenario
+from martensite.base import units
+from martensite.base.errors import ParameterError
+from martensite.base.files import toml_document
+from martensite.physics.electrical.base import SOURCES
+from martensite.scenario.assemble import GROUP, SIGNALS, drive_section, waveform_path
+from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.recorded import KIND, LOG, NATURAL, from_zero
+from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
 WAVEFORM = "waveform"

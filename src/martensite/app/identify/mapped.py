@@ -15,15 +15,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from martensite import units
 from martensite.app.drawer import Drawer
 from martensite.app.identify.raw import BINARY, read_raw
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.errors import DataError, ParameterError, suggestion
-from martensite.io.layout import IGNORED, Layout, read_headings
-from martensite.io.sheets import SEPARATORS, read_sheet
-from martensite.io.tables import read_table
+from martensite.base import units
+from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.scenario.layout import IGNORED, Layout, read_headings
+from martensite.scenario.sheets import SEPARATORS, read_sheet
+from martensite.scenario.tables import read_table
 from martensite.signals.records import Record, out_of_order
 
 FEWEST = 8

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from martensite import units
 from martensite.app.identify.shown import shown_number
-from martensite.errors import ParameterError
-from martensite.identify.fitting.free import Wish, free_parameters
-from martensite.io.scenario import Scenario
-from martensite.parameters import Leaf
+from martensite.base import units
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Leaf
+from martensite.fit.free import Wish, free_parameters
+from martensite.scenario.scenario import Scenario
 
 
 def numbers_of(scenario: Scenario) -> list[dict[str, Any]]:

@@ -11,12 +11,12 @@ from martensite.app.identify.shown import shown, shown_difference
 from martensite.app.identify.thin import DRAWN as FEW
 from martensite.app.identify.watching import parameter, rounded
 from martensite.app.views.columns import kept_rows
-from martensite.identify.fit_rows import Compared, compared
-from martensite.identify.fit_verdicts import predictions, warnings
-from martensite.identify.fitting.free import Free
-from martensite.identify.fitting.nuisance import is_nuisance
-from martensite.io.exact_text import exact_text
-from martensite.io.fitting.task import LogFit
+from martensite.fit.fit_rows import Compared, compared
+from martensite.fit.fit_verdicts import predictions, warnings
+from martensite.fit.free import Free
+from martensite.fit.nuisance import is_nuisance
+from martensite.fit.task import LogFit
+from martensite.scenario.exact_text import exact_text
 
 DRAWN = 800
 

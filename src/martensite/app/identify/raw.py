@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from martensite.errors import DataError, InputError, ParameterError, suggestion
-from martensite.io.layout import CLOCK, Column, Layout
-from martensite.io.sampled_files import read_arrays
-from martensite.io.sheets import SEPARATORS, Sheet, is_gap, is_number, parses, read_sheet
+from martensite.base.errors import DataError, InputError, ParameterError, suggestion
+from martensite.scenario.layout import CLOCK, Column, Layout
+from martensite.scenario.sampled_files import read_arrays
+from martensite.scenario.sheets import SEPARATORS, Sheet, is_gap, is_number, parses, read_sheet
 
 BINARY = (".mat", ".nc", ".parquet")
 SHOWN = 20

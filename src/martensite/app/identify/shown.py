@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite import units
 from martensite.app.views.columns import converted
-from martensite.identify.fitting.words import difference
+from martensite.base import units
+from martensite.search.words import difference
 
 
 def shown(name: str, unit: str) -> dict[str, Any]:

@@ -11,12 +11,12 @@ from typing import Any
 from martensite.app.identify.shown import shown, shown_difference, shown_number
 from martensite.app.identify.thin import DRAWN
 from martensite.app.views.columns import kept_rows
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Free
-from martensite.identify.fitting.nuisance import is_nuisance
-from martensite.identify.fitting.problem import Problem
-from martensite.identify.fitting.watch import Note
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Free
+from martensite.fit.nuisance import is_nuisance
+from martensite.fit.problem import Problem
+from martensite.fit.watch import Note
 
 EVERY = 0.4
 """Seconds between two notes."""

@@ -10,17 +10,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from martensite import units
 from martensite.app.messages import BadMessageError, wanted
-from martensite.errors import MartensiteError, ParameterError
-from martensite.io.scenario import Scenario
-from martensite.io.sweeps.api import How
-from martensite.io.sweeps.job import Wanted, plan_of
-from martensite.io.sweeps.subject import course_of, targets_of
+from martensite.base import units
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.design.sampling.base import AbstractDesign, design
+from martensite.design.sweep.api import How
+from martensite.design.sweep.axes import Axis, axis
+from martensite.design.sweep.job import Wanted, plan_of
+from martensite.design.sweep.plan import Plan
+from martensite.design.sweep.subject import course_of, targets_of
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import measure
-from martensite.sweep.axes import Axis, axis
-from martensite.sweep.designs.base import AbstractDesign, design
-from martensite.sweep.plan import Plan
 
 T = TypeVar("T")
 MOST_RUNS = 1_000_000

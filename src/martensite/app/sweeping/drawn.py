@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.app.views.columns import converted
-from martensite.io.sweeps.reading import axes_of, levels_of
-from martensite.io.sweeps.store import STATUS, Store
-from martensite.status import Status
-from martensite.sweep.axes import Axis
-from martensite.sweep.table import Column, short_names
+from martensite.base.status import Status
+from martensite.design.sweep.axes import Axis
+from martensite.design.sweep.reading import axes_of, levels_of
+from martensite.design.sweep.store import STATUS, Store
+from martensite.design.sweep.table import Column, short_names
 
 MOST = 20_000
 """Runs that are drawn of a sweep."""

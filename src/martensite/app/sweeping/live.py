@@ -12,11 +12,11 @@ from typing import Any
 
 from martensite.app.sweeping.drawn import Drawn
 from martensite.app.worker import Desk
-from martensite.io.sweeps.api import Begun
-from martensite.io.sweeps.summary import statuses
-from martensite.status import Status
-from martensite.sweep.backends.base import AbstractBackend, Job, Report
-from martensite.sweep.running import Progress
+from martensite.base.status import Status
+from martensite.design.backends.base import AbstractBackend, Job, Report
+from martensite.design.sweep.api import Begun
+from martensite.design.sweep.running import Progress
+from martensite.design.sweep.summary import statuses
 
 BETWEEN = 0.3
 """Least time between two notes [s]."""

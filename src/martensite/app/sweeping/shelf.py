@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.app.drawer import is_key, new_key
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 
 PLACE = "sweeps"
 LONGEST = 40

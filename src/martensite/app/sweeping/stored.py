@@ -8,10 +8,10 @@ from typing import Any
 
 from martensite.app.gallery import built
 from martensite.app.sweeping.shelf import bytes_of, is_busy
-from martensite.errors import MartensiteError
-from martensite.io.scenario import Scenario
-from martensite.io.sweeps.job import Wanted
-from martensite.io.sweeps.store import STATUS, Store
+from martensite.base.errors import MartensiteError
+from martensite.design.sweep.job import Wanted
+from martensite.design.sweep.store import STATUS, Store
+from martensite.scenario.scenario import Scenario
 
 
 def scenario_in(spec: Mapping[str, Any]) -> Scenario:

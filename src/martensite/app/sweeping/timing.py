@@ -9,9 +9,9 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+from martensite.design.backends.processes import cores
+from martensite.design.sweep.plan import CHUNK, Plan
 from martensite.simulate.variants import LANES
-from martensite.sweep.backends.processes import cores
-from martensite.sweep.plan import CHUNK, Plan
 
 ABOUT = 0.4
 """Time that a chunk shall take [s]."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 import shlex
 
-from martensite.io.sweeps.job import Wanted
-from martensite.sweep.plan import CHUNK
+from martensite.design.sweep.job import Wanted
+from martensite.design.sweep.plan import CHUNK
 
 _PLAIN = re.compile(r"^[\w./:=,-]+$")
 _QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")

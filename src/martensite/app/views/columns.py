@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite import units
+from martensite.base import units
 from martensite.simulate.result import Result
 
 MOST = 2001

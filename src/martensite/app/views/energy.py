@@ -2,7 +2,7 @@
 
     E = ∫ P dt,   Q = ∫ Q̇ dt,   stored E − Q,   W = ∫ F dx where an element pulls
 
-as `martensite.control.analysis.energy` has them. An element that is a straight wire, or several,
+as `martensite.design.analysis.energy` has them. An element that is a straight wire, or several,
 pulls by its own shortening L = −ε ℓ; others need a mechanism with one coordinate on a line.
 """
 
@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.rows import AbstractRow
+from martensite.actuators.elements.wire import Wire
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.app.views.columns import kept_rows
-from martensite.control.analysis.energy import energy_courses
-from martensite.elements.base import AbstractElement
-from martensite.elements.rows import AbstractRow
-from martensite.elements.wire import Wire
-from martensite.mechanisms.load_line import AbstractLoadLine
+from martensite.design.analysis.energy import energy_courses
 from martensite.simulate.result import Result
 
 PRESCRIBED = (

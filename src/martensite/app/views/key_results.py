@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from martensite import units
 from martensite.app.views.columns import shown
+from martensite.base import units
 from martensite.simulate.result import Result
 
 

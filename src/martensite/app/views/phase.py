@@ -11,9 +11,9 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from martensite.errors import MartensiteError
-from martensite.laws.base import AbstractLaw
-from martensite.plot.phase_diagram import LEAST_STRESS, Band, bands
+from martensite.base.errors import MartensiteError
+from martensite.physics.laws.base import AbstractLaw
+from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
 from martensite.simulate.landmarks import isobar
 from martensite.simulate.result import Result
 

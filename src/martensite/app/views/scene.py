@@ -10,13 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.mechanisms.drawing import Point, Reading, Shape
 from martensite.app.views.columns import kept_rows
-from martensite.elements.base import AbstractElement
-from martensite.io.scenario import Scenario
-from martensite.mechanisms.drawing import Point, Reading, Shape
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
-from martensite.system import AbstractSystem, Actuator
 
 MOST, LEAST = 241, 61
 """Pictures of a run: as many, and as few where there are many shapes."""

@@ -11,16 +11,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from martensite.actuators.assembly.outputs import OUTPUTS
 from martensite.app.views.columns import kept_rows
-from martensite.bench.bench import Bench
-from martensite.bench.names import MEASURED
-from martensite.controllers.base import AbstractController
-from martensite.observers.base import ESTIMATED
-from martensite.plot.bench_loops import loops as controlled
-from martensite.plot.hysteresis import LOOPS, runs, senses
-from martensite.plot.labels import FRACTIONS
+from martensite.control.controllers.base import AbstractController
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import MEASURED
+from martensite.control.observers.base import ESTIMATED
+from martensite.show.figures.bench_loops import loops as controlled
+from martensite.show.figures.hysteresis import LOOPS, runs, senses
+from martensite.show.figures.labels import FRACTIONS
 from martensite.simulate.result import Result
-from martensite.system.outputs import OUTPUTS
 
 TOGETHER = {
     "hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power",

@@ -12,8 +12,8 @@ from typing import Any
 
 from martensite.app.views.columns import shown
 from martensite.app.views.traces import TOGETHER
-from martensite.bench.names import ALARM
-from martensite.plot.bench_loops import alarmed
+from martensite.control.loop.names import ALARM
+from martensite.show.figures.bench_loops import alarmed
 from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
 from martensite.simulate.result import Result
 

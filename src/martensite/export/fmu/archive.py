@@ -14,15 +14,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from martensite.errors import InputError, suggestion
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, suggestion
+from martensite.base.files import replacing
 from martensite.export.c_names import checked_identifier, identifier
 from martensite.export.fmu.binaries import TARGETS, build, checked_targets
 from martensite.export.fmu.description import build_description, description
 from martensite.export.fmu.plan import Plan, Scenario, plan_of
 from martensite.export.fmu.variables import Variable, variables
 from martensite.export.fmu.wrapper import sources
-from martensite.files import replacing
-from martensite.system import AbstractSystem
 
 VERSIONS = ("2.0", "3.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from martensite.errors import InputError, MartensiteError, suggestion
-from martensite.runtimes.c99 import compiler
+from martensite.base.errors import InputError, MartensiteError, suggestion
+from martensite.kernels.c99 import compiler
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off",
          "-fno-math-errno")  # fmt: skip

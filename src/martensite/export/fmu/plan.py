@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from martensite.bench.bench import Bench
-from martensite.bench.run import reference_waveforms
-from martensite.errors import ParameterError
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Leaf, structure
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_core import CCore, c_core
-from martensite.parameters import Leaf, structure
 from martensite.simulate.api import longest_step
-from martensite.system import AbstractSystem
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 

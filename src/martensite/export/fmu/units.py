@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from martensite import units
-from martensite.errors import UnitError
+from martensite.base import units
+from martensite.base.errors import UnitError
 
 
 def unit_of(declared: str) -> str | None:

@@ -18,9 +18,9 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.parameters import Parametrised, option, param
-from martensite.registry import Registry
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.base.parameters import Parametrised, option, param
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
 
 BLOCKS: Registry[AbstractBlock] = Registry("block", "martensite.identify.blocks")
 Column = Sequence[Scalar]

@@ -13,9 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
-from martensite.identify.blocks.shared.branches import logistic
-from martensite.identify.blocks.shared.sections import minus_expm1
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.branches import logistic
+from martensite.identify.operators.sections import minus_expm1
+from martensite.kernels.namespace import Namespace, Scalar
 
 STRONGEST = 9.0
 """Limit of |log ϱ| and |log (2σ - 1)|."""

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
-from martensite.identify.blocks.shared import branches
-from martensite.identify.blocks.shared.counts import check_whole
-from martensite.parameters import option, param
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators import branches
+from martensite.identify.operators.counts import check_whole
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("duhem")

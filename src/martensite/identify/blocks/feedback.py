@@ -21,14 +21,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
-from martensite.identify.blocks.shared import sections
-from martensite.identify.blocks.shared.counts import check_whole
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.parameters import option, param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators import sections
+from martensite.identify.operators.counts import check_whole
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 NEWTON = 25
 """Iterations in which the output at rest is found."""

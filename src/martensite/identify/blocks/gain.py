@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.blocks.shared.curves import AbstractCurve
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.curves import AbstractCurve
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("gain")

@@ -27,12 +27,12 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from martensite.base.parameters import option, param
+from martensite.base.units import DEGREES
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.blocks.shared import branches
-from martensite.identify.blocks.shared.sections import first_order
-from martensite.parameters import option, param
-from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.units import DEGREES
+from martensite.identify.operators import branches
+from martensite.identify.operators.sections import first_order
+from martensite.kernels.namespace import Namespace, Scalar
 
 MIDDLE = 40.0
 """θ_m [K]."""

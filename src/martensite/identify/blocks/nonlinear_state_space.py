@@ -19,13 +19,13 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
-from martensite.identify.blocks.shared import sections
-from martensite.identify.blocks.shared.fixed_point import fixed_point
 from martensite.identify.blocks.state_space import StateSpace
-from martensite.parameters import option, param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators import sections
+from martensite.identify.operators.fixed_point import fixed_point
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 FARTHEST = 1.5
 """Limit of what enters a monomial, in half widths of the range."""

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.blocks.shared.counts import check_whole
-from martensite.identify.blocks.shared.curves import AbstractCurve
-from martensite.parameters import option, param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.counts import check_whole
+from martensite.identify.operators.curves import AbstractCurve
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 LEAST = 0.02
 """Least gap between two knots, over the mean gap."""

@@ -10,11 +10,11 @@ from typing import Self
 
 import numpy as np
 
+from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.blocks.shared.play import played, spread
-from martensite.parameters import param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.play import played, spread
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 STRONGEST = 14.0
 """Limit of |log radius|."""

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic, Column, Numbers
-from martensite.parameters import param
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("polynomial")

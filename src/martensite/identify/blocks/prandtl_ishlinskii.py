@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.blocks.shared.counts import check_whole
-from martensite.identify.blocks.shared.play import (
+from martensite.identify.operators.counts import check_whole
+from martensite.identify.operators.play import (
     FARTHEST,
     PlaySum,
     logits,
@@ -24,9 +25,8 @@ from martensite.identify.blocks.shared.play import (
     sized,
     spread,
 )
-from martensite.parameters import option, param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 STEADY = 3.0
 """Standard deviation of logarithms of thresholds."""

@@ -9,8 +9,8 @@ below the upper one whatever the free numbers are.
 from __future__ import annotations
 
 from martensite.identify.blocks.base import BLOCKS
-from martensite.identify.blocks.shared.limits import AbstractInterval
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.limits import AbstractInterval
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("saturation")

@@ -11,11 +11,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import part
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.blocks.unit_gain import UnitGain
-from martensite.parameters import part
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("side-by-side")

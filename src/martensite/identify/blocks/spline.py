@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.blocks.shared.counts import check_whole
-from martensite.identify.blocks.shared.curves import AbstractCurve
-from martensite.parameters import param
-from martensite.runtimes import floats
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.counts import check_whole
+from martensite.identify.operators.curves import AbstractCurve
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 def bell(xp: Namespace, t: Scalar) -> Scalar:

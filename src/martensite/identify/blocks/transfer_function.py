@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.blocks.shared import sections
-from martensite.parameters import param
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators import sections
+from martensite.kernels.namespace import Namespace, Scalar
 
 RIGHT = 0.2
 """Share of drawn zeros in the right half plane."""

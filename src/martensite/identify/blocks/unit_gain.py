@@ -7,7 +7,7 @@ unchanged, such as `[poly2 & unit]`.
 from __future__ import annotations
 
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("unit-gain")

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, Numbers
-from martensite.identify.blocks.shared.networks import AbstractNetwork
-from martensite.runtimes.namespace import Namespace, Scalar
+from martensite.identify.operators.networks import AbstractNetwork
+from martensite.kernels.namespace import Namespace, Scalar
 
 
 @BLOCKS.register("wavelet-network")

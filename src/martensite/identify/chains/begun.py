@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.chains.best_linear import polished
 from martensite.identify.chains.chain import Chain

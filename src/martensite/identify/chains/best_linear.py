@@ -15,10 +15,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.identify.blocks.shared import sections
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain, untrained
@@ -28,7 +27,8 @@ from martensite.identify.chains.linear_weights import LinearStart, weighted
 from martensite.identify.chains.realisation import Matched, Realised, entering, matched, realised
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.thinning import thinned
-from martensite.runtimes import floats
+from martensite.identify.operators import sections
+from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 
 LAGS = 256

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from martensite.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.native_source import Taps

@@ -24,10 +24,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.fitting.autocorrelation import autocorrelation
-from martensite.identify.fitting.words import number
+from martensite.search.autocorrelation import autocorrelation
+from martensite.search.words import number
 
 LAGS = 25
 """Lags tested on either side."""

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
 

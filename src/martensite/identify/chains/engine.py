@@ -14,7 +14,7 @@ from martensite.identify.chains.native_columns import TILE, padded
 from martensite.identify.chains.native_source import Taps
 from martensite.identify.chains.plain import Plain
 from martensite.identify.chains.plan import Plan, plan
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
 
 CHUNK = 4032
 """Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.errors import InputError, SolveError
+from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.begun import begun
 from martensite.identify.chains.chain import Chain, untrained

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import qr
 
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.fitting.weak_sets import weak_directions
-from martensite.identify.fitting.words import listed
+from martensite.search.weak_sets import weak_directions
+from martensite.search.words import listed
 
 CUT = 1e-9
 """Eigenvalue of the scaled JᵀJ, over the largest, below which a direction is not determined."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.options import Options

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 
 ROWS = 4096

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction

@@ -12,12 +12,12 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.linear_system import Linear
-from martensite.runtimes import floats
+from martensite.kernels import floats
 
 
 class Orders(NamedTuple):

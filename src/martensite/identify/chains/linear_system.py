@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 
 CIRCLE = 1e-12

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.errors import InputError, SolveError
+from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear

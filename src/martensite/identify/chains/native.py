@@ -11,8 +11,8 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.native_columns import TILE, room
 from martensite.identify.chains.native_source import Taps, chain_source
 from martensite.identify.chains.plan import Plan
-from martensite.runtimes.c99 import load_library
-from martensite.runtimes.once import once
+from martensite.kernels.c99 import load_library
+from martensite.kernels.once import once
 
 FLAGS = ("-O2",)
 """Kernels of hundreds of numbers compile sooner than with more, and run as fast."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from martensite.runtimes.c99 import C_DIALECT
-from martensite.runtimes.printer import Printer
-from martensite.runtimes.program import Program
+from martensite.kernels.c99 import C_DIALECT
+from martensite.kernels.printer import Printer
+from martensite.kernels.program import Program
 
 
 class Statements(NamedTuple):

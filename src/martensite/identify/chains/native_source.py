@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from martensite.identify.chains.native_columns import TILE, at_once, in_sequence, room
 from martensite.identify.chains.native_kernels import Kernels
 from martensite.identify.chains.plan import Piece, Plan
-from martensite.runtimes.c99 import prelude
+from martensite.kernels.c99 import prelude
 
 Taps = tuple[tuple[int, int], ...]
 """What is given out: numbers of blocks, and of their outputs."""

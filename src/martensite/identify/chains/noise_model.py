@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 
 

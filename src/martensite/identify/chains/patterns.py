@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from itertools import product
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 
 MOST = 500
 """Structures of one pattern."""

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.runtimes.adjoint import gradient
-from martensite.runtimes.graph import VARYING
-from martensite.runtimes.once import once
-from martensite.runtimes.partials import partials
-from martensite.runtimes.program import Function, Program
+from martensite.kernels.adjoint import gradient
+from martensite.kernels.graph import VARYING
+from martensite.kernels.once import once
+from martensite.kernels.partials import partials
+from martensite.kernels.program import Function, Program
 
 
 @dataclass(frozen=True)

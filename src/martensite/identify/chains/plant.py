@@ -17,16 +17,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from martensite import units
-from martensite.elements.base import AbstractElement
-from martensite.errors import InputError, UnitError
+from martensite.actuators.assembly import Machine
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
+from martensite.base import units
+from martensite.base.errors import InputError, UnitError
+from martensite.base.parameters import REQUIRED, Declared
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
-from martensite.laws.coupling import Report
-from martensite.mechanisms.base import AbstractMechanism, Column, Load, Output
-from martensite.parameters import REQUIRED, Declared
-from martensite.runtimes.namespace import Namespace, Scalar
-from martensite.system import Machine
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
 
 SI = ("1", "K", "m", "s", "N", "Pa", "V", "A", "W", "ohm", "rad", "rad/s", "m/s", "N*m", "Hz",
       "kg", "J/kg", "m/s^2", "N/m")  # fmt: skip

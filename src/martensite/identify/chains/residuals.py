@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from martensite.errors import ParameterError
+from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import Engine, Start
 from martensite.identify.chains.levenberg import Found, Normal, minimise

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.errors import InputError, SolveError
+from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import untrained
 from martensite.identify.chains.checks import check_informative, check_records
 from martensite.identify.chains.estimate import Estimate, Options, estimate

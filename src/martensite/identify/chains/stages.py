@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from martensite.errors import InputError
+from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Estimate, Options, estimate
 from martensite.identify.chains.scored import ROLES, Score, scored

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.errors import DataError, ParameterError
+from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Start
@@ -30,7 +30,7 @@ from martensite.identify.chains.flat import Flat, inverse
 from martensite.identify.chains.residuals import Squares
 from martensite.identify.chains.sandwich import Sums, block_lengths, sums
 from martensite.identify.chains.shown_errors import Shown, shown, slopes_of_shown
-from martensite.identify.fitting.words import number
+from martensite.search.words import number
 from martensite.signals.sampling.sampled import Sampled
 
 LEVEL = 0.95

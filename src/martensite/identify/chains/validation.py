@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, crossed
 from martensite.identify.chains.directions import REVERSAL, Masks, split
 from martensite.identify.chains.stretches import Stretch, known_stretch, stretches
-from martensite.identify.fitting.scores import Score, score
-from martensite.identify.fitting.whiteness import FEWEST, Whiteness, whiteness
-from martensite.identify.fitting.words import joined, number
+from martensite.search.scores import Score, score
+from martensite.search.whiteness import FEWEST, Whiteness, whiteness
+from martensite.search.words import joined, number
 from martensite.signals.sampling.sampled import Sampled
 
 WHOLE = "whole"

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import re
 
-from martensite.errors import InputError, MartensiteError, suggestion
+from martensite.base.errors import InputError, MartensiteError, suggestion
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
-from martensite.identify.blocks.shared.counts import check_whole
-from martensite.identify.blocks.shared.limits import AbstractInterval
 from martensite.identify.blocks.side_by_side import SideBySide
+from martensite.identify.operators.counts import check_whole
+from martensite.identify.operators.limits import AbstractInterval
 
 _BLOCK = re.compile(r"([a-z][a-z_-]*)\s*(?:\(([^()]*)\)|(\d+))?")
 _BAR = re.compile(r"\|(?![^\[]*\])")

@@ -15,8 +15,8 @@ from typing import cast
 
 import numpy as np
 
-from martensite import units as unit_table
-from martensite.errors import DataError, suggestion
+from martensite.base import units as unit_table
+from martensite.base.errors import DataError, suggestion
 from martensite.signals.records import Record, out_of_order
 from martensite.signals.sampling.resampling import resampled
 from martensite.signals.sampling.sampled import Numbers, Sampled

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 DIFFERING = 0.05

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggestion
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 NEAR = 1e-9

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.errors import DataError
+from martensite.base.errors import DataError
 
 Numbers: TypeAlias = NDArray[Any]
 

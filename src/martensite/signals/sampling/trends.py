@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from martensite.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggestion
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 KINDS = ("mean", "line", "rest")

@@ -18,10 +18,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.errors import ParameterError, suggestion
-from martensite.parameters import Parametrised, meant, text
-from martensite.registry import Registry
-from martensite.system import AbstractSystem
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.parameters import Parametrised, meant, text
+from martensite.base.registry import Registry
 
 Numbers: TypeAlias = NDArray[np.float64]
 FIRST = ""

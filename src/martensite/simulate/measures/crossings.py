@@ -12,9 +12,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.errors import ParameterError
-from martensite.parameters import param
-from martensite.runtimes.namespace import Scalar
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Scalar
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
 
 Places: TypeAlias = NDArray[np.intp]

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from martensite.base.units import DEGREES
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
-from martensite.units import DEGREES
 
 
 @MEASURES.register("max")

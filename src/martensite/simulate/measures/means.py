@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.parameters import text
+from martensite.base.parameters import text
 from martensite.simulate.measures.base import FIRST, MEASURES, AbstractMeasure, Numbers
 
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from martensite.errors import ParameterError
-from martensite.parameters import param
-from martensite.runtimes.namespace import Scalar
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Scalar
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
 
 

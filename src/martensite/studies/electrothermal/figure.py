@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from martensite.plot.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal.model_numbers import KEPT, calibration
 from martensite.studies.electrothermal.record import Staircase

@@ -15,12 +15,13 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import problem
-from martensite.identify.fitting.profiles import Profile
-from martensite.identify.fitting.solve import solve
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.problem import problem
+from martensite.fit.profiles import Profile
+from martensite.fit.solve import solve
+from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.records import Record
 from martensite.signals.staircase import Staircase
 from martensite.studies.electrothermal import model
@@ -33,7 +34,6 @@ from martensite.studies.electrothermal.resistance_fit import (
     places,
     staircase,
 )
-from martensite.thermal.constant import ConstantCooling
 
 FILMS = (150.0, 450.0)
 """Film coefficients among which the search begins with the best [W/(m² K)]."""

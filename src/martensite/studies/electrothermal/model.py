@@ -17,19 +17,19 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
 from martensite.characterise.nonlinear_regression import root_mean_square
-from martensite.elements.wire import Wire
-from martensite.io.scenario import Scenario, load
-from martensite.io.staircase import plateaus
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.thermal.base import AbstractCooling, Cylinder
+from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.lefevre_ede import LeFevreEde
+from martensite.scenario.scenario import Scenario, load
+from martensite.scenario.staircase import plateaus
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal.record import Staircase
 from martensite.studies.tables import Printed
-from martensite.system import System
-from martensite.thermal.base import AbstractCooling, Cylinder
-from martensite.thermal.constant import ConstantCooling
-from martensite.thermal.lefevre_ede import LeFevreEde
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 ZERO = 273.15

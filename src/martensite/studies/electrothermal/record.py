@@ -12,11 +12,11 @@ from functools import cache, cached_property
 from statistics import fmean
 
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.io import datasets
-from martensite.io.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
-from martensite.io.tables import read_table
+from martensite.design.sizing.cycle import crossing
+from martensite.scenario import datasets
+from martensite.scenario.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
+from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
-from martensite.sizing.cycle import crossing
 from martensite.studies.tables import Printed
 
 DATA = "flexinol-electrothermal"

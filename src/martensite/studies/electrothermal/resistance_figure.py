@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal import resistance_fit as fitting
 from martensite.studies.figures import label_axes

@@ -22,16 +22,16 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from martensite.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.electrical.mixture import MixtureResistance
-from martensite.electrical.temperature import PrescribedTemperature
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import problem
-from martensite.identify.fitting.profile import profile
-from martensite.identify.fitting.profiles import Profile
-from martensite.identify.fitting.solve import solve
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.problem import problem
+from martensite.fit.profile import profile
+from martensite.fit.profiles import Profile
+from martensite.fit.solve import solve
+from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
+from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.signals.records import Record, table_waveform
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from martensite.identify.fitting.profiled import profiled
-from martensite.identify.fitting.profiles import Profile
+from martensite.fit.profiled import profiled
+from martensite.fit.profiles import Profile
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal import resistance_fit as fitting

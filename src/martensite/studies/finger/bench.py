@@ -14,9 +14,10 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
-from martensite.elements.wire import Wire
-from martensite.io.laws import dressed_laws
-from martensite.io.scenario import Scenario, load
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.scenario.laws import dressed_laws
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
@@ -24,7 +25,6 @@ from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.readings import between, passing, runtime
 from martensite.studies.tables import Printed
-from martensite.system import System
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 POLYCRYSTAL = ("mas-polycrystal", (("spread", "20 MPa"),))

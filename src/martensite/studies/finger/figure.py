@@ -11,8 +11,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from martensite.plot.labels import mathematical
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.labels import mathematical
+from martensite.show.figures.style import (
+    HEATING,
+    INK,
+    MEASURED,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
 from martensite.studies.tables import Printed

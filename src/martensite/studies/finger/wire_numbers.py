@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.laws.base import Fractions
+from martensite.physics.laws.base import Fractions
 from martensite.simulate.point import Leg, PointResult, material_point
 from martensite.studies.finger import bench
 from martensite.studies.readings import passing, runtime

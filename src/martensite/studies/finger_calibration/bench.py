@@ -17,16 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.errors import SolveError
-from martensite.identify.fitting.experiment import Experiment
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.problem import Evaluation, Problem, problem
-from martensite.io.scenario import Scenario, load
+from martensite.base.errors import SolveError
+from martensite.fit.experiment import Experiment
+from martensite.fit.free import Wish
+from martensite.fit.problem import Evaluation, Problem, problem
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.records import Record
 from martensite.studies.tables import Printed
 
 if TYPE_CHECKING:
-    from martensite.system import AbstractSystem
+    from martensite.actuators.assembly import AbstractSystem
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 SAMPLES = 201

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from martensite.identify.fitting.identifiability import Identifiability, identifiability
-from martensite.identify.fitting.uncertainty import Uncertainty, uncertainty
+from martensite.fit.identifiability import Identifiability, identifiability
+from martensite.fit.uncertainty import Uncertainty, uncertainty
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, JOINT, NEAR, Data
 from martensite.studies.finger_calibration.searches import best

@@ -13,9 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.labels import mathematical
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED, new_figure, styled
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.show.figures.labels import mathematical
+from martensite.show.figures.style import (
+    HEATING,
+    INK,
+    MEASURED,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.identify.fitting.free import Wish
-from martensite.identify.fitting.identifiability import Identifiability, identifiability
-from martensite.identify.fitting.problem import Problem, problem
-from martensite.identify.fitting.solve import solve
+from martensite.fit.free import Wish
+from martensite.fit.identifiability import Identifiability, identifiability
+from martensite.fit.problem import Problem, problem
+from martensite.fit.solve import solve
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
 from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width

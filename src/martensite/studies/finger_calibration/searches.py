@@ -13,9 +13,9 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from martensite.identify.fitting.fit import Fit
-from martensite.identify.fitting.solve import solve
-from martensite.identify.fitting.watch import Note
+from martensite.fit.fit import Fit
+from martensite.fit.solve import solve
+from martensite.fit.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
 from martensite.studies.kept import kept

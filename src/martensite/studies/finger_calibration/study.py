@@ -37,7 +37,7 @@ class FingerCalibration(TableStudy):
 
     def figure(self, path: Path) -> None:
         """Write the figure, with as many starts as the claims."""
-        from martensite.plot.files import write_figure
+        from martensite.show.figures.files import write_figure
         from martensite.studies.finger_calibration.figure import draw
 
         write_figure(draw(self.printed, full=self.full), path)

@@ -22,12 +22,12 @@ from typing import Any
 
 import numpy as np
 
-from martensite.electrical.pwm import PwmVoltage
-from martensite.parameters import Parametrised, param, part
-from martensite.runtimes import floats
-from martensite.sensors.base import Probe
-from martensite.sensors.infrared import InfraredSensor
-from martensite.sensors.position import PositionSensor
+from martensite.base.parameters import Parametrised, param, part
+from martensite.control.sensors.base import Probe
+from martensite.control.sensors.infrared import InfraredSensor
+from martensite.control.sensors.position import PositionSensor
+from martensite.kernels import floats
+from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.studies.hammerstein_wiener import branches
 from martensite.studies.hammerstein_wiener.preisach import Cell, everett
 

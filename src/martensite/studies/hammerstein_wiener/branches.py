@@ -20,7 +20,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
-from martensite.sensors.base import Numbers
+from martensite.control.sensors.base import Numbers
 
 FILE = Path(__file__).parent / "branches.csv"
 ZERO = 273.15
@@ -100,7 +100,7 @@ def derived() -> str:
         DataError: the measurements are not on this machine.
     """
     from martensite.characterise.isobaric_cycles import cut_cycle
-    from martensite.io.tables import read_table
+    from martensite.scenario.tables import read_table
 
     columns = [GRID[SHOWN] - ZERO]
     for stress in STRESSES:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.style import HEATING, INK, QUIET, SIMULATED, new_figure, styled
-from martensite.runtimes.c99 import compiler
+from martensite.kernels.c99 import compiler
+from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.figures import write_heading
 from martensite.studies.hammerstein_wiener import judged, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL

@@ -8,9 +8,9 @@ from statistics import median
 
 import numpy as np
 
+from martensite.control.sensors.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import fit_percent
-from martensite.sensors.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import models, records
 from martensite.studies.hammerstein_wiener.bench import Bench, Plant

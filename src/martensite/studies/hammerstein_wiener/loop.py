@@ -1,6 +1,7 @@
 """The bench under PID control: what the paper does with its real wire.
 
-The controller of `martensite.controllers.pid` on plain floats, at 500 Hz: in every sample the
+The controller of `martensite.control.controllers.pid` on plain floats, at 500 Hz: in every sample
+the
 encoder is read, the controller answers with a duty, and the bench goes on under it.
 """
 
@@ -8,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.control.closed_loop import Trajectory
-from martensite.control.response import steps
-from martensite.control.tuning import Tuning
-from martensite.controllers.pid import Gains, PidLaw
-from martensite.runtimes import floats
-from martensite.sensors.base import Numbers
+from martensite.control.controllers.pid import Gains, PidLaw
+from martensite.control.sensors.base import Numbers
+from martensite.design.tuning.closed_loop import Trajectory
+from martensite.design.tuning.response import steps
+from martensite.design.tuning.tuning import Tuning
+from martensite.kernels import floats
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
 
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))

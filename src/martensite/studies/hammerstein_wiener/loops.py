@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from martensite.control.closed_loop import ControlledModel, Trajectory
-from martensite.control.response import StepResponse, step_responses
-from martensite.control.tuning import Tuned, tune
-from martensite.controllers.pid import Gains
+from martensite.control.controllers.pid import Gains
+from martensite.design.tuning.closed_loop import ControlledModel, Trajectory
+from martensite.design.tuning.response import StepResponse, step_responses
+from martensite.design.tuning.tuning import Tuned, tune
 from martensite.identify.chains.chain import Chain
 from martensite.studies.hammerstein_wiener import loop, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from martensite.sensors.base import Numbers
+from martensite.control.sensors.base import Numbers
 from martensite.studies.hammerstein_wiener import branches
 from martensite.studies.hammerstein_wiener.branches import GRID
 

@@ -18,8 +18,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from martensite.errors import ParameterError
-from martensite.sensors.base import Numbers
+from martensite.base.errors import ParameterError
+from martensite.control.sensors.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
 

@@ -19,20 +19,20 @@ from itertools import pairwise
 from pathlib import Path
 from typing import cast
 
-from martensite.electrical.power import PowerSource
-from martensite.electrical.voltage import VoltageSource
-from martensite.elements.wire import Wire
-from martensite.io.scenario import Scenario, load
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.thermal.base import AbstractCooling, Environment
+from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.readings import passing
 from martensite.studies.tables import Printed
-from martensite.system import System
-from martensite.thermal.base import AbstractCooling, Environment
-from martensite.thermal.constant import ConstantCooling
-from martensite.thermal.polynomial import PolynomialCooling
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 ZERO = 273.15

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.hysteresis import runs, senses, strips
-from martensite.plot.labels import mathematical
-from martensite.plot.style import (
+from martensite.show.figures.hysteresis import runs, senses, strips
+from martensite.show.figures.labels import mathematical
+from martensite.show.figures.style import (
     COOLING,
     HEATING,
     INK,

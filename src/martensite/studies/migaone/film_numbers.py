@@ -6,9 +6,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from martensite.characterise.film_coefficient import FilmFit, film_r_squared, fit_film
+from martensite.physics.thermal.polynomial import PolynomialCooling
 from martensite.studies.migaone import bench
 from martensite.studies.tables import Printed
-from martensite.thermal.polynomial import PolynomialCooling
 
 OTHER_AMBIENT = 41.0
 """Another ambient temperature, to see what rests on the printed one [°C]."""

@@ -13,16 +13,16 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
-from martensite.electrical.mixture import MixtureResistance
-from martensite.elements.coil_spring import CoilSpring
-from martensite.io.scenario import Scenario, load
-from martensite.mechanisms.parallel_platform import ParallelPlatform
+from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.elements.coil_spring import CoilSpring
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.readings import passing, runtime
 from martensite.studies.tables import Printed, printed_numbers
-from martensite.system import Actuator, Group, Machine
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
 ZERO = 273.15

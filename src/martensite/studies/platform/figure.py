@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.mechanisms.shared.platform_kinematics import lengths
-from martensite.mechanisms.shared.platform_workspace import Workspace
-from martensite.plot.style import (
+from martensite.actuators.mechanics.platform_kinematics import lengths
+from martensite.actuators.mechanics.platform_workspace import Workspace
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.show.figures.style import (
     COOLING,
     FAINT,
     HEATING,
@@ -25,7 +26,6 @@ from martensite.plot.style import (
     new_figure,
     styled,
 )
-from martensite.runtimes.arrays import ArrayNamespace
 from martensite.simulate.result import Result
 from martensite.studies.figures import write_heading
 from martensite.studies.platform import bench, geometry_numbers, loop

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from martensite.mechanisms.shared.platform_inertia import thin_plate
-from martensite.mechanisms.shared.platform_kinematics import corners, platform_lengths, slopes
-from martensite.mechanisms.shared.platform_workspace import Workspace, reachable_angles
-from martensite.runtimes import floats
+from martensite.actuators.mechanics.platform_inertia import thin_plate
+from martensite.actuators.mechanics.platform_kinematics import corners, platform_lengths, slopes
+from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
+from martensite.kernels import floats
 from martensite.studies.platform import bench
 from martensite.studies.tables import Printed
 

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.bench.bench import Bench
-from martensite.bench.mounted import Mounted
-from martensite.bench.parts import Controllers, Sensors
-from martensite.bench.run import simulate_bench
-from martensite.controllers.on_off import OnOff
-from martensite.sensors.ideal import IdealSensor
+from martensite.control.controllers.on_off import OnOff
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.ideal import IdealSensor
 from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 from martensite.studies.platform import bench

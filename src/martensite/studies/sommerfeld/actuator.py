@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from martensite.io.scenario import Scenario, load
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from martensite.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.studies.sommerfeld.machines import natural
 from martensite.studies.tables import Printed
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.plot.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs
 from martensite.studies.sommerfeld.runs import Settled

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.plot.style import new_figure, styled
+from martensite.show.figures.style import new_figure, styled
 from martensite.studies.figures import write_heading
 from martensite.studies.sommerfeld import beam_panels, ramp_panels, wire_panels
 from martensite.studies.tables import Printed

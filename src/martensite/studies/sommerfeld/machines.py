@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 from typing import cast
 
-from martensite.io.scenario import Scenario, load
-from martensite.mechanisms.beam_motor import BeamMotor, modal_numbers
-from martensite.mechanisms.shared.beam_modes import BeamModes, CantileverBeam, beam_modes
+from martensite.actuators.mechanics.beam_modes import BeamModes, CantileverBeam, beam_modes
+from martensite.actuators.mechanisms.beam_motor import BeamMotor, modal_numbers
+from martensite.scenario.scenario import Scenario, load
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.studies.sommerfeld import averages, beam_numbers, machines, runs, wire
 from martensite.studies.sommerfeld.runs import Windows
 from martensite.studies.tables import Printed

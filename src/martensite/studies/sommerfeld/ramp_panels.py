@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.plot.style import HEATING, INK, MEASURED, QUIET, SIMULATED
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.signals.ramp import Ramp
 from martensite.simulate.result import Result
 from martensite.studies.figures import label_axes

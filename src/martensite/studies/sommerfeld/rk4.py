@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
-from martensite.mechanisms.beam_motor import BeamMotor
-from martensite.mechanisms.shared.motion import Motion
-from martensite.runtimes import floats
-from martensite.runtimes.program import Program
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.kernels import floats
+from martensite.kernels.program import Program
 from martensite.studies.sommerfeld.machines import natural
 from martensite.studies.sommerfeld.runs import CAPTURED, GRID
 

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from martensite.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.assembly import Machine
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
@@ -23,7 +24,6 @@ from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.readings import runtime
 from martensite.studies.sommerfeld.machines import STEP, natural
-from martensite.system import Machine
 
 SETTLING = 25.0
 """Length of a run from rest [s]."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
-from martensite.controllers.latched import LatchedOnOff, replayed
+from martensite.control.controllers.latched import LatchedOnOff, replayed
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.plot.style import COOLING, HEATING, QUIET, SIMULATED
+from martensite.show.figures.style import COOLING, HEATING, QUIET, SIMULATED
 from martensite.studies.figures import label_axes
 from martensite.studies.sommerfeld import actuator, machines, wire
 from martensite.studies.tables import Printed

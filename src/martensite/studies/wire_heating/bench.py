@@ -14,15 +14,15 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
-from martensite.io.scenario import Scenario, load
-from martensite.runtimes import floats
+from martensite.kernels import floats
+from martensite.physics.fluids.air_table import ROWS, AirTable
+from martensite.physics.thermal.base import Cylinder
+from martensite.physics.thermal.lefevre_ede import LeFevreEde
+from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite.studies.tables import Printed
-from martensite.thermal.base import Cylinder
-from martensite.thermal.fluids.air_table import ROWS, AirTable
-from martensite.thermal.lefevre_ede import LeFevreEde
 
 FOLDER = Path(__file__).parent
 CLOSURES = {"a": FOLDER / "closure-a.toml", "b": FOLDER / "closure-b.toml"}

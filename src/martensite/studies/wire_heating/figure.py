@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.plot.style import HEATING, INK, MEASURED, SIMULATED, new_figure, styled
+from martensite.show.figures.style import HEATING, INK, MEASURED, SIMULATED, new_figure, styled
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.tables import Printed
 from martensite.studies.wire_heating import bench, closures

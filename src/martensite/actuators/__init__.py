@@ -1,0 +1,1 @@
+"""What moves: elements, mechanisms, and the system they make up."""

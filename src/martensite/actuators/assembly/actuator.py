@@ -1,0 +1,75 @@
+"""An actuator: an element, its surroundings, and what drives it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from martensite.actuators.assembly.members import Members
+from martensite.actuators.assembly.outputs import Outputs
+from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Heating, Profile
+from martensite.actuators.mechanisms.base import Load
+from martensite.base.parameters import Parametrised, part
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import SOURCES, AbstractSource
+from martensite.physics.thermal.base import Environment
+from martensite.signals.moments import Moments
+
+
+class Feed(NamedTuple):
+    """What drives an element during a step of a march."""
+
+    moments: Moments
+    """Of its drive signal."""
+    owed: Scalar
+    """Heat that the step before should have brought as well [J]."""
+
+
+class Actuator(Parametrised):
+    """An element, its environment and a source."""
+
+    element: AbstractElement = part("the shape-memory element", ELEMENTS)
+    environment: Environment = part("surroundings")
+    source: AbstractSource = part("what drives the element", SOURCES)
+
+    def start(self, xp: Namespace, force: Scalar, drive: Scalar) -> Any:
+        """State of the element at rest under a force [N], as warm as its surroundings."""
+        imposed = self.source.sets_temperature
+        temperature = drive if imposed else self.environment.temperature
+        return self.element.init(xp, force, temperature)
+
+    def load(self, state: Any, drive: Scalar | Feed) -> Load:
+        """The element in a state, under a drive signal, as a mechanism sees it."""
+        signal, owed = drive if isinstance(drive, Feed) else (drive, 0.0)
+        heating = Heating(self.environment, self.source, signal, owed)
+        return Load(self.element, state, heating)
+
+    def seen(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> Outputs:
+        """Everything that can be measured under a force [N] and a drive signal."""
+        found = self.element.condition(xp, state, force, self.environment)
+        current = self.source.current(xp, drive, found.resistance)
+        return Outputs(
+            drive=drive,
+            temperature=found.temperature,
+            hottest=found.hottest,
+            martensite_fraction=found.martensite_fraction,
+            oriented_fraction=found.oriented_fraction,
+            stress=found.stress,
+            strain=found.strain,
+            force=force,
+            resistance=found.resistance,
+            current=current,
+            voltage=current * found.resistance,
+            power=current * current * found.resistance,
+            heat_loss=found.heat_loss,
+        )
+
+    def profile(self, state: Any) -> Profile:
+        """What differs along the element; described in `PROFILES`."""
+        return self.element.profile(state)
+
+
+class Group(Members[Actuator], init=False):
+    """Actuators by the names of the ports that they stand at."""
+
+    noun = "actuator"
+    kind = Actuator

@@ -1,0 +1,302 @@
+"""What every system does: it takes elements and mechanism through a step together.
+
+One step solves laws, heat and mechanism together, second order in the step. The mechanism
+does so: it knows how its elements depend on each other.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from martensite.actuators.assembly.actuator import Actuator, Feed
+from martensite.actuators.assembly.ledger import Entries
+from martensite.actuators.assembly.outputs import Outputs
+from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
+from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.base.interfaces import make_missing_error
+from martensite.base.parameters import Parametrised, part
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+from martensite.physics.laws.coupling import Report
+
+JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
+"""Outputs of an element whose convergence is judged, with the least range that counts."""
+
+
+class State(NamedTuple):
+    """All that changes in time."""
+
+    elements: tuple[Any, ...]
+    mechanism: Any
+
+
+class Drive(NamedTuple):
+    """A signal that drives a system."""
+
+    name: str
+    unit: str
+    at_end: bool
+    """True if its value at the end of a step counts, not the one at mid-step."""
+    ahead: bool = False
+    """In discrete time: true if it is read at the end of a sample, not at its start."""
+
+
+class AbstractSystem(Parametrised, init=False):
+    """Interface of everything that is simulated: elements, what they pull on, what drives them."""
+
+    mechanism: AbstractMechanism
+    """What the elements pull on."""
+
+    @abstractmethod
+    def actuators(self) -> dict[str, Actuator]:
+        """The actuator at every port."""
+
+    @abstractmethod
+    def drives(self) -> list[Drive]:
+        """The signals that drive it."""
+
+    @abstractmethod
+    def label(self, port: str, name: str) -> str:
+        """What an output of the actuator at a port is called."""
+
+    @abstractmethod
+    def drive_at(self, port: str) -> str:
+        """What the drive of the actuator at a port is called."""
+
+    @abstractmethod
+    def outputs(self) -> dict[str, Output]:
+        """What can be observed, by name; rows of `observe` come in this order."""
+
+    @abstractmethod
+    def described(self) -> str:
+        """What it is made of, in words."""
+
+    def sample_time(self) -> float:
+        """Time from sample to sample [s] of a system in discrete time; else 0."""
+        return self.mechanism.sample_time()
+
+    def profile(self, state: Any) -> list[Column]:
+        """What differs along the element of a system that has but one."""
+        return []
+
+    @abstractmethod
+    def judged(self) -> dict[str, float]:
+        """Outputs whose convergence is judged, with the least range that counts."""
+
+    @abstractmethod
+    def init(self, xp: Namespace, *drives: Scalar) -> Any:
+        """The state at rest, at ambient temperature, under the first drive signals."""
+
+    @abstractmethod
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Report]:
+        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
+
+    def exchanges(self) -> bool:
+        """Whether it offers `step_rosenbrock`."""
+        return False
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[Any, Any, Any]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        raise make_missing_error(type(self), ["step_rosenbrock"])
+
+    @abstractmethod
+    def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured in a state under drive signals."""
+
+    def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
+        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        return [None] * len(self.drives())
+
+    def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
+        """Power [W] into the elements whose heat is known, in the mean."""
+        return 0.0
+
+    def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
+        """What is known of its energy in a state under drive signals; by default nothing."""
+        return Entries()
+
+    def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
+        """Places at which laws without rates act, of every element."""
+        return []
+
+    def rates(self, state: Any) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        return []
+
+
+class AbstractAssembly(AbstractSystem):
+    """Interface of a mechanism with actuators at its ports."""
+
+    mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
+
+    def drives(self) -> list[Drive]:
+        """One signal per actuator, then those of the mechanism."""
+        own = [
+            Drive(self.drive_at(port), one.source.unit, one.source.sets_temperature)
+            for port, one in self.actuators().items()
+        ]
+        return own + [Drive(name, unit, True) for name, unit in self.mechanism.signals().items()]
+
+    def of_mechanism(self) -> dict[str, Output]:
+        """What can be observed on the mechanism, with the signals that drive it."""
+        signals = self.mechanism.signals()
+        driven = {name: Output(unit, f"signal {name}", "u") for name, unit in signals.items()}
+        return self.mechanism.outputs() | driven
+
+    @abstractmethod
+    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
+        """Numbers in the order of `outputs`."""
+
+    def judged(self) -> dict[str, float]:
+        """Temperatures, fractions, and what the mechanism names."""
+        found: dict[str, float] = {}
+        for port in self.actuators():
+            found |= {self.label(port, name): least for name, least in JUDGED.items()}
+        return found | self.mechanism.judged()
+
+    def init(self, xp: Namespace, *drives: Scalar) -> State:
+        """The assembled system at rest, at ambient temperature."""
+        actuators, signals = self._actuators(), self._signals(drives)
+        forces = self.mechanism.first_forces(xp, signals)
+        rows = list(zip(actuators, forces, drives, strict=False))
+        states = [one.start(xp, force, drive) for one, force, drive in rows]
+        elongations = [
+            one.element.elongation(xp, state, force)
+            for (one, force, _), state in zip(rows, states, strict=True)
+        ]
+        elements = [one.element for one in actuators]
+        own = self.mechanism.init(xp, elements, elongations, signals)
+        return State(tuple(states), own)
+
+    def step(
+        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[State, Report]:
+        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
+        loads, signals = self._loads(state, drives), self._signals(drives)
+        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
+        return State(tuple(states), own), report
+
+    def exchanges(self) -> bool:
+        """Whether it is one element whose law gives rates, on a load line."""
+        return self.mechanism.static and self._actuators()[0].element.exchanges
+
+    def step_rosenbrock(
+        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
+    ) -> tuple[State, State, State]:
+        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        ((element, own, heating),) = self._loads(state, drives)
+        pull = self.mechanism.load_line(state.mechanism)
+        after, middle, coarse = (
+            State((one,), state.mechanism)
+            for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
+        )
+        return after, middle, coarse
+
+    def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
+        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        own = [one.element.heat_content(xp, element) for one, element in rows]
+        return own + [None] * len(self.mechanism.signals())
+
+    def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar:
+        """Power [W] into the elements whose heat is known, in the mean."""
+        given: Scalar = 0.0
+        for element, own, heating in self._loads(state, drives):
+            if _is_balanced(xp, element, own, heating):
+                seen = element.condition(xp, own, element.force(own), heating.environment)
+                given = given + heating.heat(xp, seen.resistance).mean
+        return given
+
+    def entries(self, xp: Namespace, state: State, *drives: Scalar) -> Entries:
+        """What is known of its energy in a state under drive signals."""
+        found, loads = Entries(), self._loads(state, drives)
+        self._enter_heat(xp, found, loads)
+        signals = self._signals(drives)
+        mechanics = self.mechanism.mechanics(xp, state.mechanism, loads, signals)
+        if mechanics is None:
+            name = self.mechanism.registered_name
+            found.unknown += (f"work: not balanced, since `{name}` does not say what it holds",)
+            return found
+        found.work = True
+        energy = mechanics.energy
+        found.held.update(zip(energy._fields, energy, strict=True))
+        self._enter_work(xp, found, loads, mechanics.ways)
+        found.efforts += [("dissipated", one) for one in mechanics.dissipated]
+        found.efforts += [("outside", one) for one in mechanics.outside]
+        return found
+
+    def _enter_heat(self, xp: Namespace, found: Entries, loads: Sequence[Load]) -> None:
+        """Heat that elements hold and lose, if all that are heated say it."""
+        fed = [load for load in loads if load.heating.temperature is None]
+        rows = [(load, load.element.stored_heat(xp, load.state)) for load in fed]
+        known = [(load, stored) for load, stored in rows if stored is not None]
+        found.heat = bool(fed) and len(known) == len(fed)
+        found.unknown += _say_unknown(rows) if loads else ()
+        if not found.heat:
+            return
+        found.held["sensible"] = total([stored.sensible for _, stored in known])
+        for (element, state, heating), stored in known:
+            found.efforts += [("latent", effort) for effort in stored.latent]
+            force, around = element.force(state), heating.environment
+            found.lost = found.lost + element.condition(xp, state, force, around).heat_loss
+
+    def _enter_work(
+        self, xp: Namespace, found: Entries, loads: Sequence[Load], ways: Column
+    ) -> None:
+        """Work of elements, and the elastic energy in them if all say it."""
+        elastic = [element.elastic_energy(xp, state) for element, state, _ in loads]
+        known = [one for one in elastic if one is not None]
+        if known and len(known) == len(loads):
+            found.held["elastic"] = total(known)
+        rows = zip(loads, ways, strict=True)
+        found.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
+
+    def points(self, xp: Namespace, state: State) -> list[list[Point]]:
+        """Places at which laws without rates act, of every element."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        return [one.element.points(xp, element) for one, element in rows]
+
+    def rates(self, state: State) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        rows = zip(self._actuators(), state.elements, strict=True)
+        return [rate for one, element in rows for rate in one.element.rates(element)]
+
+    def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured in a state under drive signals."""
+        loads, signals = self._loads(state, drives), self._signals(drives)
+        forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
+        rows = zip(self._actuators(), state.elements, forces, drives, strict=False)
+        seen = [one.seen(xp, element, force, drive) for one, element, force, drive in rows]
+        return self.arranged(seen, [*own, *signals])
+
+    def _actuators(self) -> list[Actuator]:
+        return list(self.actuators().values())
+
+    def _loads(self, state: State, drives: Sequence[Scalar | Feed]) -> list[Load]:
+        rows = zip(self._actuators(), state.elements, drives, strict=False)
+        return [one.load(element, drive) for one, element, drive in rows]
+
+    def _signals(self, drives: Sequence[Scalar | Feed]) -> Column:
+        """The drive signals of the mechanism itself, which are never fed."""
+        return [one for one in drives[len(self._actuators()) :] if not isinstance(one, Feed)]
+
+
+def _is_balanced(xp: Namespace, element: AbstractElement, state: Any, heating: Heating) -> bool:
+    """Whether the heat of an element is known, and not prescribed with its temperature."""
+    return heating.temperature is None and element.stored_heat(xp, state) is not None
+
+
+def _say_unknown(rows: Sequence[tuple[Load, StoredHeat | None]]) -> tuple[str, ...]:
+    """Why there is no ledger of the heat, if there is none."""
+    if not rows:
+        return ("heat: not balanced, since the temperature is prescribed",)
+    names = {load.element.registered_name for load, stored in rows if stored is None}
+    return tuple(
+        f"heat: not balanced, since `{name}` does not say what it holds" for name in sorted(names)
+    )

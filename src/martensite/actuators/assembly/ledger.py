@@ -1,0 +1,46 @@
+"""What is entered of the energy of a system in a state: the heat, and the mechanical energy.
+
+Two ledgers, since the heat balance of an element leaves mechanical work out:
+
+    heat    what drives put in = lost + change of (sensible + latent)
+    work    of the elements = change of (springs + gravity + kinetic + magnetic)
+                            + dissipated + given to the outside
+
+Some of it is a function of the state. The rest is the work of a force along a way, which whoever
+marches adds up, as it does the losses, which are a power.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from martensite.actuators.elements.base import Effort
+from martensite.kernels.namespace import Scalar
+
+HEAT = ("sensible", "latent")
+"""Accounts of the heat that elements hold."""
+HELD = ("elastic", "springs", "gravity", "kinetic", "magnetic")
+"""Accounts of mechanical energy that is held; the elastic one by the elements."""
+FLOWING = ("work", "dissipated", "outside")
+"""Accounts of work: of the elements, of what resists, and against the outside."""
+EXCHANGED = "exchanged"
+"""Account of what elements and outside gave and took, whichever way it went."""
+ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, EXCHANGED)
+
+
+@dataclass
+class Entries:
+    """What is known in a state; an account that is missing holds nothing."""
+
+    held: dict[str, Scalar] = field(default_factory=dict[str, Scalar])
+    """Energies [J] that are functions of the state, but for constants, by account."""
+    efforts: list[tuple[str, Effort]] = field(default_factory=list[tuple[str, Effort]])
+    """What works along a way, with its account."""
+    lost: Scalar = 0.0
+    """Power [W] that elements whose heat is known lose to the surroundings."""
+    heat: bool = False
+    """Whether there is a ledger of the heat."""
+    work: bool = False
+    """Whether there is one of the work."""
+    unknown: tuple[str, ...] = ()
+    """Why there is none, in sentences."""

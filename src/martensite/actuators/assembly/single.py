@@ -1,0 +1,59 @@
+"""A system of one element: what drives it, what surrounds it and what it pulls."""
+
+from __future__ import annotations
+
+from martensite.actuators.assembly.actuator import Actuator
+from martensite.actuators.assembly.base import AbstractAssembly, State
+from martensite.actuators.assembly.outputs import OUTPUTS, Outputs
+from martensite.actuators.mechanisms.base import Column, Output
+from martensite.base.errors import ParameterError
+from martensite.kernels.namespace import Scalar
+
+FIRST = 8
+"""Outputs of the element that come before those of the mechanism."""
+
+
+class System(Actuator, AbstractAssembly):
+    """An element, its environment, a source and a mechanism of one port."""
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the mechanism does not take one element."""
+        ports = self.mechanism.ports()
+        if len(ports) != 1:
+            raise ParameterError(
+                f"Mechanism `{self.mechanism.registered_name}` takes {len(ports)} elements "
+                f"({', '.join(ports) or 'none'}), but a `System` has one; use `Machine`."
+            )
+
+    def actuators(self) -> dict[str, Actuator]:
+        """Itself."""
+        return {self.mechanism.ports()[0]: self}
+
+    def label(self, port: str, name: str) -> str:
+        """The plain name: there is one actuator."""
+        return name
+
+    def drive_at(self, port: str) -> str:
+        """`drive`."""
+        return "drive"
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of the element, and after the force those of the mechanism."""
+        own = list(OUTPUTS.items())
+        found = dict(own[:FIRST]) | self.of_mechanism() | dict(own[FIRST:])
+        return found | {"drive": OUTPUTS["drive"]._replace(unit=self.source.unit)}
+
+    def described(self) -> str:
+        """Such as `wire (brinson) on bias-spring, driven by power`."""
+        element, load = self.element, self.mechanism.registered_name
+        names = f"{element.registered_name} ({element.law.registered_name})"
+        return f"{names} on {load}, driven by {self.source.registered_name}"
+
+    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
+        """Numbers in the order of `outputs`."""
+        (one,) = seen
+        return [*one[:FIRST], *mechanism, *one[FIRST:]]
+
+    def profile(self, state: State) -> list[Column]:  # type: ignore[override]
+        """What differs along the element; described in `PROFILES`."""
+        return list(self.element.profile(state.elements[0]))

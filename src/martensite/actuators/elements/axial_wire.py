@@ -1,0 +1,86 @@
+"""Axial wire: heat conducted along a wire, with a phase state and temperature per cell.
+
+    ρ c ∂T/∂t = ∂/∂y (k ∂T/∂y) + ρ λ ∂ξ/∂t - (4/d) h (T - T_a) + j²ρ_el
+    1/k = (1 - ξ)/k_A + ξ/k_M
+
+under one force, between clamps at ambient temperature that take G_c (T - T_a) each. `spans`
+says into how many equal lengths clamps divide the wire; half a span is cut into cells
+(finite volumes), narrower towards the clamp, and stands for all of them. Second order in the
+cells. The healing length √(k d/(4 h)) is how far a clamp is felt: some millimetres.
+
+Cell faces lie at y = ℓ (e^{γ s} - 1)/(e^γ - 1), s = 0, 1/N … 1 from the clamp to the middle.
+"""
+
+from __future__ import annotations
+
+from itertools import accumulate, pairwise
+
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.elements.cells import AbstractCells
+from martensite.actuators.elements.columns import Links
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.wire import Wire
+from martensite.base.parameters import option, param, part
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@ELEMENTS.register("axial-wire")
+class AxialWire(AbstractCells):
+    """A wire that is cooler near its clamps."""
+
+    thermal_conductivity: Scalar = param(
+        "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, typical="15 W/m/K"
+    )
+    conductivity_ratio: Scalar = param(
+        "1", "thermal conductivity of martensite over that of austenite",
+        above=0.0, high=100.0, default=1.0,
+    )  # fmt: skip
+    contact: Scalar = param(
+        "W/K",
+        "contact conductance between a clamp and the end of a span",
+        low=0.0,
+        high=1e9,
+        default=1e3,
+    )
+    spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
+    grading: Scalar = param(
+        "1", "how much narrower cells get towards a clamp (the exponent γ)",
+        above=0.0, high=15.0, default=4.0,
+    )  # fmt: skip
+    cells: str = option("cells per half span", "5", "10", "20", "40", "80", default="20")
+    wire: Wire = part("the wire that is cut", ELEMENTS)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless it is a plain wire that is cut."""
+        self.require_cells()
+
+    def copies(self) -> Scalar:
+        """Half spans."""
+        return 2.0 * self.spans
+
+    def lengths(self, xp: Namespace) -> Column:
+        """Lengths of the cells from the clamp to the middle of a span [m]."""
+        count = int(self.cells)
+        faces = [xp.exp(self.grading * (k / count)) for k in range(count + 1)]
+        scale = self.wire.length / (self.copies() * (faces[-1] - 1.0))
+        return [scale * (b - a) for a, b in pairwise(faces)]
+
+    def places(self) -> list[float]:
+        """Middles of the cells, from the clamp [m]."""
+        lengths = self.lengths(floats)
+        ends = [0.0, *accumulate(lengths)]
+        return [0.5 * (a + b) for a, b in pairwise(ends)]
+
+    def links(self, xp: Namespace, fractions: Column) -> Links:
+        """Conduction between cells, and through the first half cell to the clamp [W/K]."""
+        along = self.thermal_conductivity * self.wire.section()
+        less = 1.0 / self.conductivity_ratio - 1.0
+        halves = [
+            0.5 * length * (1.0 + less * x) / along
+            for length, x in zip(self.lengths(xp), fractions, strict=True)
+        ]  # thermal resistance [K/W]
+        clamp = self.contact / (1.0 + self.contact * halves[0])
+        return Links(
+            [1.0 / (a + b) for a, b in pairwise(halves)], [clamp] + [0.0] * (len(halves) - 1)
+        )

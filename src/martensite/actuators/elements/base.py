@@ -1,0 +1,268 @@
+"""What every element answers to the system that couples it.
+
+An element advances through a step on its own, given what heats it and the force that the
+mechanism puts on a spring of its kind: at frozen phase fractions and temperature an element is
+a spring, and its tangent
+
+    elongation = free + compliance · force
+
+is all a mechanism ever sees of it, whatever the law, the shape or the number of cells.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+from martensite.actuators.elements.limits import Limits
+from martensite.base.errors import ParameterError
+from martensite.base.interfaces import make_missing_error
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import AbstractSource, Heat
+from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.coupling import Report
+from martensite.physics.thermal.base import Environment
+from martensite.signals.moments import Moments
+
+ELEMENTS: Registry[AbstractElement] = Registry(
+    "element", "martensite.actuators.elements", typical="wire"
+)
+
+
+class Spring(NamedTuple):
+    """Elongation = free + compliance · force, from the length at zero strain."""
+
+    free: Scalar
+    """Elongation at zero force [m]."""
+    compliance: Scalar
+    """Elongation per force [m/N]."""
+
+
+class Effort(NamedTuple):
+    """What works along a way: ∫ force d(way) is an energy [J]."""
+
+    force: Scalar
+    """[N], [N m], [V], or heat [J]."""
+    way: Scalar
+    """[m], [rad], [A s], or a fraction."""
+
+
+class StoredHeat(NamedTuple):
+    """The heat that an element holds."""
+
+    sensible: Scalar
+    """[J], but for a constant."""
+    latent: tuple[Effort, ...]
+    """What a forward transformation takes out of it: heat [J] along the martensite fraction, less
+    than 0, for every part of the element."""
+
+
+Pull = Callable[[Namespace, Spring], Scalar]
+"""Force [N] at which a spring and the mechanism fit."""
+
+
+@dataclass(frozen=True)
+class Heating:
+    """What heats and cools an element during a step."""
+
+    environment: Environment
+    source: AbstractSource
+    drive: Scalar | Moments
+    """Signal of the source, in its unit: one that is constant, or what it brings in the step."""
+    owed: Scalar = 0.0
+    """Heat that the step before should have brought as well [J]."""
+
+    def heat(self, xp: Namespace, resistance: Scalar) -> Heat:
+        """Power [W] in a resistance [ohm]."""
+        if isinstance(self.drive, Moments):
+            return self.source.heat(xp, self.drive, resistance)
+        current = self.source.current(xp, self.drive, resistance)
+        power = current * current * resistance
+        return Heat(power, 0.0, power)
+
+    def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
+        """Temperature [K] that is left out by what heats on the average of a step of dt [s]."""
+        if not isinstance(self.drive, Moments):
+            return 0.0
+        heat = self.heat(xp, resistance)
+        return (heat.doubt * dt + heat.peak * self.drive.lapse) / capacity
+
+    @property
+    def temperature(self) -> Scalar | None:
+        """Temperature imposed on the element [K]; None if the heat balance decides."""
+        if not self.source.sets_temperature:
+            return None
+        return self.drive.mean if isinstance(self.drive, Moments) else self.drive
+
+
+class Condition(NamedTuple):
+    """What can be measured on an element in a state."""
+
+    temperature: Scalar
+    """Mean [K]."""
+    hottest: Scalar
+    """Highest anywhere in the element [K]."""
+    martensite_fraction: Scalar
+    oriented_fraction: Scalar
+    stress: Scalar
+    """[Pa]"""
+    strain: Scalar
+    resistance: Scalar
+    """[ohm]"""
+    heat_loss: Scalar
+    """[W]"""
+
+
+class Profile(NamedTuple):
+    """What differs along or across an element, one number per cell."""
+
+    cell_temperature: Sequence[Scalar]
+    """[K]"""
+    cell_fraction: Sequence[Scalar]
+    """Martensite fraction."""
+
+
+class Point(NamedTuple):
+    """What decides on the phase state at a place in an element, and that state."""
+
+    temperature: Scalar
+    """[K]"""
+    stress: Scalar
+    """[Pa]"""
+    martensite_fraction: Scalar
+    oriented_fraction: Scalar
+    kinks: tuple[Scalar, ...]
+    """Of the law, see `AbstractLaw.kinks`."""
+
+
+class AbstractElement(Parametrised):
+    """Interface of an element: its `law`, its safety `limits`, and a state of its own making."""
+
+    straight: ClassVar[bool] = True
+    """False if its strain is not that of a straight wire, which tears."""
+    passes: ClassVar[int] = 1
+    """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
+
+    law: AbstractLaw = NotImplemented
+    """The stress–strain–temperature law."""
+    limits: Limits = NotImplemented
+    """What a run warns about."""
+
+    @abstractmethod
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
+        """The state at the start, under `force` [N] and at `temperature` [K]."""
+
+    @abstractmethod
+    def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
+        """The element as a spring in a state, near a force [N]."""
+
+    @abstractmethod
+    def advance(
+        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Any, Report]:
+        """The state after a step of dt [s], and how well the step was solved."""
+
+    @property
+    def exchanges(self) -> bool:
+        """True if it offers `advance_rosenbrock`, for a law that gives rates."""
+        return False
+
+    def advance_rosenbrock(
+        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Any, Any, Any]:
+        """States after a step of dt [s], in its middle, and after it to a lower order."""
+        raise make_missing_error(type(self), ["advance_rosenbrock"])
+
+    def warm_start(self, state: Any, found: Any) -> Any:
+        """The state, with what `found`, where a step from it ended before, tells its solve."""
+        return state
+
+    def rates(self, state: Any) -> list[Scalar]:
+        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        return []
+
+    @abstractmethod
+    def force(self, state: Any) -> Scalar:
+        """Force at the end of the last step [N]."""
+
+    def in_state(
+        self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Any:
+        """A state put elsewhere, as an observer corrects it, under a force [N].
+
+        Raises:
+            ParameterError: the element has no single phase state and temperature [K].
+        """
+        raise ParameterError(
+            f"Element `{self.registered_name}` is not the same all over: it cannot be put into "
+            f"one phase state; use a lumped one, such as `wire`."
+        )
+
+    def elongation(self, xp: Namespace, state: Any, force: Scalar) -> Scalar:
+        """Elongation [m] in a state under a force [N]."""
+        spring = self.tangent(xp, state, force)
+        return spring.free + spring.compliance * force
+
+    @abstractmethod
+    def condition(
+        self, xp: Namespace, state: Any, force: Scalar, environment: Environment
+    ) -> Condition:
+        """Everything that can be measured on the element under a force [N]."""
+
+    def profile(self, state: Any) -> Profile:
+        """Temperature and martensite fraction along the element; nothing where it has no along."""
+        return Profile((), ())
+
+    def places(self) -> list[float]:
+        """Where the points of the profile lie [m]."""
+        return []
+
+    def points(self, xp: Namespace, state: Any) -> list[Point]:
+        """Places of about equal weight; none where a law of rates acts, which knows no turn."""
+        return []
+
+    def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Heat [J] that it holds, but for a constant; None if that is no function of its state."""
+        return None
+
+    def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat | None:
+        """The heat that it holds, whatever its latent heat depends on; None if it does not say."""
+        return None
+
+    def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Energy [J] that unloading at frozen fractions and temperature would give back.
+
+        None if the element does not say.
+        """
+        return None
+
+    @abstractmethod
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity without transformation [J/K]."""
+
+    @abstractmethod
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Heat flow to the environment [W] of an element that is equally hot everywhere."""
+
+
+def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[Point]:
+    """Points from the memories of a law; none if it has rates."""
+    if law.rate_dependent:
+        return []
+    return [
+        Point(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m))) for m in memories
+    ]
+
+
+def fitted(
+    xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar,
+    passes: int,
+) -> Scalar:  # fmt: skip
+    """Force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
+    for _ in range(passes):
+        force = pull(xp, tangent(xp, force))
+    return force

@@ -1,0 +1,153 @@
+"""Elements of many cells, each with its own phase state and temperature."""
+
+from __future__ import annotations
+
+from martensite.actuators.elements.base import (
+    Condition,
+    Effort,
+    Heating,
+    Point,
+    Profile,
+    Pull,
+    Spring,
+    StoredHeat,
+    points_of,
+)
+from martensite.actuators.elements.columns import Cells
+from martensite.actuators.elements.cut import AbstractCut
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.sweeps import Step
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten, largest, total
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import Report
+from martensite.physics.thermal.base import Environment
+
+SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
+"""Sweeps of a step; where they do not settle it, sweeps that take half of every change, for where
+all cells cross a kink together sweeps go to and fro over it; and the last ones."""
+SETTLED = 1e-11
+"""Change of a fraction in a sweep [-] that is none."""
+
+
+class AbstractCells(AbstractCut):
+    """Cells that share force and current, with heat between neighbours."""
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
+        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        memory = self.wire.init(xp, force, temperature).memory
+        return Cells((memory,) * len(self.lengths(xp)), force)
+
+    def force(self, state: Cells) -> Scalar:
+        """Force at the end of the last step [N]."""
+        return state.force
+
+    def tangent(self, xp: Namespace, state: Cells, force: Scalar) -> Spring:
+        """All cells as one spring, near a force [N]."""
+        return self.linkage().whole(xp, *self.springs(xp, *self._columns(state)), force)
+
+    def profile(self, state: Cells) -> Profile:
+        """Temperature and martensite fraction of every cell."""
+        m, _, temperatures = self._columns(state)
+        return Profile(temperatures, m)
+
+    def points(self, xp: Namespace, state: Cells) -> list[Point]:
+        """Every cell, unless the law has rates."""
+        return points_of(xp, self.law, state.memories)
+
+    def _columns(self, state: Cells) -> tuple[Column, Column, Column]:
+        """Both fractions and the temperature [K] of every cell."""
+        fractions = [self.law.fractions(memory) for memory in state.memories]
+        m, o = [f.martensite for f in fractions], [f.oriented for f in fractions]
+        return m, o, [memory.temperature for memory in state.memories]
+
+    def advance(
+        self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Cells, Report]:  # fmt: skip
+        """The state after a step of dt [s], and how well the step was solved."""
+        step = Step(self, state, heating, pull, dt)
+        start = step.start(xp)
+        guess = step.unmoved(start)
+        shape = Shape(guess)
+
+        def turn(_: Scalar, turned: Scalar, *numbers: Scalar) -> list[Scalar]:
+            before = shape.rebuild(numbers)
+            after = step.sweep(xp, start, before)
+            pairs = zip(after.martensite, before.martensite, strict=True)
+            moved = largest(xp, [xp.abs(a - b) for a, b in pairs])
+            halved = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
+            share = xp.where(halved, 0.5, 1.0)
+            now = [b + share * (a - b) for a, b in zip(flatten(after), numbers, strict=True)]
+            return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, *now]
+
+        most = SWEEPS + HALF_SWEEPS + LAST_SWEEPS
+        _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten(guess))
+        return step.end(xp, start, shape.rebuild(numbers))
+
+    def condition(
+        self, xp: Namespace, state: Cells, force: Scalar, environment: Environment
+    ) -> Condition:
+        """Everything that can be measured on the element under a force [N]."""
+        lengths, (m, o, temperatures) = self.lengths(xp), self._columns(state)
+        free, soft = self.springs(xp, m, o, temperatures)
+        carried = self.carried(xp, free, soft, force)
+        stresses = [self.wire.stress(xp, each) for each in carried]
+
+        def one(
+            length: Scalar, m: Scalar, o: Scalar, at: Scalar, stress: Scalar, share: Scalar
+        ) -> tuple[Scalar, ...]:
+            cell, strain = self.cell(length), self.law.strain(xp, Fractions(m, o), stress, at)
+            ohms = cell.ohms(xp, m, strain, at)
+            return cell.heat_loss(xp, at, environment), share * ohms
+
+        columns = lengths, m, o, temperatures, stresses, self.shares(xp)
+        losses, ohms = xp.each(one, *columns)
+        outside = self.links(xp, m).outside
+        ambient = environment.temperature
+        drained = [g * (t - ambient) for g, t in zip(outside, temperatures, strict=True)]
+        per_length = 1.0 / total(lengths)
+
+        def mean(column: Column) -> Scalar:
+            return per_length * total([w * v for w, v in zip(lengths, column, strict=True)])
+
+        return Condition(
+            temperature=mean(temperatures),
+            hottest=largest(xp, temperatures),
+            martensite_fraction=mean(m),
+            oriented_fraction=mean(o),
+            stress=largest(xp, stresses),
+            strain=self.elongation(xp, state, force) * (1.0 / self.wire.length),
+            resistance=self.copies() * total(ohms),
+            heat_loss=self.copies() * (total(losses) + total(drained)),
+        )
+
+    def stored_heat(self, xp: Namespace, state: Cells) -> StoredHeat:
+        """C T of all cells, and λ along the martensite fraction of each."""
+        fractions, _, temperatures = self._columns(state)
+
+        def one(length: Scalar, at: Scalar, stress: Scalar) -> tuple[Scalar, Scalar]:
+            cell = self.cell(length)
+            held = cell.heat_capacity_total() * at
+            return held, -cell.latent_heat_total(xp, stress, at)
+
+        stresses = [memory.stress for memory in state.memories]
+        held, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
+        efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
+        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+            efforts = [Effort(1.0, total([h * x for h, x in efforts]))]
+        return StoredHeat(self.copies() * total(held), tuple(efforts))
+
+    def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
+        """½ compliance · force² of all cells [J]."""
+        free, soft = self.springs(xp, *self._columns(state))
+        carried = self.carried(xp, free, soft, state.force)
+        rows = zip(soft, carried, strict=True)
+        return self.copies() * total([0.5 * c * each * each for c, each in rows])
+
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity without transformation [J/K]."""
+        return self.wire.heat_capacity_total()
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Heat flow through the surface [W] if all cells are equally hot."""
+        return self.wire.heat_loss(xp, temperature, environment)

@@ -1,0 +1,254 @@
+r"""Close-coiled helical spring: torsion of the wire as an equivalent axial problem.
+
+With wire diameter d, mean coil diameter D, N turns, elongation y and force F
+
+    τ = 8 F D/(π d³),   γ = d y/(π N D²),   σ = √3 τ,   γ = √3 ε,   F y = τ γ Vol/2
+
+so a law in σ and ε, with G = E/3, makes the spring
+
+    F = [G(ξ) d⁴/(8 N D³)] (y - y_tr),      y_tr = π N D² √3 ε_tr/d.
+
+With law `liang-rogers`, `modulus = "mixture"` and `transformation = "stress"` this is the
+published F = G(ξ) d⁴ y/(8 N D³) + π d³ Ω ξ/(8 √3 D), where Ω = -ε_L E_M.
+
+Elongation is counted from the unloaded austenite coil of length `free_length`. The stress is
+the equivalent one at the surface of the wire; one state stands for the whole section. A coil
+can get no shorter than N d: turns that touch carry what presses them, with a stiffness of
+`contact` spring rates. At `deflection = "large"` the wire is a Kirchhoff rod
+(`martensite.actuators.elements.helix`), which stiffens as it is drawn out; force and stress keep
+the
+relation of the unloaded coil. A `stress_factor` multiplies the stress alone: the law is then
+driven, and the limit met, by the inner fibre; without one by the mean of the surface, as published.
+
+Sign convention: tension and elongation positive. Θ of the law counts as a shear, which no free
+expansion makes: leave it zero. Source: Liang and Rogers (1990) as restated, with its equation
+for the spring, by Ranjith Pillai et al. (2018).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import ClassVar, NamedTuple
+
+from martensite.actuators.elements import coil_theory, helix
+from martensite.actuators.elements.base import ELEMENTS, Spring
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.actuators.elements.round_wire import AbstractRoundWire
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.base import Fractions
+
+ROOT3 = math.sqrt(3.0)
+STEEPEST = math.radians(10.0)
+"""Pitch angle above which the theory of flat coils is cautioned against."""
+
+
+def _one(index: Scalar) -> Scalar:
+    """No correction."""
+    return 1.0
+
+
+STRESS_FACTORS: dict[str, Callable[[Scalar], Scalar]] = {
+    "none": _one,
+    "bergstraesser": coil_theory.bergstraesser,
+    "wahl": coil_theory.wahl,
+    "exact": coil_theory.exact_stress,
+}
+STIFFNESS_FACTORS: dict[str, Callable[[Scalar], Scalar]] = {
+    "none": _one,
+    "ancker-goodier": coil_theory.ancker_goodier,
+    "exact": coil_theory.exact_stiffness,
+}
+
+
+class Coil(NamedTuple):
+    """A coil at a force, contact left out."""
+
+    open: Spring
+    """Its tangent."""
+    touch: Scalar
+    """Force at which the turns touch [N]."""
+    compliance: Scalar
+    """Its compliance there [m/N]."""
+
+
+def _drawn(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:
+    """The turns of a rod that is drawn out; `solid` is the length at which they touch [m]."""
+    at, touching = helix.at_force(xp, rod, force), helix.at_length(xp, rod, solid)
+    free = at.length - rod.length * rod.sine - at.compliance * at.force
+    return Coil(Spring(free, at.compliance), touching.force, touching.compliance)
+
+
+@ELEMENTS.register("coil-spring")
+class CoilSpring(AbstractRoundWire, AbstractLumped):
+    """A helical extension spring of round wire that transforms uniformly."""
+
+    cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")
+    passes: ClassVar[int] = 3
+    straight: ClassVar[bool] = False
+
+    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
+    coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
+    coil_measure: str = option(
+        "where the coil diameter is measured: between centres of the wire, or over all",
+        "mean", "outer",
+    )  # fmt: skip
+    turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
+    free_length: Scalar = param(
+        "m",
+        "length of the active turns as unloaded austenite, at least N d",
+        above=0.0,
+        high=1e3,
+        typical="10 mm",
+    )
+    deflection: str = option(
+        "theory of the coil: flat turns, or a rod that is drawn out", "small", "large",
+        default="small",
+    )  # fmt: skip
+    poisson: Scalar = param(
+        "1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33
+    )
+    stress_factor: str = option(
+        "what curvature adds to the stress that drives the law and is compared with its limit",
+        *STRESS_FACTORS, default="none",
+    )  # fmt: skip
+    stiffness_factor: str = option(
+        "what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none"
+    )
+    contact: Scalar = param(
+        "1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the coil cannot be wound, or the law not hold its state."""
+        super().check()
+        self._check_index()
+        solid, steep = self.solid_length(), self.circumference() * self.turns
+        if not solid * (1.0 - 1e-9) <= self.free_length <= steep:
+            raise ParameterError(
+                f"Parameter `free_length` of `coil-spring` must be at least the solid length N d = "
+                f"{1e3 * solid:.6g} mm and at most pi N D = {1e3 * steep:.6g} mm (45 deg of "
+                f"pitch), but is {1e3 * self.free_length:.6g} mm."
+            )
+
+    def _check_index(self) -> None:
+        exact = "exact" in (self.stress_factor, self.stiffness_factor)
+        least, words = (coil_theory.LEAST_INDEX, "at least 3") if exact else (1.0, "above 1")
+        if self.mean_diameter() <= self.diameter or self.index() < least:
+            raise ParameterError(
+                f"The spring index D/d of `coil-spring`, from `coil_diameter` and `diameter`, "
+                f"must be {words} with these options, but is {self.index():.4g}."
+            )
+
+    def cautions(self) -> list[str]:
+        """Coils too steep for the theory of flat ones."""
+        pitch = math.atan(self.free_length / (self.circumference() * self.turns))
+        if self.deflection == "large" or pitch <= STEEPEST:
+            return []
+        return [f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
+
+    # ---------------------------------------------------------------- geometry
+
+    def mean_diameter(self) -> Scalar:
+        """Between centres of the wire [m]."""
+        outer = self.coil_measure == "outer"
+        return self.coil_diameter - self.diameter if outer else self.coil_diameter
+
+    def circumference(self) -> Scalar:
+        """π D [m]."""
+        return math.pi * self.mean_diameter()
+
+    def index(self) -> Scalar:
+        """Spring index D/d [-]."""
+        return coil_theory.spring_index(self.diameter, self.mean_diameter())
+
+    def solid_length(self) -> Scalar:
+        """N d [m]: that of turns which touch."""
+        return self.turns * self.diameter
+
+    def wire_length(self) -> Scalar:
+        """Length of the wire [m]: π N D of flat turns, √[(π N D)² + L_A²] of a helix."""
+        flat = self.circumference() * self.turns
+        if self.deflection == "small":
+            return flat
+        return flat * helix.secant(self.free_length / flat)
+
+    def reach(self) -> Scalar:
+        """Elongation per equivalent strain [m]; √3 π N D²/d of flat turns."""
+        length = self.wire_length()
+        return length * length * (ROOT3 / (math.pi * self.turns * self.diameter))
+
+    # ---------------------------------------------------------------- spring
+
+    def spring(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Spring:
+        """Tangent at `force` [N] with frozen fractions and temperature [K]."""
+        strain = self.law.free_strain(xp, fractions, temperature)
+        compliance = self.law.compliance(xp, fractions) / self._stiffening()
+        if self.deflection == "large":
+            coil = _drawn(xp, self._rod(strain, compliance), self.solid_length(), force)
+        else:
+            coil = self._flat(strain, compliance)
+        closed = coil.compliance / (1.0 + self.contact)
+        solid = self.solid_length() - self.free_length - closed * coil.touch
+        shut = force < coil.touch
+        return Spring(
+            xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance)
+        )
+
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar:
+        """Elastic energy [J] under a force [N], of the wire and of turns that touch."""
+        strain = self.law.free_strain(xp, fractions, temperature)
+        compliance = self.law.compliance(xp, fractions) / self._stiffening()
+        if self.deflection == "large":
+            rod = self._rod(strain, compliance)
+            coil = _drawn(xp, rod, self.solid_length(), force)
+            drawn = helix.at_force(xp, rod, xp.maximum(force, coil.touch)).length
+            wire = helix.find_elastic_energy(xp, rod, drawn)
+        else:
+            coil = self._flat(strain, compliance)
+            drawing = xp.maximum(force, coil.touch)
+            wire = 0.5 * coil.compliance * drawing * drawing
+        pressed = xp.minimum(force - coil.touch, 0.0)
+        closed = coil.compliance / (1.0 + self.contact)
+        return wire + closed * pressed * (coil.touch + 0.5 * pressed)
+
+    def _flat(self, strain: Scalar, compliance: Scalar) -> Coil:
+        """Flat turns: linear, at a transformation strain [-] and a compliance [1/Pa]."""
+        free, per_force = strain * self.reach(), compliance * self.reach() * self._leverage()
+        touch = (self.solid_length() - self.free_length - free) / per_force
+        return Coil(Spring(free, per_force), touch, per_force)
+
+    def _rod(self, strain: Scalar, compliance: Scalar) -> helix.Helix:
+        """The wire with a transformation strain [-] and a compliance 1/(3 G) [1/Pa]."""
+        square = self.diameter * self.diameter
+        return helix.Helix(
+            length=self.wire_length(),
+            angle=2.0 * math.pi * self.turns / self.wire_length(),
+            sine=self.free_length / self.wire_length(),
+            bending=(1.0 + self.poisson) * (math.pi / 96.0) * square * square / compliance,
+            poisson=self.poisson,
+            twist=(2.0 * ROOT3) * strain / self.diameter,
+        )
+
+    def _stiffening(self) -> Scalar:
+        """Factor of curvature on the spring rate [-]."""
+        return STIFFNESS_FACTORS[self.stiffness_factor](self.index())
+
+    def _leverage(self) -> Scalar:
+        """√3 τ per force, without curvature [Pa/N]."""
+        return ROOT3 * coil_theory.shear_stress(1.0, self.diameter, self.mean_diameter())
+
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Equivalent stress √3 τ [Pa] at the surface of the wire, with the factor chosen."""
+        factor = STRESS_FACTORS[self.stress_factor](self.index())
+        return force * (self._leverage() * factor)
+
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Equivalent strain γ/√3 [-] at the surface of the wire."""
+        return elongation / self.reach()

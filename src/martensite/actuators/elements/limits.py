@@ -1,0 +1,38 @@
+"""Limits of an element: what a run warns about, and what it never leaves."""
+
+from __future__ import annotations
+
+from martensite.base.parameters import Parametrised, param
+from martensite.kernels.namespace import Scalar
+
+MELTING = 1583.15
+"""Temperature [K] at which NiTi melts (1310 degC, binary alloys of 50 at. %)."""
+STRONGEST = 3e9
+"""Stress [Pa] that no NiTi wire has ever borne."""
+LONGEST = 0.2
+"""Strain [-] of a straight wire beyond which it has torn, or no law here describes it."""
+
+
+class Limits(Parametrised):
+    """Limits beyond which a run warns, infinite where nothing is known, and at which it stops."""
+
+    temperature_limit: Scalar = param(
+        "K", "highest temperature without damage", above=0.0, default=float("inf")
+    )
+    stress_limit: Scalar = param(
+        "Pa", "highest stress for long life", above=0.0, default=float("inf")
+    )
+    strain_limit: Scalar = param(
+        "1", "largest strain amplitude for long life", above=0.0, default=float("inf")
+    )
+    temperature_stop: Scalar = param(
+        "K", "temperature at which a run stops; at most where NiTi melts", above=0.0, high=MELTING,
+        default=MELTING,
+    )  # fmt: skip
+    stress_stop: Scalar = param(
+        "Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST
+    )
+    strain_stop: Scalar = param(
+        "1", "strain of a straight wire at which a run stops", above=0.0, high=LONGEST,
+        default=LONGEST,
+    )  # fmt: skip

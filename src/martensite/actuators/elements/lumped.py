@@ -1,0 +1,343 @@
+"""Elements with one phase state and one temperature.
+
+Given the phase fractions at the end of a step, everything else follows in closed form:
+
+    T    heat balance, linearised at the start of the step, with latent heat
+    F    balance of the element (a spring at these fractions and T) with the mechanism
+
+so the coupled step is the search for the fractions that the law answers with themselves
+(`laws.coupling`). Second order in the step: power, resistance and latent heat count as they are
+in its middle, to first order, and a wire that only relaxes does so by
+
+    ΔT = [Δt (P - Q) + Δt² P' (½ coth(z/2) - 1/z)]/(C g),   g = z/(1 - exp(-z)),   z = Δt Q'/C,
+
+so that a rest is one step, and a power that rises or falls is no error. An element that is not
+linear in force is linearised at the force before, and again at the one found.
+
+Under a law of rates the whole system is one of ordinary differential equations, which a march with
+an error control takes by a method of higher order (`laws.rosenbrock`).
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, cast
+
+from martensite.actuators.elements.base import (
+    AbstractElement,
+    Condition,
+    Effort,
+    Heating,
+    Point,
+    Pull,
+    Spring,
+    StoredHeat,
+    fitted,
+    points_of,
+)
+from martensite.kernels.dual import jacobian, value_and_slope
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.exchange import AbstractExchange
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import Report, advance
+from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.thermal.base import Environment
+
+Column = Sequence[Scalar]
+Loaded = Callable[[Namespace, Fractions, Scalar], Scalar]
+"""Force [N] on the load line, at phase fractions and a temperature [K]."""
+
+
+class Lumped(NamedTuple):
+    """State of a lumped element."""
+
+    memory: Any
+    """Of the law."""
+    force: Scalar
+    """[N]"""
+    rate: Scalar
+    """Of the martensite fraction in the last step [1/s]: where the next solve begins to look."""
+
+
+class HeatLine(NamedTuple):
+    """Heat balance of a step, linearised at its start: temperature as a function of fractions."""
+
+    fractions: Fractions
+    """At the start."""
+    start: Scalar
+    """Temperature at the start [K]."""
+    share: Scalar
+    """Temperature per heat [K/J]."""
+    heat: Scalar
+    """What comes in and stays if nothing transforms [J]."""
+    by_martensite: Scalar
+    """More of it per martensite [J]: latent heat, and what another resistance takes up."""
+    by_oriented: Scalar
+    bend_martensite: Scalar
+    """Change of the latent heat along the step, per martensite, oriented fraction and kelvin."""
+    bend_oriented: Scalar
+    bend_temperature: Scalar
+    ripple: Scalar
+    """[K]"""
+
+    def temperature(self, end: Fractions) -> Scalar:
+        """Temperature at the end of the step [K]."""
+        m, o = (a - b for a, b in zip(end, self.fractions, strict=True))
+        heat = self.heat + self.by_martensite * m + self.by_oriented * o
+        bend = self.bend_martensite * m + self.bend_oriented * o
+        bend = bend + self.bend_temperature * (self.share * heat)
+        return self.start + self.share * (heat + bend * m)
+
+
+def relaxation(xp: Namespace, z: Scalar) -> Scalar:
+    """z/(1 - exp(-z)) by its Padé approximant: a step as long as one likes ends at rest."""
+    slow = (1.0 + z * (2.0 / 3.0 + z * (1.0 / 6.0))) / (1.0 + xp.maximum(z, 0.0) * (1.0 / 6.0))
+    return xp.where(z > 0.0, slow, xp.maximum(1.0 + 0.5 * z, 0.1))
+
+
+def lateness(xp: Namespace, z: Scalar) -> Scalar:
+    """½ coth(z/2) - 1/z: a rising power counts more, since less of what comes late is lost."""
+    later = xp.maximum(z, 0.0)
+    return z / (12.0 + 2.0 * later * later / (10.0 + later))
+
+
+class AbstractLumped(AbstractElement):
+    """An element that is the same all over; a subclass answers for its shape."""
+
+    @abstractmethod
+    def initial_fractions(self) -> Fractions:
+        """Phase state at the start."""
+
+    @abstractmethod
+    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+
+    @abstractmethod
+    def spring(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Spring:
+        """Tangent at `force` [N] with frozen fractions and temperature [K]."""
+
+    @abstractmethod
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Stress [Pa] that drives the law, from the force [N]."""
+
+    @abstractmethod
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Strain [-] of the law, from the elongation [m]."""
+
+    @abstractmethod
+    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Resistance [ohm]."""
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
+        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        stress = self.stress(xp, force)
+        memory = self.law.init(xp, self.initial_fractions(), stress, temperature)
+        return Lumped(memory, force, 0.0)
+
+    def force(self, state: Lumped) -> Scalar:
+        """Force at the end of the last step [N]."""
+        return state.force
+
+    def in_state(
+        self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar,
+        force: Scalar,
+    ) -> Lumped:  # fmt: skip
+        """A state put elsewhere, with its history, under a force [N]."""
+        stress = self.stress(xp, force)
+        moved = self.law.moved(xp, state.memory, fractions, stress, temperature)
+        return Lumped(moved, force, state.rate)
+
+    def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
+        """The element as a spring in a state, near a force [N]."""
+        fractions = self.law.fractions(state.memory)
+        return self.spring(xp, fractions, state.memory.temperature, force)
+
+    def advance(
+        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Lumped, Report]:
+        """The state after a step of dt [s], and how well the step was solved."""
+
+        def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+            def near(xp: Namespace, force: Scalar) -> Spring:
+                return self.spring(xp, fractions, temperature, force)
+
+            return fitted(xp, near, pull, state.force, self.passes)
+
+        line = self._heat_line(xp, state, heating, loaded, dt)
+        imposed = heating.temperature
+
+        def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
+            temperature = line.temperature(fractions) if imposed is None else imposed
+            return self.stress(xp, loaded(xp, fractions, temperature)), temperature
+
+        memory, report = advance(xp, self.law, state.memory, settle, dt, state.rate * dt)
+        end = self.law.fractions(memory)
+        force = loaded(xp, end, memory.temperature)
+        moves = dt > 0.0
+        change = end.martensite - line.fractions.martensite
+        rate = xp.detach(xp.where(moves, change / xp.where(moves, dt, 1.0), state.rate))
+        return Lumped(memory, force, rate), report._replace(ripple=line.ripple)
+
+    @property
+    def exchanges(self) -> bool:
+        """True if the law is an exchange of layers."""
+        return isinstance(self.law, AbstractExchange)
+
+    def advance_rosenbrock(
+        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Lumped, Lumped, Lumped]:
+        """States after a step of dt [s], in its middle, and after it to a lower order.
+
+        What is owed is not asked for. The law must be an exchange of layers.
+        """
+        law = cast(AbstractExchange, self.law)
+        start, imposed = state.memory.temperature, heating.temperature
+
+        def loaded(xp: Namespace, at: Column) -> Scalar:
+            def near(xp: Namespace, force: Scalar) -> Spring:
+                return self.spring(xp, Fractions(at[0], at[1]), at[2], force)
+
+            return fitted(xp, near, pull, state.force, self.passes)
+
+        def stress(xp: Namespace, at: Column) -> Scalar:
+            return self.stress(xp, loaded(xp, at))
+
+        def power(xp: Namespace, at: Column) -> Column:
+            if imposed is not None:
+                return [self.heat_capacity_total() * (imposed - start) / dt, 0.0]
+            fractions, force = Fractions(at[0], at[1]), loaded(xp, at)
+            strain = self._strain_under(xp, fractions, at[2], force)
+            heat = heating.heat(xp, self.ohms(xp, at[0], strain, at[2]))
+            return [heat.mean - self.heat_loss(xp, at[2], heating.environment), heat.slope]
+
+        def latent(xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+            free = imposed is None
+            return self.latent_heat_total(xp, stress, temperature) if free else 0.0
+
+        def lumped(memory: Any) -> Lumped:
+            force = loaded(xp, [*law.fractions(memory), memory.temperature])
+            return Lumped(memory, force, state.rate)
+
+        coupling = Coupling(stress, power, latent, self.heat_capacity_total())
+        after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
+        return lumped(after), lumped(middle), lumped(coarse)
+
+    def rates(self, state: Lumped) -> list[Scalar]:
+        """That of the martensite fraction."""
+        return [state.rate]
+
+    def warm_start(self, state: Lumped, found: Lumped) -> Lumped:
+        """The state, from which a step begins to look where it ended before."""
+        return state._replace(rate=found.rate)
+
+    def _heat_line(
+        self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar
+    ) -> HeatLine:
+        """T at the end of the step as a function of the fractions there."""
+        law, memory = self.law, state.memory
+        start, stress = memory.temperature, memory.stress
+        fractions = law.fractions(memory)
+        strain = self._strain_under(xp, fractions, start, state.force)
+
+        def loss(xp: Namespace, temperature: Scalar) -> Scalar:
+            return self.heat_loss(xp, temperature, heating.environment)
+
+        def power(xp: Namespace, at: Column) -> Column:
+            heat = heating.heat(xp, self.ohms(xp, *at))
+            return [heat.mean, heat.slope]
+
+        def reached(xp: Namespace, at: Column) -> Column:
+            """Strain and stress on the load line."""
+            there = Fractions(at[0], at[1])
+            force = loaded(xp, there, at[2])
+            return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
+
+        def latent(xp: Namespace, at: Column) -> Column:
+            return [self.latent_heat_total(xp, *at)]
+
+        lost, slope = value_and_slope(xp, loss, start)
+        (given, change), (by_point, _) = jacobian(xp, power, [fractions.martensite, strain, start])
+        _, (by_strain, by_stress) = jacobian(xp, reached, [*fractions, start])
+        (heat,), (by_state,) = jacobian(xp, latent, [stress, start])
+        capacity = self.heat_capacity_total()
+        less = slope - by_point[2] - by_point[1] * by_strain[2]
+        ohms = self.ohms(xp, fractions.martensite, strain, start)
+        z = dt * less / capacity
+        return HeatLine(
+            fractions=fractions,
+            start=start,
+            share=1.0 / (capacity * relaxation(xp, z)),
+            heat=dt * (given - lost) + dt * dt * change * lateness(xp, z) + heating.owed,
+            by_martensite=heat + 0.5 * dt * (by_point[0] + by_point[1] * by_strain[0]),
+            by_oriented=0.5 * dt * by_point[1] * by_strain[1],
+            bend_martensite=0.5 * by_state[0] * by_stress[0],
+            bend_oriented=0.5 * by_state[0] * by_stress[1],
+            bend_temperature=0.5 * (by_state[0] * by_stress[2] + by_state[1]),
+            ripple=heating.ripple(xp, ohms, capacity, dt),
+        )
+
+    def _strain_under(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar:
+        """Strain [-] by the elongation, which is that of the law for a straight wire only.
+
+        A curved wire is stressed more than it is strained, and turns that touch are not strained.
+        """
+        spring = self.spring(xp, fractions, temperature, force)
+        return self.strain(xp, spring.free + spring.compliance * force)
+
+    def points(self, xp: Namespace, state: Lumped) -> list[Point]:
+        """The whole element, unless its law has rates."""
+        return points_of(xp, self.law, [state.memory])
+
+    def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
+        """C T - λ ξ [J], if the latent heat λ is a number."""
+        if not self.law.constant_heat:
+            return None
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        return self.heat_capacity_total() * memory.temperature - latent * fraction
+
+    def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
+        """C T, and λ along the martensite fraction."""
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        sensible = self.heat_capacity_total() * memory.temperature
+        return StoredHeat(sensible, (Effort(-latent, fraction),))
+
+    def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
+        """Energy [J] that unloading at frozen fractions and temperature would give back."""
+        fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
+        return self.elastic_energy_at(xp, fractions, temperature, state.force)
+
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar | None:
+        """The same under a force [N]: ½ compliance · force², if the element is linear in force."""
+        if self.passes > 1:
+            return None
+        spring = self.spring(xp, fractions, temperature, force)
+        return 0.5 * spring.compliance * force * force
+
+    def condition(
+        self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment
+    ) -> Condition:
+        """Everything that can be measured on the element under a force [N]."""
+        memory = state.memory
+        fractions, temperature = self.law.fractions(memory), memory.temperature
+        strain = self.strain(xp, self.elongation(xp, state, force))
+        return Condition(
+            temperature=temperature,
+            hottest=temperature,
+            martensite_fraction=fractions.martensite,
+            oriented_fraction=fractions.oriented,
+            stress=self.stress(xp, force),
+            strain=strain,
+            resistance=self.ohms(xp, fractions.martensite, strain, temperature),
+            heat_loss=self.heat_loss(xp, temperature, environment),
+        )

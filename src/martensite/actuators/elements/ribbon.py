@@ -1,0 +1,99 @@
+"""Ribbon: equal wires side by side, so close that they warm each other.
+
+All have one elongation and pull together; one that is longer than the others hangs slack. The
+current flows through the first `heated` of them one after the other, the rest are passive.
+Between neighbours at the axis distance D flows, through what fills the gap,
+
+    G' (T_i - T_j),   G' = 2π k/acosh[(2 D² - d²)/d²]   per length,
+
+the exact conduction between two parallel cylinders alone in a medium. Each wire loses heat to
+the surroundings as if it were alone, so this is an upper bound of what neighbours exchange.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.elements.cells import AbstractCells
+from martensite.actuators.elements.columns import Cells, Links
+from martensite.actuators.elements.linkage import Linkage, SideBySide
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.wire import Wire
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param, part
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.thermal.base import Environment
+
+
+@ELEMENTS.register("ribbon")
+class Ribbon(AbstractCells):
+    """Parallel wires that exchange heat."""
+
+    passes = 3
+
+    wires: str = option("number of wires", "2", "3", "4", "6", "8", default="2")
+    heated: Scalar = param(
+        "1", "how many of them carry the current", low=1.0, high=8.0, typical=2.0
+    )
+    distance: Scalar = param(
+        "m", "distance of neighbouring axes", above=0.0, high=1.0, typical="1 mm"
+    )
+    gap_conductivity: Scalar = param(
+        "W/m/K", "thermal conductivity of what is between the wires (air 0.027)",
+        low=0.0, high=1e3, default=0.027,
+    )  # fmt: skip
+    wire: Wire = part("one of the wires", ELEMENTS)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless equal wires fit side by side."""
+        self.require_cells()
+        if self.heated != round(self.heated) or self.heated > int(self.wires):
+            raise ParameterError(
+                f"Parameter `heated` of `ribbon` must be a whole number of at most {self.wires}, "
+                f"the number of wires, but is {self.heated:g}."
+            )
+        if self.distance <= self.wire.diameter:
+            raise ParameterError(
+                f"Parameter `distance` of `ribbon` must be above the diameter of its wires, "
+                f"{1e3 * self.wire.diameter:.4g} mm, but is {1e3 * self.distance:.4g} mm."
+            )
+
+    def lengths(self, xp: Namespace) -> Column:
+        """Every wire is one cell [m]."""
+        return [self.wire.length for _ in range(int(self.wires))]
+
+    def shares(self, xp: Namespace) -> Column:
+        """1 for wires in the circuit, 0 for the others."""
+        return [xp.clip(self.heated - k, 0.0, 1.0) for k in range(int(self.wires))]
+
+    def places(self) -> list[float]:
+        """Axes of the wires, from the first [m]."""
+        return [k * self.distance for k in range(int(self.wires))]
+
+    def links(self, xp: Namespace, fractions: Column) -> Links:
+        """Conduction between neighbours [W/K]."""
+        ratio = self.distance / self.wire.diameter
+        x = 2.0 * ratio * ratio - 1.0
+        acosh = xp.log(x + xp.sqrt(x * x - 1.0))
+        between = 2.0 * math.pi * self.gap_conductivity * self.wire.length / acosh
+        count = int(self.wires)
+        return Links([between] * (count - 1), [0.0] * count)
+
+    def linkage(self) -> Linkage:
+        """Side by side."""
+        return SideBySide()
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
+        """Every wire with its part of the force [N]."""
+        count = int(self.wires)
+        memory = self.wire.init(xp, force * (1.0 / count), temperature).memory
+        return Cells((memory,) * count, force)
+
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity of all wires without transformation [J/K]."""
+        return int(self.wires) * self.wire.heat_capacity_total()
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Heat flow through the surfaces [W] if all wires are equally hot."""
+        return int(self.wires) * self.wire.heat_loss(xp, temperature, environment)

@@ -1,0 +1,124 @@
+"""Equal elements in a row: `count` of them, side by side or end to end.
+
+All are alike and heated alike, so one phase state and one temperature stand for all. With n
+side by side each carries the n-th part of the force; with n end to end each gives the n-th
+part of the elongation. How they are wired is another matter: a wire led there and back pulls
+twice and is electrically one.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from martensite.actuators.elements.base import AbstractElement, Spring
+from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.thermal.base import Environment
+
+
+class AbstractRow(AbstractLumped):
+    """Equal elements; a subclass names one of them and says how they share the load."""
+
+    count: Scalar = param("1", "number of elements", low=1.0, high=1e4, typical=2.0)
+    wiring: str = option("how they are wired", "series", "parallel", default="series")
+
+    @property
+    @abstractmethod
+    def one(self) -> AbstractElement:
+        """One of them."""
+
+    def beside(self) -> Scalar:
+        """How many share the force."""
+        return 1.0
+
+    def behind(self) -> Scalar:
+        """How many share the elongation."""
+        return 1.0
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless a whole number of lumped elements is meant."""
+        owner = self.registered_name
+        if self.count != round(self.count):
+            raise ParameterError(
+                f"Parameter `count` of `{owner}` must be a whole number, but is {self.count:g}."
+            )
+        if not isinstance(self.one, AbstractLumped):
+            raise ParameterError(
+                f"A `{owner}` takes elements of one temperature, such as `wire`, but "
+                f"`{self.one.registered_name}` has many."
+            )
+
+    @property
+    def _lumped(self) -> AbstractLumped:
+        if not isinstance(self.one, AbstractLumped):
+            raise TypeError(type(self.one).__name__)
+        return self.one
+
+    @property
+    def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The law of one."""
+        return self.one.law
+
+    @property
+    def limits(self) -> Limits:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The limits of one."""
+        return self.one.limits
+
+    @property
+    def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether one is a straight wire."""
+        return self.one.straight
+
+    @property
+    def passes(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Turns in which the force is fitted, of one."""
+        return self.one.passes
+
+    def initial_fractions(self) -> Fractions:
+        """Phase state at the start."""
+        return self._lumped.initial_fractions()
+
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity without transformation [J/K]."""
+        return self.count * self.one.heat_capacity_total()
+
+    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        return self.count * self._lumped.latent_heat_total(xp, stress, temperature)
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Heat flow to the environment [W]; each loses as if it were alone."""
+        return self.count * self.one.heat_loss(xp, temperature, environment)
+
+    def spring(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Spring:
+        """All together as a spring, near a force [N]."""
+        share = force * (1.0 / self.beside())
+        one = self._lumped.spring(xp, fractions, temperature, share)
+        return Spring(self.behind() * one.free, one.compliance * (self.behind() / self.beside()))
+
+    def elastic_energy_at(
+        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
+    ) -> Scalar | None:
+        """Elastic energy of all [J] under a force [N]."""
+        share = force * (1.0 / self.beside())
+        one = self._lumped.elastic_energy_at(xp, fractions, temperature, share)
+        return None if one is None else self.count * one
+
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Stress [Pa] in each."""
+        return self._lumped.stress(xp, force * (1.0 / self.beside()))
+
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Strain [-] of each."""
+        return self._lumped.strain(xp, elongation * (1.0 / self.behind()))
+
+    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Resistance [ohm] of all as wired."""
+        one = self._lumped.ohms(xp, fraction, strain, temperature)
+        return one * self.count if self.wiring == "series" else one * (1.0 / self.count)

@@ -1,0 +1,246 @@
+"""One step of an element of many cells.
+
+Cells share force and current; heat flows between neighbours. A step sweeps over them: every
+cell solves its own coupled step in a bracket (`laws.coupling`), with all others folded into a
+straight heat line (`elements.network`) and into a spring (`elements.linkage`), as they
+answered in the sweep before. That is Newton's method for the others and a bracket for oneself;
+the mismatch that is left is the residual of the step.
+
+The flux between two cells is weighted between start and end of the step by
+θ = (1 + z/3)/(2 + z/3), z = dt G (1/C_i + 1/C_j): the trapezoid where the exchange is slow, the
+implicit rule where it is fast. Second order in the step, and no ringing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.actuators.elements.base import Heating, Pull
+from martensite.actuators.elements.columns import Cells, Guess, Lines, Start
+from martensite.actuators.elements.cut import AbstractCut
+from martensite.actuators.elements.linkage import Rest
+from martensite.actuators.elements.lumped import relaxation
+from martensite.actuators.elements.network import Column, others, solved
+from martensite.kernels.dual import value_and_slope, values_and_slopes
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten, largest, total
+from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.coupling import Report, advance
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of an element of many cells."""
+
+    element: AbstractCut
+    state: Cells
+    heating: Heating
+    pull: Pull
+    dt: Scalar
+
+    @property
+    def law(self) -> AbstractLaw:
+        """The law of all cells."""
+        return self.element.law
+
+    @property
+    def memories(self) -> list[Column]:
+        """One column per number of the memory."""
+        rows = [flatten(memory) for memory in self.state.memories]
+        return [list(column) for column in zip(*rows, strict=True)]
+
+    def memory(self, flat: Sequence[Scalar]) -> Any:
+        """The memory of one cell."""
+        return Shape(self.state.memories[0]).rebuild(flat)
+
+    def start(self, xp: Namespace) -> Start:
+        """Where all cells stand."""
+        law = self.law
+
+        def one(length: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:
+            cell, memory = self.element.cell(length), self.memory(flat)
+            fractions, temperature = law.fractions(memory), memory.temperature
+
+            def loss(xp: Namespace, temperature: Scalar) -> Scalar:
+                return cell.heat_loss(xp, temperature, self.heating.environment)
+
+            lost, slope = value_and_slope(xp, loss, temperature)
+            capacity = cell.heat_capacity_total()
+            diagonal = capacity * relaxation(xp, self.dt * slope / capacity)
+            right = diagonal * temperature - self.dt * lost
+            latent = cell.latent_heat_total(xp, memory.stress, temperature)
+            long = length * law.strain(xp, fractions, memory.stress, temperature)
+            elastic = length * cell.stress(xp, 1.0) * law.compliance(xp, fractions)
+            return temperature, *fractions, capacity, diagonal, right, latent, long, elastic
+
+        return Start(*xp.each(one, self.element.lengths(xp), *self.memories))
+
+    def unmoved(self, start: Start) -> Guess:
+        """The guess that nothing transforms."""
+        none = [0.0 for _ in start.long]
+        columns = (
+            start.martensite, start.oriented, start.temperature, self.element.shared(self.state),
+            start.long, start.elastic, start.elastic, none, none, none, none,
+        )  # fmt: skip
+        return Guess(*(tuple(column) for column in columns))
+
+    def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
+        """Heat balance with what is conducted and what the current brings."""
+        middle = _middle(start.martensite, guess.martensite)
+        joule = self._joule(xp, start, guess)
+        links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
+        diagonal = list(start.diagonal)
+        right = [a + b for a, b in zip(start.right, joule, strict=True)]
+        t, c, between = start.temperature, start.capacity, list[Scalar]()
+        for i, g in enumerate(links.outside):
+            now, later = _shares(self.dt * g, 1.0 / c[i])
+            diagonal[i] = diagonal[i] + later
+            right[i] = right[i] + later * ambient + now * (ambient - t[i])
+        for i, g in enumerate(links.between):
+            now, later = _shares(self.dt * g, 1.0 / c[i] + 1.0 / c[i + 1])
+            flow = now * (t[i + 1] - t[i])
+            right[i], right[i + 1] = right[i] + flow, right[i + 1] - flow
+            between.append(later)
+        return Lines(diagonal, right, between)
+
+    def _joule(self, xp: Namespace, start: Start, guess: Guess) -> list[Scalar]:
+        """Heat that the current brings to every cell [J], as all are in the middle of the step."""
+        ohms, heated = self._ohms(xp, start, guess)
+        per_ohm = self.dt * self.heating.heat(xp, ohms).mean / ohms
+        return [per_ohm * r for r in heated]
+
+    def _ohms(self, xp: Namespace, start: Start, guess: Guess) -> tuple[Scalar, Column]:
+        """Resistance of the element, and of every cell to the current in it [ohm]."""
+        element = self.element
+
+        def one(
+            length: Scalar, x: Scalar, share: Scalar, first: Scalar, last: Scalar, long: Scalar,
+            longer: Scalar,
+        ) -> tuple[Scalar, ...]:  # fmt: skip
+            strain = 0.5 * (long + longer) / length
+            ohms = element.cell(length).ohms(xp, x, strain, 0.5 * (first + last))
+            return share * ohms, share * share * ohms
+
+        columns = (
+            element.lengths(xp), _middle(start.martensite, guess.martensite), element.shares(xp),
+            start.temperature, guess.temperature, start.long, guess.long,
+        )  # fmt: skip
+        seen, heated = xp.each(one, *columns)
+        return element.copies() * total(seen), heated
+
+    def sweep(self, xp: Namespace, start: Start, guess: Guess) -> Guess:
+        """Every cell for itself, with the others as they answered before."""
+        lines = self.lines(xp, start, guess)
+        diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
+        seen = others(diagonal, self._expected(start, guess, lines), lines.links)
+        felt = others(diagonal, guess.gives, lines.links)
+        rests = self._rests(xp, guess, solved(diagonal, guess.gives, lines.links))
+
+        def one(*row: Scalar) -> tuple[Scalar, ...]:
+            return self._alone(xp, row)
+
+        found = xp.each(
+            one,
+            self.element.lengths(xp), start.martensite, start.latent,
+            [d + b for d, b in zip(lines.diagonal, seen.slope, strict=True)],
+            [r + s for r, s in zip(lines.right, seen.source, strict=True)],
+            felt.source, guess.force, *rests, *self.memories,
+        )  # fmt: skip
+        return Guess(*(tuple(column) for column in found))
+
+    def _expected(self, start: Start, guess: Guess, lines: Lines) -> list[Scalar]:
+        """Right-hand side with the latent heat as it is linear in temperature [J]."""
+        rows = zip(
+            lines.right, start.latent, guess.martensite, start.martensite, guess.warms,
+            guess.temperature, strict=True,
+        )  # fmt: skip
+        return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
+
+    def _rests(self, xp: Namespace, guess: Guess, heated: Column) -> tuple[Column, Column]:
+        """The others as springs; more force on all of them also heats them [K/N]."""
+        rows = zip(guess.soft, guess.shrinks, heated, guess.elastic, strict=True)
+        soft = [xp.maximum(c + s * h, e) for c, s, h, e in rows]
+        long = zip(guess.long, soft, guess.force, strict=True)
+        free = [e - c * f for e, c, f in long]
+        return self.element.linkage().rests(xp, free, soft, guess.force)
+
+    def _alone(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
+        """One cell's own step, and how it answers to a little more heat or force."""
+        length, x0, latent, diagonal, right, felt, before, *rest = row[:9]
+        cell, law, memory = self.element.cell(length), self.law, self.memory(row[9:])
+        imposed, linkage = self.heating.temperature, self.element.linkage()
+
+        def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
+            at = (right + latent * (fractions.martensite - x0)) / diagonal
+            own = cell.spring(xp, fractions, at if imposed is None else imposed, 0.0)
+            whole = linkage.joined(Rest(*rest), own)
+            force = linkage.carried(xp, own, whole, self.pull(xp, whole))
+            at = at + felt * (force - before) / diagonal
+            return cell.stress(xp, force), at if imposed is None else imposed
+
+        after, report = advance(xp, law, memory, settle, self.dt)
+        end, stress, at = law.fractions(after), after.stress, after.temperature
+
+        def moved(xp: Namespace, stress: Scalar, at: Scalar) -> tuple[Scalar, Scalar]:
+            found = law.kinetics(xp, memory, stress, at, self.dt)[1]
+            return found.martensite, law.strain(xp, found, stress, at)
+
+        _, by_heat = values_and_slopes(xp, lambda xp, at: moved(xp, stress, at), at)
+        _, by_stress = values_and_slopes(xp, lambda xp, stress: moved(xp, stress, at), stress)
+        per_force, elastic = cell.stress(xp, 1.0), law.compliance(xp, end)
+        return (
+            *end, at, stress / per_force, length * law.strain(xp, end, stress, at),
+            length * per_force * elastic,
+            length * per_force * xp.maximum(by_stress[1], elastic),
+            length * by_heat[1],
+            latent * xp.maximum(-by_heat[0], 0.0),
+            latent * per_force * xp.maximum(by_stress[0], 0.0),
+            report.crossing,
+        )  # fmt: skip
+
+    def end(self, xp: Namespace, start: Start, guess: Guess) -> tuple[Cells, Report]:
+        """All cells together, at the fractions found."""
+        law, element = self.law, self.element
+        temperatures = self._settled(xp, start, guess)
+        free, soft = element.springs(xp, guess.martensite, guess.oriented, temperatures)
+        force, carried = element.loaded(xp, free, soft, self.pull, self.state.force)
+
+        def one(m: Scalar, o: Scalar, at: Scalar, force: Scalar, *flat: Scalar) -> list[Scalar]:
+            memory, stress = self.memory(flat), element.wire.stress(xp, force)
+            move = law.select(xp, memory, stress, at)
+            found = law.follow(xp, move, stress, at, self.dt)
+            after = law.commit(xp, memory, move, Fractions(m, o), stress, at, self.dt)
+            off = xp.maximum(xp.abs(found.martensite - m), xp.abs(found.oriented - o))
+            return [off, *flatten(after)]
+
+        residuals, *columns = xp.each(one, *guess[:2], temperatures, carried, *self.memories)
+        shape = Shape(self.state.memories[0])
+        memories = tuple(shape.rebuild(flat) for flat in zip(*columns, strict=True))
+        ohms, capacity = self._ohms(xp, start, guess)[0], element.heat_capacity_total()
+        ripple = self.heating.ripple(xp, ohms, capacity, self.dt)
+        report = Report(largest(xp, residuals), largest(xp, guess.crossing), ripple)
+        return Cells(memories, force), report
+
+    def _settled(self, xp: Namespace, start: Start, guess: Guess) -> Column:
+        """Temperatures at the end of the step, at the fractions found; no heat is lost."""
+        imposed = self.heating.temperature
+        if imposed is not None:
+            return [imposed for _ in start.temperature]
+        lines = self.lines(xp, start, guess)
+        rows = zip(lines.right, start.latent, guess.martensite, start.martensite, strict=True)
+        right = [r + latent * (x - x0) for r, latent, x, x0 in rows]
+        return solved(lines.diagonal, right, lines.links)
+
+
+def _middle(first: Column, last: Column) -> list[Scalar]:
+    """Between the start and the end of the step."""
+    return [0.5 * (a + b) for a, b in zip(first, last, strict=True)]
+
+
+def _shares(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
+    """Parts of an exchange that go by the temperatures at the start and at the end."""
+    third = amount * rate * (1.0 / 3.0)
+    later = amount * ((1.0 + third) / (2.0 + third))
+    return amount - later, later

@@ -1,0 +1,1 @@
+"""Mechanics that several mechanisms share; none is registered here."""

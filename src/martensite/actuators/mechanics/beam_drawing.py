@@ -1,0 +1,55 @@
+"""How the motor on a beam is drawn: the beam along x, its tip moving along z.
+
+The tip, the rotor, and the way of the wire are those of
+`martensite.actuators.mechanisms.beam_motor`. How
+long the beam is, it does not know: it is drawn as long as the way of the wire along it, or without
+one fifteen eccentricities. It bends as if by a force at its tip, w = x_tip (3 s² - s³)/2, whatever
+the modes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from martensite.actuators.mechanisms.drawing import Reading, Shape, bar
+
+if TYPE_CHECKING:
+    from martensite.actuators.mechanisms.beam_motor import BeamMotor
+
+PIECES = 12
+"""Straight pieces that a bent beam is drawn of."""
+SHORTEST = 0.05
+"""Length of a beam without wire and eccentricity [m]."""
+
+
+def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
+    """Clamp, beam, motor, rotor, and the wire if there is one."""
+    tip, angle = reading.outputs["displacement"], reading.outputs["rotor_angle"]
+    r, (across, reach) = mechanism.eccentricity, _reach(mechanism)
+    thick, tall = 0.008 * reach, 0.1 * reach
+    shares = [k / PIECES for k in range(PIECES + 1)]
+    bent = [(reach * s, 0.0, 0.5 * tip * s * s * (3.0 - s)) for s in shares]
+    lowest = -max(tall, 1.15 * across)
+    arm = max(r, 0.03 * reach)
+    near, out = 1.5 * thick, 4.0 * thick
+    axis = ((reach, -near, tip), (reach, -out, tip))
+    found = [
+        bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="ground"),
+        bar("beam", thick, *bent),
+        Shape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
+        Shape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
+    ]
+    if mechanism.ports():
+        (port,) = mechanism.ports()
+        path = ((0.0, 0.0, -across), (reach, 0.0, tip))
+        found.append(Shape(port, "wire", path, 0.0, port))
+    return found
+
+
+def _reach(mechanism: BeamMotor) -> tuple[float, float]:
+    """Way of the wire across the beam, and length of the beam as it is drawn [m]."""
+    if mechanism.ports():
+        way, angle = mechanism.wire_length, mechanism.wire_angle
+        return way * math.sin(angle), way * math.cos(angle)
+    return 0.0, max(15.0 * mechanism.eccentricity, SHORTEST)

@@ -1,0 +1,243 @@
+r"""One step of a multibody mechanism with its elements.
+
+Seen from one element, the mechanism with all other elements is a spring. Linearised at a trial
+position, with the others as the tangents F_j + K_j (e - e_j) that they answered with before,
+
+    H δ + Σ_j η_j K_j J_j J_jᵀ δ = η_i J_i ΔF_i - r            A = H + Σ_j η_j K_j J_j J_jᵀ
+
+it is a straight line between elongation and tension of element i,
+
+    (1 - s K_i) (e - e*) + s (F - F*) = g,      s = η_i J_i·A⁻¹J_i,      g = J_i·A⁻¹r
+
+on which the element solves its own coupled step of law and heat in a bracket. What all of
+them found gives new tangents and, by Newton's method, the next trial position. That is Newton's
+method for the mechanism and a bracket for every law; the last correction of the position is
+part of the residual of the step. K_i only sets the speed of convergence, not the solution.
+
+H holds stiffness, damping and inertia of the mechanism, with the turning of its levers under
+tension; all slopes are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from martensite.actuators.mechanics.alike import Line, answers
+from martensite.actuators.mechanics.elimination import inner, solutions
+from martensite.actuators.mechanics.motion import Course, Numbers, Scheme, predicted
+from martensite.actuators.mechanisms.base import Column, Load
+from martensite.kernels.dual import jacobian
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten, largest
+from martensite.physics.laws.coupling import Report
+
+if TYPE_CHECKING:
+    from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
+
+PASSES = 24
+"""Passes after which a step counts as not solved."""
+SETTLED = 1e-11
+"""Correction of a coordinate, in its size, that is none."""
+FLOOR = 1e-9
+"""Stiffness of a slack element as a share of that of a taut one, lest nothing holds."""
+STILL = 1e-13
+"""Change of elongation [m] from which no tangent can be read, and gap that is none."""
+
+
+class Tangent(NamedTuple):
+    """How an element answers: force at an elongation, and force per elongation."""
+
+    force: Scalar
+    elongation: Scalar
+    stiffness: Scalar
+
+
+class Linear(NamedTuple):
+    """The mechanism with its elements, linearised at a trial position."""
+
+    elongations: Column
+    lever: list[list[Scalar]]
+    """J."""
+    shares: Column
+    """η."""
+    matrix: list[list[Scalar]]
+    """H."""
+    missing: Column
+    """Demand less what the tangents supply."""
+    forces: Column
+    """Of the tangents [N]."""
+
+
+class _Turn(NamedTuple):
+    """What one pass hands to the next."""
+
+    position: Numbers
+    tangents: tuple[Tangent, ...]
+    turned: Scalar
+    """0 before the first pass, then 1."""
+    states: tuple[Any, ...]
+    report: Report
+    moved: Scalar
+    """Largest correction of a coordinate, in its size."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step; `solved` is the only thing to ask for."""
+
+    mechanism: AbstractMultibody
+    memory: Assembled
+    loads: Sequence[Load]
+    signals: Column
+    dt: Scalar
+
+    def solved(self, xp: Namespace) -> tuple[Course, list[Scalar], list[Any], Report]:
+        """Course, stiffness and state of every element at the end, and the residual."""
+        scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
+        shape = Shape(_Turn(
+            predicted(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
+            tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
+        ))  # fmt: skip
+
+        def turn(_: Scalar, *flat: Scalar) -> list[Scalar]:
+            before: _Turn = shape.rebuild(flat)
+            after = self._turn(xp, scheme, before)
+            going = xp.either(after.moved > SETTLED, before.turned < 0.5)
+            return [xp.where(going, 1.0, 0.0), *flatten(after)]
+
+        _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten(shape.example))
+        end: _Turn = shape.rebuild(flat)
+        residual = xp.maximum(end.report.residual, end.moved)
+        stiffness = [tangent.stiffness for tangent in end.tangents]
+        report = end.report._replace(residual=residual)
+        return scheme(end.position), stiffness, list(end.states), report
+
+    def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
+        """Linearise, let every element answer, and correct the position."""
+        linear = self._linear(xp, scheme, before.position, before.tangents)
+        found, states, report = self._answers(xp, _lines(linear, before.tangents), before.states)
+        tangents = _renewed(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
+        change = _correction(xp, linear, tangents)
+        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
+        sizes = (c.size for c in self.mechanism.coordinates())
+        moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
+        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, largest(xp, moved))
+
+    def _first(self, xp: Namespace) -> list[Tangent]:
+        """Every element as it stands, as stiff as it was over the last step."""
+        found: list[Tangent] = []
+        paths = self.mechanism.contraction(xp, self.memory.course.position)
+        rows = zip(self.loads, self.memory.stiffness, self.memory.home, paths, strict=True)
+        for (element, state, _), known, home, path in rows:
+            force = element.force(state)
+            spring = element.tangent(xp, state, force)
+            most = 1.0 / spring.compliance
+            elongation = spring.free + spring.compliance * force
+            slack = _slack(xp, most, home - path, elongation)
+            taut = xp.where(known > 0.0, xp.minimum(known, most), most)
+            stiffness = xp.where(force > 0.0, taut, slack)
+            found.append(Tangent(force, elongation, stiffness))
+        return found
+
+    def _linear(
+        self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]
+    ) -> Linear:
+        """Balance and slopes at a trial position, for elements that are their tangents."""
+        mechanism, home = self.mechanism, self.memory.home
+        paths, lever = jacobian(xp, mechanism.contraction, position)
+        elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
+        forces = [
+            xp.store(xp.maximum(t.force + t.stiffness * (e - t.elongation), 0.0))
+            for t, e in zip(tangents, elongations, strict=True)
+        ]
+
+        def balance(xp: Namespace, trial: Column) -> list[Scalar]:
+            motion = scheme(tuple(trial)).motion()
+            needs = mechanism.demand(xp, motion, self.signals)
+            gives = mechanism.supply(xp, trial, forces, motion.velocity)
+            return [n - g for n, g in zip(needs, gives, strict=True)]
+
+        missing, matrix = jacobian(xp, balance, position)
+        shares = mechanism.transmission(xp, scheme(position).motion())
+        return Linear(elongations, lever, shares, matrix, missing, forces)
+
+    def _answers(
+        self, xp: Namespace, lines: Sequence[Line], before: Sequence[Any]
+    ) -> tuple[list[Tangent], list[Any], Report]:
+        """What every element finds on its line: its tangent at frozen fractions, and its state."""
+        if not lines:
+            return [], [], Report(0.0, 0.0)
+        found: list[Tangent] = []
+        pairs = zip(self.loads, before, strict=True)
+        loads = [
+            load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs
+        ]
+        answered = answers(xp, loads, lines, self.dt)
+        for _, force, spring, _ in answered:
+            elongation = spring.free + spring.compliance * force
+            found.append(Tangent(force, elongation, 1.0 / spring.compliance))
+        columns = zip(*(answer.report for answer in answered), strict=True)
+        report = Report(*(largest(xp, column) for column in columns))
+        return found, [answer.state for answer in answered], report
+
+
+def _matrix(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
+    """A: stiffness of the mechanism and of all elements."""
+    rows = [list(row) for row in linear.matrix]
+    for lever, share, tangent in zip(linear.lever, linear.shares, tangents, strict=True):
+        weight = share * tangent.stiffness
+        for k, row in enumerate(rows):
+            rows[k] = [x + weight * lever[k] * j for x, j in zip(row, lever, strict=True)]
+    return rows
+
+
+def _lines(linear: Linear, tangents: Sequence[Tangent]) -> list[Line]:
+    """What every element sees of the mechanism and the others."""
+    if not tangents:
+        return []
+    *softs, shift = solutions(_matrix(linear, tangents), [*linear.lever, linear.missing])
+    found: list[Line] = []
+    for i, tangent in enumerate(tangents):
+        lever, beta = linear.lever[i], linear.shares[i] * inner(linear.lever[i], softs[i])
+        alpha, offset = 1.0 - beta * tangent.stiffness, inner(lever, shift)
+        found.append(Line(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
+    return found
+
+
+def _renewed(
+    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag,
+    elongations: Column,
+) -> list[Tangent]:  # fmt: skip
+    """The points found, with the slope from the last one to this; first as stiff as before."""
+    new: list[Tangent] = []
+    for last, now, path in zip(before, found, elongations, strict=True):
+        most, taut = now.stiffness, last.force > 0.0
+        kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
+        apart = now.elongation - last.elongation
+        known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
+        secant = (now.force - last.force) / xp.where(known, apart, 1.0)
+        slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
+        slack = _slack(xp, most, path, now.elongation)
+        new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
+    return new
+
+
+def _slack(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
+    """Stiffness of an element without force: it is slack only if its path is shorter than it is.
+
+    Both as elongations [m]: `path` between its ends along the mechanism, `own` free of force.
+    """
+    return xp.where(path > own - STILL, most, FLOOR * most)
+
+
+def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:
+    """Newton's step of the position, with every element as it answered."""
+    side = [-missing for missing in linear.missing]
+    for i, tangent in enumerate(tangents):
+        apart = linear.elongations[i] - tangent.elongation
+        answer = xp.maximum(tangent.force + tangent.stiffness * apart, 0.0)
+        weight = linear.shares[i] * (answer - linear.forces[i])
+        side = [s + weight * j for s, j in zip(side, linear.lever[i], strict=True)]
+    return solutions(_matrix(linear, tangents), [side])[0]

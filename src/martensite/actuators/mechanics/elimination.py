@@ -1,0 +1,39 @@
+"""Small dense linear systems, written out: Gaussian elimination without pivoting.
+
+For matrices whose diagonal is safe to divide by, as those of stiffness and inertia are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from martensite.kernels.namespace import Scalar
+
+Rows = Sequence[Sequence[Scalar]]
+
+
+def solutions(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
+    """The solution x of A x = b for every right-hand side b."""
+    a, columns = [list(row) for row in matrix], [list(side) for side in sides]
+    size = len(a)
+    for k in range(size):
+        inverse = 1.0 / a[k][k]
+        for i in range(k + 1, size):
+            factor = a[i][k] * inverse
+            a[i][k + 1 :] = [x - factor * y for x, y in zip(a[i], a[k], strict=True)][k + 1 :]
+            for column in columns:
+                column[i] = column[i] - factor * column[k]
+    for column in columns:
+        for k in reversed(range(size)):
+            for j in range(k + 1, size):
+                column[k] = column[k] - a[k][j] * column[j]
+            column[k] = column[k] / a[k][k]
+    return columns
+
+
+def inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    """Inner product; 0 of nothing."""
+    result: Scalar = 0.0
+    for x, y in zip(a, b, strict=True):
+        result = result + x * y
+    return result

@@ -1,0 +1,99 @@
+r"""Motions of a mechanism over a step: positions, velocities and accelerations that fit together.
+
+Whatever the scheme, velocity and acceleration at the end of a step are straight lines in the
+position there, so the step is one system of equations in that position.
+
+`quasi-static`: no acceleration, and the velocity is that of the step, v = (q₁ - q₀)/Δt.
+
+`dynamic`: the generalised-α scheme of Chung and Hulbert in the form of Arnold and Brüls, which
+meets the equations of motion at the end of every step. An auxiliary acceleration a follows the
+true one A,
+
+    (1 - α_m) a₁ + α_m a₀ = (1 - α_f) A₁ + α_f A₀
+    q₁ = q₀ + Δt v₀ + Δt² [(½ - β) a₀ + β a₁],        v₁ = v₀ + Δt [(1 - γ) a₀ + γ a₁]
+
+with α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and
+unconditionally stable; a share 1 - ρ of the fastest oscillation is lost in every step, slow
+ones keep their energy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from martensite.kernels.namespace import Namespace, Scalar
+
+Numbers = tuple[Scalar, ...]
+SHORTEST = 1e-12
+"""Step [s] below which a step is none."""
+
+
+class Motion(NamedTuple):
+    """Where a mechanism is and how it moves, one number per coordinate."""
+
+    position: Numbers
+    velocity: Numbers
+    acceleration: Numbers
+
+
+class Course(NamedTuple):
+    """What a mechanism remembers of its motion; a quasi-static one has no acceleration."""
+
+    position: Numbers
+    velocity: Numbers
+    acceleration: Numbers = ()
+    smoothed: Numbers = ()
+    """The auxiliary acceleration."""
+
+    def motion(self) -> Motion:
+        """The motion now."""
+        rest = (0.0,) * len(self.position)
+        return Motion(self.position, self.velocity, self.acceleration or rest)
+
+
+Scheme = Callable[[Numbers], Course]
+"""The course after a step, from the position at its end."""
+
+
+def predicted(course: Course, dt: Scalar) -> Numbers:
+    """A first guess of the position after a step of dt [s]."""
+    if not course.acceleration:
+        return course.position
+    rows = zip(course.position, course.velocity, course.smoothed, strict=True)
+    return tuple(q + dt * (v + (0.5 * dt) * a) for q, v, a in rows)
+
+
+def quasi_static(xp: Namespace, course: Course, dt: Scalar) -> Scheme:
+    """Motion without inertia."""
+    rate = 1.0 / xp.maximum(dt, SHORTEST)
+
+    def after(position: Numbers) -> Course:
+        velocity = (rate * (q - q0) for q, q0 in zip(position, course.position, strict=True))
+        return Course(position, tuple(velocity))
+
+    return after
+
+
+def dynamic(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> Scheme:
+    """Motion with inertia, by the generalised-α scheme."""
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    beta = 0.25 * (gamma + 0.5) * (gamma + 0.5)
+    dt = xp.maximum(dt, SHORTEST)
+    per = 1.0 / (beta * dt * dt)
+    kept, share = (0.5 - beta) / beta, 1.0 / (1.0 - alpha_f)
+
+    def after(position: Numbers) -> Course:
+        velocity: list[Scalar] = []
+        acceleration: list[Scalar] = []
+        smoothed: list[Scalar] = []
+        for q, q0, v0, true0, a0 in zip(position, *course, strict=True):
+            a = per * (q - q0 - dt * v0) - kept * a0
+            velocity.append(v0 + dt * ((1.0 - gamma) * a0 + gamma * a))
+            true = share * ((1.0 - alpha_m) * a + alpha_m * a0 - alpha_f * true0)
+            acceleration.append(true)
+            smoothed.append(a)
+        return Course(position, tuple(velocity), tuple(acceleration), tuple(smoothed))
+
+    return after

@@ -1,0 +1,249 @@
+r"""Kinematics of a platform: two triangular plates, a universal joint, three legs.
+
+The base frame has its origin at the centroid of the base plate and Z pointing down, towards
+the base: the top plate is at home at z = -h. Both plates are equal equilateral triangles of
+side s, with vertices at the same coordinates; vertex 0 lies on +Y:
+
+    A₀ = (0, r, 0),    A₁ = (-s/2, -r/2, 0),    A₂ = (s/2, -r/2, 0),    r = s/√3
+
+The plate turns by α about X, then by β about Y, R = R_Y(β) R_X(α), about a joint z_p above the
+base. The leg from vertex i of the base to vertex i of the plate is
+
+    l_i = p + R (A_i + u) - A_i,    p = (0, 0, -z_p),    u = (0, 0, -(h - z_p)),    L_i = |l_i|.
+
+A positive α lowers vertex 0 and shortens leg 0; a positive β lowers vertex 1. The legs' pulls
+F_i turn the plate with Q = -Jᵀ F, J = ∂L/∂(α, β).
+
+Three lengths determine two angles by least squares; what is left over tells lengths that belong
+to no posture, such as three equal contractions.
+
+Source: Ranjith Pillai, Murali and Gopal (2018), eqs. 1 to 3, with what eq. 2 leaves out: the
+plates' distance h, and that the length of a leg is the norm of its vector. The order of the
+two rotations is theirs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError, SolveError
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+
+CORRECTIONS = 40
+"""Gauss–Newton steps until angles count as not found; lengths of a posture need up to 7."""
+SETTLED = 1e-11
+"""A correction that ends the search [rad]."""
+SINGULAR = 1e-12
+"""Smallest determinant that is divided by, as a share of the square of its trace."""
+LEAST = 1e-9
+"""Length of a leg below which its direction is left undefined [m]."""
+ALLOWED = 0.01
+"""Residual of lengths that fit together, as a share of the plates' distance."""
+
+
+class Plates(NamedTuple):
+    """Two equal triangular plates, and the joint between them."""
+
+    side: Scalar
+    """Of the triangles, s [m]."""
+    height: Scalar
+    """Distance of the plates at home, h [m]."""
+    pivot: Scalar
+    """Of the universal joint above the base, z_p [m]; `height` if it is in the top plate."""
+
+
+class Tilt(NamedTuple):
+    """A posture found from three lengths."""
+
+    alpha: float
+    """Rotation about X [rad]."""
+    beta: float
+    """Rotation about Y [rad]."""
+    residual: float
+    """Root of the sum of squares of what the three lengths are off [m].
+
+    One of three numbers is left over, so this estimates the standard error of one length.
+    """
+
+
+# ---------------------------------------------------------------- kernels
+
+
+def corners(side: Scalar) -> list[tuple[Scalar, Scalar]]:
+    """X and Y of the three vertices [m]."""
+    radius = side * (1.0 / math.sqrt(3.0))
+    return [(0.0, radius), (-0.5 * side, -0.5 * radius), (0.5 * side, -0.5 * radius)]
+
+
+def lengths(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) -> list[Scalar]:
+    """Lengths of the three legs [m] at angles [rad]."""
+    return slopes(xp, plates, alpha, beta)[0]
+
+
+def slopes(
+    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
+) -> tuple[list[Scalar], list[Scalar], list[Scalar]]:
+    """Lengths [m], and their derivatives over α and over β [m/rad]."""
+    turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
+    _, _, cb, sb = turns
+    found: list[Scalar] = []
+    over_alpha: list[Scalar] = []
+    over_beta: list[Scalar] = []
+    for x, y in corners(plates.side):
+        across, along, down, drop = _turned(plates, turns, x, y)
+        # the leg
+        leg_x, leg_y, leg_z = across - x, along - y, down - plates.pivot
+        length = xp.sqrt(leg_x * leg_x + leg_y * leg_y + leg_z * leg_z)
+        share = 1.0 / xp.maximum(length, LEAST)
+        found.append(length)
+        over_alpha.append(share * ((sb * leg_x + cb * leg_z) * along - leg_y * drop))
+        over_beta.append(share * (leg_x * down - leg_z * across))
+    return found, over_alpha, over_beta
+
+
+def vertices(
+    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
+) -> list[tuple[Scalar, Scalar, Scalar]]:
+    """X, Y, Z of the vertices of the plate that moves [m] at angles [rad]."""
+    turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
+    places = [_turned(plates, turns, x, y) for x, y in corners(plates.side)]
+    return [(across, along, down - plates.pivot) for across, along, down, _ in places]
+
+
+def _turned(
+    plates: Plates, turns: tuple[Scalar, Scalar, Scalar, Scalar], x: Scalar, y: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """A vertex after both rotations, seen from the joint: X, Y, Z; and Z after the first alone."""
+    ca, sa, cb, sb = turns
+    above = plates.height - plates.pivot
+    drop, along = sa * y - ca * above, ca * y + sa * above
+    return cb * x + sb * drop, along, cb * drop - sb * x, drop
+
+
+def torques(
+    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar, pulls: Sequence[Scalar]
+) -> tuple[Scalar, Scalar]:
+    """Generalised torques Q = -Jᵀ F [N m] of the legs' pulls [N]."""
+    _, over_alpha, over_beta = slopes(xp, plates, alpha, beta)
+    return -_dot(over_alpha, pulls), -_dot(over_beta, pulls)
+
+
+def correction(
+    xp: Namespace, plates: Plates, wanted: Sequence[Scalar], alpha: Scalar, beta: Scalar
+) -> tuple[Scalar, Scalar]:
+    """One Gauss–Newton step of both angles [rad] towards three lengths [m].
+
+    Steps of fixed count make an observer of the posture; near a posture of the lengths each one
+    squares the error.
+    """
+    found, a, b = slopes(xp, plates, alpha, beta)
+    off = [w - f for w, f in zip(wanted, found, strict=True)]
+    aa, ab, bb = _dot(a, a), _dot(a, b), _dot(b, b)
+    right_a, right_b = _dot(a, off), _dot(b, off)
+    least = SINGULAR * (aa + bb) * (aa + bb) + 1e-300
+    share = 1.0 / xp.maximum(aa * bb - ab * ab, least)
+    return share * (bb * right_a - ab * right_b), share * (aa * right_b - ab * right_a)
+
+
+def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    return total([x * y for x, y in zip(a, b, strict=True)])
+
+
+# ---------------------------------------------------------------- edge
+
+
+def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, float, float]:
+    """Lengths of the three legs of a platform: inverse kinematics.
+
+    Args:
+        plates: geometry.
+        alpha: rotation about X [rad].
+        beta: rotation about Y [rad], made after that about X.
+
+    Returns:
+        Lengths [m] of legs 0, 1 and 2; leg 0 is the one at +Y.
+
+    Raises:
+        ParameterError: the geometry or an angle cannot be.
+    """
+    check_plates(plates)
+    check_number("angle `alpha`", alpha)
+    check_number("angle `beta`", beta)
+    first, second, third = lengths(floats, plates, alpha, beta)
+    return first, second, third
+
+
+def platform_angles(plates: Plates, wanted: Sequence[float], allowed: float | None = None) -> Tilt:
+    """Angles at which the legs of a platform have given lengths: forward kinematics.
+
+    Least squares by Gauss–Newton steps with exact slopes from the home posture. Lengths may
+    belong to two postures, one of them beyond the turning point of a leg (46° for leg 0 at
+    s = 100 mm, h = 60 mm); starting at home finds the nearer one.
+
+    Args:
+        plates: geometry.
+        wanted: three lengths [m].
+        allowed: largest residual [m]; 1 % of the plates' distance if left out, `math.inf` for
+            the best fit to any lengths.
+
+    Returns:
+        Both angles [rad] and the residual [m].
+
+    Raises:
+        ParameterError: the geometry or a length cannot be, or the lengths belong to no posture.
+        SolveError: the steps did not settle, as may happen far from every posture.
+    """
+    check_plates(plates)
+    if len(wanted) != 3:
+        raise ParameterError(f"A platform has three legs, but {len(wanted)} lengths were given.")
+    for i, length in enumerate(wanted):
+        check_number(f"length of leg {i}", length, positive=True)
+    alpha, beta = _settle(plates, wanted)
+    found = lengths(floats, plates, alpha, beta)
+    residual = math.dist(found, wanted)
+    limit = ALLOWED * plates.height if allowed is None else allowed
+    if not residual <= limit:
+        raise ParameterError(
+            f"The lengths {millimetres(wanted)} belong to no posture: the nearest found has "
+            f"{millimetres(found)}, a residual of {1e3 * residual:.3g} mm, where "
+            f"{1e3 * limit:.3g} mm are allowed. Pass a larger `allowed` for the best fit."
+        )
+    return Tilt(alpha, beta, residual)
+
+
+def _settle(plates: Plates, wanted: Sequence[float]) -> tuple[float, float]:
+    """The angles [rad] after which corrections no longer matter."""
+    alpha = beta = 0.0
+    for _ in range(CORRECTIONS):
+        more_alpha, more_beta = correction(floats, plates, wanted, alpha, beta)
+        alpha, beta = alpha + more_alpha, beta + more_beta
+        if max(abs(more_alpha), abs(more_beta)) <= SETTLED:
+            return alpha, beta
+    raise SolveError(
+        f"No posture was found for the lengths {millimetres(wanted)}: {CORRECTIONS} corrections "
+        "did not settle. Check that the legs can be so long at once: `platform_lengths` tells "
+        "their lengths at any angles."
+    )
+
+
+def check_plates(plates: Plates) -> None:
+    """Raise `ParameterError` unless side and height are positive and all numbers finite."""
+    check_number("`side` of the plates", plates.side, positive=True)
+    check_number("`height` of the plates", plates.height, positive=True)
+    check_number("`pivot` of the plates", plates.pivot)
+
+
+def check_number(name: str, value: float, *, positive: bool = False) -> None:
+    """Raise `ParameterError` unless a number is finite, and above 0 if it must be."""
+    if not math.isfinite(value) or (positive and value <= 0.0):
+        allowed = "finite and above 0" if positive else "finite"
+        raise ParameterError(f"The {name} must be {allowed}, but is {value:g}.")
+
+
+def millimetres(values: Sequence[float]) -> str:
+    """Lengths [m] for a sentence."""
+    return ", ".join(f"{1e3 * value:.4g}" for value in values) + " mm"

@@ -1,0 +1,153 @@
+r"""Where a platform can go: the angles at which every leg keeps between two lengths.
+
+Reachable is what is connected to the home posture; angles that would be allowed but lie behind
+forbidden ones are not. The set is found on a grid by filling it from home, its extents along
+both axes by halving. One leg alone reaches a curve only (`platform_rays`).
+
+Source: the lengths of `platform_kinematics`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from martensite.actuators.mechanics.platform_kinematics import (
+    Plates,
+    check_number,
+    check_plates,
+    lengths,
+    millimetres,
+)
+from martensite.actuators.mechanics.platform_rays import Angles, last, ray
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+
+STEP = math.radians(0.5)
+FINEST, COARSEST = math.radians(0.05), math.radians(5.0)
+QUARTER = math.pi / 2
+"""The set ends before this angle [rad], whatever the legs allow."""
+
+
+@dataclass(frozen=True)
+class Legs:
+    """The legs of a platform, and how long they may be."""
+
+    plates: Plates
+    shortest: float
+    """[m]"""
+    longest: float
+    """[m]"""
+
+    def allow(self, alpha: float, beta: float) -> bool:
+        """Whether all keep within their limits at angles [rad], reachable or not."""
+        found = lengths(floats, self.plates, alpha, beta)
+        inside = self.shortest <= min(found) and max(found) <= self.longest
+        return inside and max(abs(alpha), abs(beta)) < QUARTER
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """The reachable set of a platform. Angles are (α, β) [rad]."""
+
+    legs: Legs
+    step: float
+    """Of the grid [rad]."""
+    alphas: list[float]
+    """Grid, one line wider than the set at each end [rad]."""
+    betas: list[float]
+    """Likewise."""
+    reached: list[list[bool]]
+    """Whether a point of the grid is reachable: one row per α, in it one flag per β."""
+    alpha_extent: Angles
+    """Smallest and largest α reached along β = 0 from home [rad], to 1e-12."""
+    beta_extent: Angles
+    """Smallest and largest β reached along α = 0 from home [rad], to 1e-12."""
+    rays: list[list[Angles]]
+    """Per leg the curve on which it moves the platform alone, from home outwards."""
+
+    @property
+    def bounds(self) -> tuple[Angles, Angles]:
+        """Smallest and largest α, and β, of the whole set [rad]; to one step of the grid."""
+        alphas, betas = zip(*self.points(), strict=True)
+        return (min(alphas), max(alphas)), (min(betas), max(betas))
+
+    def points(self) -> list[Angles]:
+        """All reachable points of the grid."""
+        rows = zip(self.alphas, self.reached, strict=True)
+        return [(a, b) for a, row in rows for b, flag in zip(self.betas, row, strict=True) if flag]
+
+
+def reachable_angles(
+    plates: Plates, shortest: float, longest: float, step: float = STEP
+) -> Workspace:
+    """The postures a platform can reach from home while its legs keep between two lengths.
+
+    Args:
+        plates: geometry.
+        shortest: smallest length of a leg [m].
+        longest: largest length of a leg [m].
+        step: of the grid [rad], 0.05° to 5°. What forbids less than a step may be missed.
+
+    Returns:
+        The set on its grid, its extents, and the curves of single legs.
+
+    Raises:
+        ParameterError: a number cannot be, or the home posture is outside the limits.
+    """
+    check_plates(plates)
+    check_number("length `shortest`", shortest)
+    check_number("length `longest`", longest)
+    if not FINEST <= step <= COARSEST:
+        raise ParameterError(f"The `step` must be 0.05 to 5 degrees, but is {step:g} rad.")
+    if not shortest <= plates.height <= longest:
+        raise ParameterError(
+            f"At home the legs are as long as the plates' distance, {millimetres([plates.height])}"
+            f", which is not within {millimetres([shortest, longest])}. Widen the limits."
+        )
+    return _explored(Legs(plates, shortest, longest), step)
+
+
+def _explored(legs: Legs, step: float) -> Workspace:
+    cells = _flood(lambda i, j: legs.allow(i * step, j * step))
+    rows, columns = (_padded([cell[axis] for cell in cells]) for axis in (0, 1))
+    reach = [_reach(legs, step, *way) for way in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+    return Workspace(
+        legs,
+        step,
+        alphas=[i * step for i in rows],
+        betas=[j * step for j in columns],
+        reached=[[(i, j) in cells for j in columns] for i in rows],
+        alpha_extent=(-reach[0], reach[1]),
+        beta_extent=(-reach[2], reach[3]),
+        rays=[ray(legs.plates, leg, step, legs.allow) for leg in range(3)],
+    )
+
+
+def _flood(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
+    """All cells connected to (0, 0) through sides."""
+    found, edge = {(0, 0)}, [(0, 0)]
+    while edge:
+        i, j = edge.pop()
+        for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+            if cell not in found and allowed(*cell):
+                found.add(cell)
+                edge.append(cell)
+    return found
+
+
+def _padded(numbers: list[int]) -> range:
+    return range(min(numbers) - 1, max(numbers) + 2)
+
+
+def _reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
+    """How far one half of an axis stays allowed from home on [rad]."""
+
+    def holds(far: float) -> bool:
+        return legs.allow(far * alpha, far * beta)
+
+    far = step
+    while holds(far):
+        far += step
+    return last(holds, far - step, far)

@@ -1,0 +1,155 @@
+"""What every mechanism answers: it takes its elements through a step together with itself.
+
+A mechanism pulls on one or several elements, each at a port of its own, and may have signals
+of its own, such as the voltage of a motor. To it an element is a `Load`: something that
+advances when it is told which force a spring of its kind meets
+(`martensite.actuators.elements.base`).
+
+Two families: a load line (`load_line`) answers in closed form for one element; a multibody
+mechanism (`multibody`) has coordinates, any number of elements, and inertia if it is wanted.
+Every mechanism is assembled with its elements in their initial state.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar, NamedTuple
+
+from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
+from martensite.actuators.mechanisms.drawing import Reading, Shape, hanging, lifted
+from martensite.base.interfaces import make_missing_error, require_where
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
+
+MECHANISMS: Registry[AbstractMechanism] = Registry(
+    "mechanism", "martensite.actuators.mechanisms", typical="dead-weight"
+)
+
+Column = Sequence[Scalar]
+
+
+class Output(NamedTuple):
+    """How a quantity that can be observed is called."""
+
+    unit: str
+    """In SI."""
+    long_name: str
+    symbol: str
+
+
+class Load(NamedTuple):
+    """An element at a port of a mechanism."""
+
+    element: AbstractElement
+    state: Any
+    heating: Heating
+
+
+class Energy(NamedTuple):
+    """Mechanical energy that a mechanism holds [J], but for constants."""
+
+    springs: Scalar = 0.0
+    gravity: Scalar = 0.0
+    kinetic: Scalar = 0.0
+    magnetic: Scalar = 0.0
+    """Of the winding of a motor."""
+
+
+class Mechanics(NamedTuple):
+    """What becomes of the work of the elements."""
+
+    energy: Energy
+    ways: tuple[Scalar, ...]
+    """How far each element has drawn what it pulls since assembly [m]: where it is taut by its own
+    elongation; where it hangs slack, and has an end of its own, by its path."""
+    dissipated: tuple[Effort, ...] = ()
+    """Friction, damping and losses of a motor, each along its way."""
+    outside: tuple[Effort, ...] = ()
+    """What works against what is outside, such as the drive of a crosshead or a voltage."""
+
+
+class AbstractMechanism(Parametrised):
+    """Interface of a mechanism."""
+
+    static: ClassVar[bool] = False
+    """True if it takes one element, has no signal, and offers a `load_line`."""
+    typical_scenario: ClassVar[str] = ""
+    """A packaged scenario to begin with, where it needs other elements and drives than most."""
+
+    def ports(self) -> tuple[str, ...]:
+        """Names of the elements that it takes."""
+        return ("element",)
+
+    def signals(self) -> dict[str, str]:
+        """Names of its own drive signals, with their units."""
+        return {}
+
+    @abstractmethod
+    def outputs(self) -> dict[str, Output]:
+        """What can be observed on the mechanism itself; the first is its stroke."""
+
+    @abstractmethod
+    def judged(self) -> dict[str, float]:
+        """Outputs whose convergence is judged, with the least range that counts."""
+
+    def first_step(self) -> float:
+        """Longest step [s] with which a run may begin, for the sake of the mechanism."""
+        return float("inf")
+
+    def sample_time(self) -> float:
+        """Time from sample to sample [s], if it is known at samples alone; else 0."""
+        return 0.0
+
+    @abstractmethod
+    def start_forces(self, xp: Namespace) -> Column:
+        """Force [N] on each element when it is assembled."""
+
+    def first_forces(self, xp: Namespace, signals: Column) -> Column:
+        """The same under the first signals, where these prescribe forces."""
+        return self.start_forces(xp)
+
+    @abstractmethod
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Any:  # fmt: skip
+        """The memory at the start, from the elongations [m] that the start forces give."""
+
+    @abstractmethod
+    def advance(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[Any, list[Any], Report]:  # fmt: skip
+        """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+
+    @require_where("static")
+    def load_line(self, memory: Any) -> Pull:
+        """What the element of a `static` mechanism meets, at any time."""
+        raise make_missing_error(type(self), ["load_line"])
+
+    @abstractmethod
+    def observe(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """Force [N] in each element, and the `outputs` in order."""
+
+    def mechanics(
+        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """What it holds, dissipates and gives to the outside; None if it does not say."""
+        return None
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """What it looks like (`.drawing`), by the same shapes at every time.
+
+        One that says nothing is drawn as elements that hang, moved or turned by its first output;
+        without elements, as a ball on a thread.
+        """
+        name, output = next(iter(self.outputs().items()))
+        value, ports = reading.outputs[name], self.ports()
+        if not ports and output.unit == "m":
+            return lifted(value)
+        shortened = [value if output.unit == "m" else 0.0] * len(ports)
+        return hanging(ports, shortened, [value] if output.unit == "rad" else [], reading)

@@ -1,0 +1,337 @@
+r"""Motor with an unbalance at the tip of a beam: its supply is not ideal, the beam acts back on it.
+
+Tip displacement x, rotor angle φ and motor current i, under the voltage V. The unbalance m sits
+at x + r sin φ; M is the whole moving mass with it, J the rotor without. Gravity is left out.
+
+    M x'' + c x' + k x = m r (φ'² sin φ - φ'' cos φ) + F_w
+    (J + m r²) φ'' + m r x'' cos φ = K_T i - b φ' - F_c tanh(φ'/v₀)
+    L i' = V - K_B φ' - R i
+
+The third coordinate is the charge, whose rate is i. With more than one of the beam's modes, each
+scaled to unit displacement at the tip (`martensite.actuators.mechanics.beam_modes`), x = Σ q_k and
+
+    m_k q_k'' + c_k q_k' + k_k q_k = the right-hand side of the first equation,
+
+all modes with the damping ratio of the first. A wire at the angle θ to the beam is tied to the
+tip; its path, with x growing away from its clamp, and what its tension F does there:
+
+    l(x) = √[(l_w cos θ)² + (l_w sin θ + x)²],        F_w = -F (l_w sin θ + x)/l(x)
+
+It is assembled without tension, with the elongation -s l_w beyond the unloaded hot wire (slack
+s), or just taut where that would stretch it.
+
+The mechanical energy of the isolated system is constant. With `coupling = "printed"` it is not:
+that is equation (3.15) of the thesis, +φ'' cos φ in the first line, for comparison only.
+
+Source: Kossoski (2018), chapter 4 and section 5.2.1, derived anew with Lagrange's equations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from martensite.actuators.mechanics.beam_drawing import drawn_beam
+from martensite.actuators.mechanics.beam_modes import BeamModes
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
+from martensite.actuators.mechanisms.drawing import Reading, Shape
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+
+MOST = 4
+"""Largest number of modes."""
+
+
+@MECHANISMS.register("beam-motor")
+class BeamMotor(AbstractMultibody):
+    """An unbalanced motor on a beam, and a wire at its tip if it is wanted."""
+
+    typical_scenario = "closed_loop_beam"
+
+    cites = ("kossoski2018",)
+
+    motion: str = option("it always moves with inertia", "dynamic", default="dynamic")
+    modes: str = option("modes of the beam that count", "1", "2", "3", "4", default="1")
+    wire: str = option(
+        "what is tied to the tip: nothing, or an element inclined to the beam",
+        "none", "inclined", default="none",
+    )  # fmt: skip
+    coupling: str = option(
+        "inertia of the unbalance in the equation of the tip: derived, or as in equation (3.15) "
+        "of the thesis, which does not conserve energy",
+        "lagrange", "printed", default="lagrange",
+    )  # fmt: skip
+    mass: Scalar = param(
+        "kg",
+        "moving mass M, unbalance included, of the first mode",
+        above=0.0,
+        high=1e4,
+        typical="250 g",
+    )
+    stiffness: Scalar = param(
+        "N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m"
+    )
+    damping: Scalar = param(
+        "N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m"
+    )
+    mass_2: Scalar = param(
+        "kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g"
+    )
+    stiffness_2: Scalar = param(
+        "N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m"
+    )
+    mass_3: Scalar = param(
+        "kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g"
+    )
+    stiffness_3: Scalar = param(
+        "N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m"
+    )
+    mass_4: Scalar = param(
+        "kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g"
+    )
+    stiffness_4: Scalar = param(
+        "N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m"
+    )
+    unbalance: Scalar = param("kg", "mass m of the unbalance", low=0.0, high=1e3, typical="20 g")
+    eccentricity: Scalar = param(
+        "m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm"
+    )
+    rotor_inertia: Scalar = param(
+        "kg*m^2",
+        "inertia J of the rotor without the unbalance",
+        above=0.0,
+        high=1e3,
+        typical="8e-5 kg*m^2",
+    )
+    rotor_friction: Scalar = param(
+        "N*m*s/rad",
+        "viscous friction b of the rotor",
+        low=0.0,
+        high=1e3,
+        default=0.0,
+        typical="1e-5 N*m*s/rad",
+    )
+    dry_friction: Scalar = param(
+        "N*m", "dry friction F_c of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m"
+    )
+    friction_rate: Scalar = param(
+        "rad/s",
+        "rate v₀ over which dry friction changes sign",
+        above=0.0,
+        high=1e3,
+        default=0.1,
+        typical="5 rad/s",
+    )
+    torque_constant: Scalar = param(
+        "N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A"
+    )
+    back_emf: Scalar = param(
+        "V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad"
+    )
+    resistance: Scalar = param(
+        "ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm"
+    )
+    inductance: Scalar = param(
+        "H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH"
+    )
+    wire_length: Scalar = param(
+        "m",
+        "length l_w of the path of the wire at x = 0",
+        above=0.0,
+        default=math.inf,
+        typical="300 mm",
+    )
+    wire_angle: Scalar = param(
+        "rad", "angle θ of the wire to the beam at x = 0", low=0.0, high=1.57, default=math.pi / 12
+    )
+    slack: Scalar = param(
+        "1", "how much longer than its path the unloaded hot wire is; negative: shorter",
+        low=-0.2, high=0.2, default=0.0,
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the numbers of a mode or of the wire are missing or absurd."""
+        for k in range(2, self.count + 1):
+            for name in (f"mass_{k}", f"stiffness_{k}"):
+                if math.isinf(getattr(self, name)):
+                    raise ParameterError(
+                        f"`beam-motor` with modes = {self.modes} needs `{name}`; none given. "
+                        "`modal_numbers` takes them from a beam."
+                    )
+        if self.ports() and math.isinf(self.wire_length):
+            raise ParameterError('`beam-motor` with wire = "inclined" needs `wire_length` [m].')
+        if self.unbalance > self.mass:
+            raise ParameterError(
+                f"Parameter `mass` of `beam-motor` holds the unbalance of {self.unbalance:.6g} kg "
+                f"too, but is {self.mass:.6g} kg."
+            )
+
+    # ---------------------------------------------------------------- what it consists of
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return int(self.modes)
+
+    def ports(self) -> tuple[str, ...]:
+        """The wire, if there is one."""
+        return ("wire",) if self.wire == "inclined" else ()
+
+    def signals(self) -> dict[str, str]:
+        """Voltage of the motor."""
+        return {"motor": "V"}
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Tip displacement or modes, rotor angle, charge."""
+        bends = [Coordinate("displacement", "m", "displacement of the tip", "x", 0.01)]
+        if self.count > 1:
+            numbers = range(1, self.count + 1)
+            words = [(f"mode_{k}", f"tip displacement in mode {k}", f"q_{k}") for k in numbers]
+            bends = [Coordinate(name, "m", long, symbol, 0.01) for name, long, symbol in words]
+        angle = Coordinate("rotor_angle", "rad", "angle of the rotor", "φ", 1.0)
+        return *bends, angle, Coordinate("charge", "A*s", "charge through the motor", "Q", 0.01)
+
+    def _beam(self, xp: Namespace) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
+        """Mass, damping and stiffness of every mode."""
+        yield self.mass, self.damping, self.stiffness
+        for k in range(2, self.count + 1):
+            mass, stiffness = getattr(self, f"mass_{k}"), getattr(self, f"stiffness_{k}")
+            ratio = xp.sqrt((stiffness / self.stiffness) * (mass / self.mass))
+            yield mass, self.damping * ratio, stiffness
+
+    # ---------------------------------------------------------------- geometry and mechanics
+
+    def path(self, xp: Namespace, displacement: Scalar) -> Scalar:
+        """l(x) [m]."""
+        along = self.wire_length * xp.cos(self.wire_angle)
+        across = self.wire_length * xp.sin(self.wire_angle) + displacement
+        return xp.sqrt(along * along + across * across)
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """l_w - l(x) [m]."""
+        if not self.ports():
+            return []
+        return [self.wire_length - self.path(xp, total(position[: self.count]))]
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """None: the wire is assembled without tension [N]."""
+        return [0.0] * len(self.ports())
+
+    def mounted(self, xp: Namespace, elongations: Column) -> Column:
+        """-s l_w [m], at most as long as the wire is without tension."""
+        return [xp.minimum(-self.slack * self.wire_length, free) for free in elongations]
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
+        n, (voltage,) = self.count, signals
+        angle, speed, spin = (column[n] for column in motion)
+        current, change = motion.velocity[n + 1], motion.acceleration[n + 1]
+        moment = self.unbalance * self.eccentricity
+        cosine, sine = xp.cos(angle), xp.sin(angle)
+        turned = -spin * cosine if self.coupling == "lagrange" else spin * cosine
+        thrown = moment * (speed * speed * sine + turned)
+        rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
+        bent = [m * a + c * v + k * q - thrown for (m, c, k), q, v, a in rows]
+        rubbed = self.dry_friction * xp.tanh(speed * (1.0 / self.friction_rate))
+        turning = self._turning() * spin + moment * total(motion.acceleration[:n]) * cosine
+        torque = turning + self.rotor_friction * speed + rubbed - self.torque_constant * current
+        volts = self.inductance * change + self.resistance * current + self.back_emf * speed
+        return [*bent, torque, volts - voltage]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of the beam that is bent, of all that moves, and of the coil."""
+        n, moment = self.count, self.unbalance * self.eccentricity
+        speed, current = motion.velocity[n], motion.velocity[n + 1]
+        rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))
+        bent = total([k * q * q for (_, _, k), q, _ in rows])
+        moved = total([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
+        shared = moment * total(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
+        coil = 0.5 * self.inductance * current * current
+        return Energy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
+
+        Where the voltage per speed is above the torque per current, less arrives at the rotor than
+        is taken from the winding, and that is lost; the other way round a motor would make energy.
+        """
+        n = self.count
+        speed, current = motion.velocity[n], motion.velocity[n + 1]
+        rows = zip(self._beam(xp), motion.velocity[:n], strict=True)
+        rubbed = self.dry_friction * xp.tanh(speed * (1.0 / self.friction_rate))
+        lost = xp.maximum(self.back_emf - self.torque_constant, 0.0) * speed
+        bent = [c * v for (_, c, _), v in rows]
+        return [*bent, self.rotor_friction * speed + rubbed, self.resistance * current + lost]
+
+    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """The voltage of the motor [V]."""
+        return [0.0] * (self.count + 1) + [signals[0]]
+
+    def _turning(self) -> Scalar:
+        """J + m r² [kg m²]."""
+        return self.rotor_inertia + self.unbalance * self.eccentricity * self.eccentricity
+
+    # ---------------------------------------------------------------- what is seen
+
+    def outputs(self) -> dict[str, Output]:
+        """Motion of tip and rotor, current of the motor; modes and charge last."""
+        modes = self.coordinates()[: self.count] if self.count > 1 else ()
+        return {
+            "displacement": Output("m", "displacement of the tip", "x"),
+            "velocity": Output("m/s", "velocity of the tip", "x'"),
+            "rotor_angle": Output("rad", "angle of the rotor", "φ"),
+            "rotor_speed": Output("rad/s", "speed of the rotor", "ω"),
+            "motor_current": Output("A", "current of the motor", "i"),
+            **{mode.name: Output(mode.unit, mode.long_name, mode.symbol) for mode in modes},
+            "charge": Output("A*s", "charge through the motor", "Q"),
+        }
+
+    def judged(self) -> dict[str, float]:
+        """Displacement of the tip and speed of the rotor."""
+        return {"displacement": 1e-5, "rotor_speed": 0.1}
+
+    def first_step(self) -> float:
+        """A fortieth of the shortest period of the beam [s]."""
+        squares = [self.stiffness / self.mass]
+        for k in range(2, self.count + 1):
+            squares.append(getattr(self, f"stiffness_{k}") / getattr(self, f"mass_{k}"))
+        return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
+
+    def observe(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The tension of the wire, and the `outputs` in order."""
+        n, (position, velocity, *_) = self.count, memory.course
+        bends = [total(position[:n]), total(velocity[:n])]
+        turns = [position[n], velocity[n], velocity[n + 1]]
+        modes = position[:n] if n > 1 else ()
+        forces = [element.force(state) for element, state, _ in loads]
+        return forces, [*bends, *turns, *modes, position[n + 1]]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """The beam, the motor with its unbalance, and the wire if there is one."""
+        return drawn_beam(self, reading)
+
+
+def modal_numbers(modes: BeamModes) -> dict[str, Any]:
+    """Arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
+
+    Args:
+        modes: up to four modes of a beam that carries the whole motor at its tip.
+
+    Raises:
+        ParameterError: there are more modes than four.
+    """
+    count = len(modes.omega)
+    if count > MOST:
+        raise ParameterError(f"`beam-motor` takes at most {MOST} modes, but {count} are given.")
+    found: dict[str, Any] = {"modes": str(count)}
+    for k, (mass, stiffness) in enumerate(zip(modes.mass, modes.stiffness, strict=True), start=1):
+        ending = "" if k == 1 else f"_{k}"
+        found |= {f"mass{ending}": mass, f"stiffness{ending}": stiffness}
+    return found

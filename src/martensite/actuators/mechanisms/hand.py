@@ -1,0 +1,241 @@
+r"""Hand: three fingers of two joints, and at every joint a flexor against an extensor.
+
+The fingers `thumb`, `index` and `middle` are alike but for their sizes; each has a `proximal`
+and a `distal` joint with the angles θ₁ and θ₂. A port is called after finger, joint and what
+stands there, as `index_distal_flexor`: twelve elements, such as bundles of wires, each with a
+drive of its own.
+
+Flexors are led through brackets on the inner side (bowstring, at r and g from the hinge),
+extensors over round knuckles of radius ρ on the outer side, where a straight path would soon pass
+over the hinge and turn nothing:
+
+    flexor   ΔL = 2 [r sin h + g (1 - cos h)],   h = θ/2        extensor   ΔL = -ρ θ
+
+The brackets meet at θ = 2 φ with tan φ = g/r: put the upper end stop before it.
+
+With tendons `passing`, the distal flexor runs over the proximal joint too, as those of a hand
+do, and bends both: its path shortens by ΔL(θ₁) + ΔL(θ₂). Against the elements stand joint springs
+k θ + τ₀, damping, and end stops; with inertia, that of two uniform rods. Weight, off by default,
+is that of fingers that hang down. Fingers do not touch anything, and not each other.
+
+All flexors are assembled with the same preload; the extensors get what balances it,
+
+    ρ F_e = Σ r F_f - τ₀        (sum over the flexors that pass the joint)
+
+A finger of size s has all lengths s times and masses s³ times as large. No finger knows of the
+others: their Jacobians are zero and cost nothing. Sign convention: angles grow in flexion, zero
+as assembled, where the fingers are straight.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+from martensite.actuators.mechanics.hand_drawing import drawn_hand
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
+from martensite.actuators.mechanisms.drawing import Reading, Shape
+from martensite.actuators.mechanisms.joints import (
+    Pair,
+    Rod,
+    bowstring,
+    find_kinetic_energy,
+    find_stop_energy,
+    find_weight_energy,
+    hanging_rods,
+    stop_torque,
+    two_rods,
+)
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+
+FINGERS = ("thumb", "index", "middle")
+JOINTS = ("proximal", "distal")
+SIDES = ("flexor", "extensor")
+
+
+@MECHANISMS.register("hand")
+class Hand(AbstractMultibody):
+    """Three fingers of two joints, bent and stretched by twelve elements."""
+
+    typical_scenario = "hand"
+
+    tendons: str = option(
+        "which joints a distal flexor bends: its own, or the proximal one too (`passing`)",
+        "separate", "passing", default="separate",
+    )  # fmt: skip
+    offset: Scalar = param(
+        "m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm"
+    )
+    bracket: Scalar = param(
+        "m",
+        "distance g of a bracket from the hinge, along the phalanx",
+        low=0.0,
+        high=1.0,
+        typical="5 mm",
+    )
+    knuckle: Scalar = param(
+        "m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm"
+    )
+    preload: Scalar = param(
+        "N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N"
+    )
+    stiffness: Scalar = param(
+        "N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad"
+    )
+    torque: Scalar = param(
+        "N*m",
+        "torque τ₀ of a joint spring at angle zero",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m",
+    )
+    lowest: Scalar = param(
+        "rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad"
+    )
+    highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
+    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
+    damping: Scalar = param(
+        "N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad"
+    )
+    proximal_length: Scalar = param(
+        "m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05
+    )
+    proximal_mass: Scalar = param(
+        "kg", "mass of a proximal phalanx", above=0.0, high=1e3, default=0.02
+    )
+    distal_length: Scalar = param(
+        "m", "length of a distal phalanx", above=0.0, high=10.0, default=0.04
+    )
+    distal_mass: Scalar = param("kg", "mass of a distal phalanx", above=0.0, high=1e3, default=0.01)
+    gravity: Scalar = param(
+        "m/s^2",
+        "gravity along the straight fingers",
+        low=0.0,
+        high=100.0,
+        default=0.0,
+        typical="9.81 m/s^2",
+    )
+    thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
+    index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
+    middle: Scalar = param(
+        "1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the extensors would have to push at assembly."""
+        if min(self.start_forces(floats)) < 0.0:
+            least = self.torque / (self.offset * min(self.sizes()))
+            raise ParameterError(
+                f"Parameter `preload` of `hand` must be at least {least:.4g} N, so that the "
+                f"flexors hold the joint springs, but is {self.preload:.4g} N."
+            )
+
+    def cautions(self) -> list[str]:
+        """Brackets that meet before the upper end stop."""
+        meet = 2.0 * math.atan2(self.bracket, self.offset)
+        if self.bracket == 0.0 or meet >= self.highest:
+            return []
+        return [
+            f"The brackets of the hand meet at {meet:.4g} rad, before its upper end stop at "
+            f"{self.highest:.4g} rad; the fingers are bent on as if they did not."
+        ]
+
+    def sizes(self) -> tuple[Scalar, ...]:
+        """Sizes of the fingers, relative to the numbers given."""
+        return self.thumb, self.index, self.middle
+
+    def ports(self) -> tuple[str, ...]:
+        """Flexor and extensor of every joint, such as `thumb_proximal_flexor`."""
+        return tuple("_".join(words) for words in product(FINGERS, JOINTS, SIDES))
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The angles, such as `thumb_proximal`."""
+        words = product(FINGERS, JOINTS)
+        return tuple(
+            Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0)
+            for one, joint in words
+        )
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """Of flexor and extensor of every joint [m]."""
+        found: list[Scalar] = []
+        for i, size in enumerate(self.sizes()):
+            bent = [
+                size * bowstring(xp, angle, self.offset, self.bracket)
+                for angle in position[2 * i : 2 * i + 2]
+            ]
+            if self.tendons == "passing":
+                bent[1] = bent[0] + bent[1]
+            for flexed, angle in zip(bent, position[2 * i : 2 * i + 2], strict=True):
+                found += [flexed, -(size * self.knuckle) * angle]
+        return found
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Torques [N m] of springs, stops, damping, weight and, if it counts, inertia."""
+        found: list[Scalar] = []
+        for i, size in enumerate(self.sizes()):
+            angles, rates, accelerations = (_two(numbers, i) for numbers in motion)
+            rods = self._rods(size)
+            hung = hanging_rods(xp, *rods, angles, self.gravity)
+            moved = two_rods(xp, *rods, angles, rates, accelerations) if self.moves else (0.0, 0.0)
+            for k in range(2):
+                found.append(self._held(xp, angles[k], rates[k]) + hung[k] + moved[k])
+        return found
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of springs and stops of all joints, weight, and phalanges that move."""
+        springs = total([self._spring_energy(xp, angle) for angle in motion.position])
+        lifted, moved = list[Scalar](), list[Scalar]()
+        for i, size in enumerate(self.sizes()):
+            rods, angles = self._rods(size), _two(motion.position, i)
+            lifted.append(find_weight_energy(xp, *rods, angles, self.gravity))
+            moved.append(find_kinetic_energy(xp, *rods, angles, _two(motion.velocity, i)))
+        return Energy(springs, total(lifted), total(moved))
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of every joint [N m]."""
+        return [self.damping * rate for rate in motion.velocity]
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload of the flexors, and what balances it [N]."""
+        found: list[Scalar] = []
+        both = 2.0 if self.tendons == "passing" else 1.0
+        for size in self.sizes():
+            for flexors in (both, 1.0):
+                moment = flexors * self.offset * self.preload - self.torque * (1.0 / size)
+                found += [self.preload, moment * (1.0 / self.knuckle)]
+        return found
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
+        return drawn_hand(self, reading)
+
+    def _rods(self, size: Scalar) -> tuple[Rod, Rod]:
+        """Both phalanges of a finger."""
+        heavier = size * size * size
+        return (
+            Rod(size * self.proximal_length, heavier * self.proximal_mass),
+            Rod(size * self.distal_length, heavier * self.distal_mass),
+        )
+
+    def _held(self, xp: Namespace, angle: Scalar, rate: Scalar) -> Scalar:
+        """Torque [N m] of spring, stops and damping of a joint."""
+        stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
+        return self.torque + self.stiffness * angle + stop + self.damping * rate
+
+    def _spring_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Of spring and stops of a joint [J]."""
+        stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return (self.torque + 0.5 * self.stiffness * angle) * angle + stop
+
+
+def _two(numbers: Column, finger: int) -> Pair:
+    """Those of the two joints of a finger."""
+    return numbers[2 * finger], numbers[2 * finger + 1]

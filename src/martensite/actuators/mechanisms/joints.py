@@ -1,0 +1,101 @@
+r"""Hinges that tendons pass: paths, end stops, and the inertia of two links in a row.
+
+A tendon led through holes at (∓g, -r) from a hinge, on either side of it, has between them the
+straight path of a bowstring. Bent by θ it is shorter by
+
+    ΔL(θ) = 2 [r sin h + g (1 - cos h)],        dΔL/dθ = r cos h + g sin h,        h = θ/2
+
+The plane inertia of two links of lengths l₁ and l₂, uniform rods of masses m₁ and m₂ with the
+relative angles θ₁ and θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/2 and a = m₁ l₁²/3 + m₂ l₁² + d,
+
+    τ₁ = (a + 2 b cos θ₂) θ₁'' + (d + b cos θ₂) θ₂'' - b sin θ₂ (2 θ₁' + θ₂') θ₂'
+    τ₂ = (d + b cos θ₂) θ₁'' + d θ₂'' + b sin θ₂ θ₁'²
+
+Sign convention: angles grow as the tendon pulls. Textbook results.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.kernels.namespace import Namespace, Scalar
+
+Pair = tuple[Scalar, Scalar]
+"""A number for each of two joints in a row."""
+
+
+def bowstring(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
+    """ΔL [m] of a tendon at the distance r = `offset` whose holes are g = `bracket` away [m]."""
+    h = 0.5 * angle
+    return 2.0 * (offset * xp.sin(h) + bracket * (1.0 - xp.cos(h)))
+
+
+def bowstring_arm(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
+    """dΔL/dθ [m]: the moment arm of the same tendon."""
+    h = 0.5 * angle
+    return offset * xp.cos(h) + bracket * xp.sin(h)
+
+
+def stop_torque(
+    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
+) -> Scalar:
+    """Torque [N m] that end stops ask for: a stiff spring outside of the range [rad]."""
+    past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
+    return stiffness * past
+
+
+def find_stop_energy(
+    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
+) -> Scalar:
+    """Energy [J] that end stops hold."""
+    past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
+    return 0.5 * stiffness * past * past
+
+
+class Rod(NamedTuple):
+    """A uniform link."""
+
+    length: Scalar
+    """[m]"""
+    mass: Scalar
+    """[kg]"""
+
+
+def two_rods(
+    xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair
+) -> Pair:
+    """Torques [N m] that accelerate two links in a row."""
+    end = second.mass * second.length * second.length * (1.0 / 3.0)
+    across = 0.5 * second.mass * first.length * second.length
+    base = (first.mass * (1.0 / 3.0) + second.mass) * first.length * first.length + end
+    c, s = across * xp.cos(angles[1]), across * xp.sin(angles[1])
+    (v1, v2), (a1, a2) = rates, accelerations
+    near = (base + 2.0 * c) * a1 + (end + c) * a2 - s * (2.0 * v1 + v2) * v2
+    return near, (end + c) * a1 + end * a2 + s * v1 * v1
+
+
+def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Pair:
+    """Torques [N m] that hold two links against their weight; they hang down at angles zero."""
+    far = 0.5 * second.mass * second.length * xp.sin(angles[0] + angles[1])
+    near = (0.5 * first.mass + second.mass) * first.length * xp.sin(angles[0])
+    return gravity * (near + far), gravity * far
+
+
+def find_kinetic_energy(
+    xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair
+) -> Scalar:
+    """Kinetic energy [J] of two links in a row."""
+    end = second.mass * second.length * second.length * (1.0 / 3.0)
+    across = 0.5 * second.mass * first.length * second.length * xp.cos(angles[1])
+    base = (first.mass * (1.0 / 3.0) + second.mass) * first.length * first.length
+    near, both = rates[0], rates[0] + rates[1]
+    return 0.5 * (base * near * near + end * both * both) + across * near * both
+
+
+def find_weight_energy(
+    xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar
+) -> Scalar:
+    """Energy [J] of two links lifted against their weight; they hang down at angles zero."""
+    far = 0.5 * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
+    near = (0.5 * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
+    return gravity * (near + far)

@@ -1,0 +1,199 @@
+r"""Lever: a wire turns it about a pivot and lifts a weight on the other arm.
+
+The wire runs straight from a fixed point W to the point P at the end of its arm a. As assembled
+P is at (a, 0) from the pivot, and the wire, ℓ long between the points, leaves the arm at the
+angle γ, towards the pivot if that is acute. Turned by φ,
+
+    P = a (cos φ, sin φ),    W = (a - ℓ cos γ, ℓ sin γ),    l = |P - W|,    ΔL = ℓ - l(φ)
+    dΔL/dφ = (P × W)/l                           a sin γ as assembled, 0 at the dead centre
+    (J + m b²) φ'' + c φ' + m g b cos(φ₀ + φ) + τ₀ + k φ + τ_stop = F dΔL/dφ
+
+The weight m hangs on the arm b, which rises at the angle φ₀ as assembled: its lift is
+b [sin(φ₀ + φ) - sin φ₀]. A return spring about the pivot has the torque τ₀ + k φ. Beyond the end
+stops a stiff spring acts; put the upper one before the dead centre, where pivot, P and W are in
+line and the wire turns nothing.
+
+Sign convention: φ grows as the wire pulls; zero as assembled, where wire, weight and spring are
+in balance. Textbook statics.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
+from martensite.actuators.mechanisms.drawing import Reading, Shape, bar, led, pin, weight
+from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@MECHANISMS.register("lever")
+class Lever(AbstractMultibody):
+    """A lever about a pivot between a wire and a weight."""
+
+    arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
+    distance: Scalar = param(
+        "m",
+        "distance ℓ of the fixed end of the wire from its arm",
+        above=0.0,
+        high=100.0,
+        typical="60 mm",
+    )
+    wire_angle: Scalar = param(
+        "rad",
+        "angle γ between wire and arm as assembled",
+        above=0.0,
+        high=3.1,
+        default=0.5 * math.pi,
+        typical="1.3 rad",
+    )
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0, typical="200 g")
+    weight_arm: Scalar = param("m", "arm b of the weight", above=0.0, high=10.0, typical="50 mm")
+    weight_angle: Scalar = param(
+        "rad",
+        "angle φ₀ at which the arm of the weight rises as assembled",
+        low=-1.57,
+        high=1.57,
+        default=0.0,
+        typical="0.2 rad",
+    )
+    gravity: Scalar = param(
+        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
+    )
+    stiffness: Scalar = param(
+        "N*m/rad",
+        "rate of the return spring",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.05 N*m/rad",
+    )
+    torque: Scalar = param(
+        "N*m",
+        "torque of the return spring as assembled",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.02 N*m",
+    )
+    lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
+    highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
+    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
+    damping: Scalar = param(
+        "N*m*s/rad",
+        "damping of the pivot",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.01 N*m*s/rad",
+    )
+    inertia: Scalar = param(
+        "kg*m^2",
+        "inertia of the lever without the weight",
+        above=0.0,
+        high=1e6,
+        default=1e-6,
+        typical="1e-4 kg*m^2",
+    )
+
+    def dead_centre(self) -> float:
+        """Angle [rad] at which pivot, arm and wire are in line."""
+        across = self.distance * math.sin(self.wire_angle)
+        return math.atan2(across, self.arm - self.distance * math.cos(self.wire_angle))
+
+    def cautions(self) -> list[str]:
+        """A dead centre that is reached before the upper end stop."""
+        if self.dead_centre() > self.highest:
+            return []
+        return [
+            f"The lever has its dead centre at {self.dead_centre():.4g} rad, before its upper end "
+            f"stop at {self.highest:.4g} rad; there the wire turns it no further."
+        ]
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The angle."""
+        return (Coordinate("angle", "rad", "angle of the lever", "φ", 1.0),)
+
+    def outputs(self) -> dict[str, Output]:
+        """The angle, its rate if inertia counts, and the lift of the weight."""
+        return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
+
+    def observe(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The tension, and the `outputs` in order."""
+        forces, own = super().observe(xp, memory, loads, signals)
+        rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
+        return forces, [*own, self.weight_arm * rise]
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """ΔL [m]."""
+        x = self.arm * (xp.cos(position[0]) - 1.0) + self.distance * xp.cos(self.wire_angle)
+        y = self.arm * xp.sin(position[0]) - self.distance * xp.sin(self.wire_angle)
+        return [self.distance - xp.sqrt(x * x + y * y)]
+
+    def held(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Torque [N m] of weight and return spring."""
+        weight = self.mass * self.gravity * self.weight_arm
+        return weight * xp.cos(self.weight_angle + angle) + self.torque + self.stiffness * angle
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Torque [N m] of weight, spring, stops, damping and inertia."""
+        (angle,), (rate,), (acceleration,) = motion
+        stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
+        moved = self.damping * rate + self._turning() * acceleration
+        return [self.held(xp, angle) + stop + moved]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of spring and stops, weight and inertia."""
+        (angle,), (rate,), _ = motion
+        rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
+        stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        return Energy(
+            springs=(self.torque + 0.5 * self.stiffness * angle) * angle + stop,
+            gravity=self.mass * self.gravity * self.weight_arm * rise,
+            kinetic=0.5 * self._turning() * rate * rate,
+        )
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """c φ' [N m]."""
+        return [self.damping * motion.velocity[0]]
+
+    def _turning(self) -> Scalar:
+        """J + m b² [kg m²]."""
+        return self.inertia + self.mass * self.weight_arm * self.weight_arm
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """Force at angle zero [N]."""
+        return [self.held(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both arms, the weight on a thread, and the wire from its fixed point."""
+        angle, (port,) = reading.outputs["angle"], self.ports()
+        leaves, a, b = self.wire_angle, self.arm, self.weight_arm
+        fixed = (a - self.distance * math.cos(leaves), 0.0, self.distance * math.sin(leaves))
+        away = (-math.cos(leaves), 0.0, math.sin(leaves))
+        end = (a * math.cos(angle), 0.0, a * math.sin(angle))
+        rises = self.weight_angle + angle
+        hook = (b * math.cos(rises), 0.0, b * math.sin(rises))
+        hung = (hook[0], 0.0, hook[2] - 0.3 * b)
+        pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * max(a, b), 0.3 * b
+        block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
+        found = [
+            bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
+            bar("holder", 0.6 * thick, *block, kind="ground"),
+            pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
+            bar("arm of the wire", thick, pivot, end),
+            *led(port, [fixed, end], reading.lengths[port] - self.distance, away),
+        ]
+        if self.mass > 0.0:
+            found += [
+                bar("arm of the weight", 0.8 * thick, pivot, hook),
+                bar("thread", 0.0, hook, hung, kind="tether"),
+                weight("weight", hung, self.mass, 2.0 * thick, most),
+            ]
+        return found

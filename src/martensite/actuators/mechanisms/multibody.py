@@ -1,0 +1,241 @@
+r"""Mechanisms with coordinates q, any number of elements, and inertia if it is wanted.
+
+A subclass answers for its geometry and its mechanics,
+
+    contraction(q)      how much shorter the path of each element is than at home
+    demand(q, q', q'')  generalised force that the elements must supply for this motion
+
+and nothing else: with the Jacobian J = d(contraction)/dq, taken by dual numbers, and the
+tensions F of the elements, the equations of motion at the end of every step are
+
+    demand_k = Σ_i η_i F_i J_ik,        elongation_i = home_i - contraction_i(q) where taut
+
+where η is what friction leaves of the tension (1 unless a mechanism says otherwise). No element
+can push. `martensite.actuators.mechanics.condensed` solves them together with the laws of the
+elements, implicit in every stress: at no time does a force lag behind the motion.
+
+Sign convention: contraction and tension positive, so a positive J means that the element pulls
+its coordinate up. Angles in rad.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from martensite.actuators.elements.base import AbstractElement, Effort
+from martensite.actuators.mechanics import condensed
+from martensite.actuators.mechanics.elimination import inner, solutions
+from martensite.actuators.mechanics.motion import Course, Motion, Scheme, dynamic, quasi_static
+from martensite.actuators.mechanisms.base import (
+    AbstractMechanism,
+    Column,
+    Energy,
+    Load,
+    Mechanics,
+    Output,
+)
+from martensite.actuators.mechanisms.drawing import Reading, Shape, hanging
+from martensite.base.parameters import option, param
+from martensite.kernels import floats
+from martensite.kernels.dual import jacobian
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
+
+
+class Coordinate(NamedTuple):
+    """A coordinate of a mechanism."""
+
+    name: str
+    unit: str
+    """`rad`, `m`, or another SI unit."""
+    long_name: str
+    symbol: str
+    size: float
+    """A change that matters, in `unit`: the scale of convergence."""
+
+
+class Assembled(NamedTuple):
+    """What a multibody mechanism remembers."""
+
+    home: tuple[Scalar, ...]
+    """Elongation of each element at home [m]."""
+    course: Course
+    stiffness: tuple[Scalar, ...]
+    """Of each element over the last step, transformation included [N/m]."""
+
+
+class AbstractMultibody(AbstractMechanism):
+    """Interface of a mechanism with coordinates; they are zero at home unless it says so."""
+
+    motion: str = option(
+        "how it moves: without inertia (`quasi-static`), or with it (`dynamic`)",
+        "quasi-static", "dynamic", default="quasi-static",
+    )  # fmt: skip
+    rho_inf: Scalar = param(
+        "1", "share of the fastest oscillation that a dynamic step keeps",
+        low=0.0, high=1.0, default=0.8,
+    )  # fmt: skip
+
+    # ---------------------------------------------------------------- a subclass answers
+
+    @abstractmethod
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Its coordinates."""
+
+    @abstractmethod
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """Shortening of the path of each element from home [m]."""
+
+    @abstractmethod
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Generalised forces [N] or [N m] that the elements must supply for a motion."""
+
+    def home(self, xp: Namespace) -> Column:
+        """The coordinates as assembled."""
+        return [0.0] * len(self.coordinates())
+
+    def mounted(self, xp: Namespace, elongations: Column) -> Column:
+        """Elongation of each element at home [m], from those under the start forces."""
+        return elongations
+
+    def transmission(self, xp: Namespace, motion: Motion) -> Column:
+        """Share of each tension that arrives: less than 1 where friction resists it."""
+        return [1.0] * len(self.ports())
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy | None:
+        """What it holds in a motion; without inertia, its kinetic energy does not count.
+
+        With `dissipative` and `imposed` it must answer for all of `demand`. None, and no balance
+        of the work, if the mechanism does not say.
+        """
+        return None
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Part of `demand` [N] or [N m] that takes energy: damping, friction of joints."""
+        return [0.0] * len(motion.position)
+
+    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Generalised forces [N] or [N m] from outside, which `demand` is less by."""
+        return [0.0] * len(motion.position)
+
+    # ---------------------------------------------------------------- what follows
+
+    @property
+    def moves(self) -> bool:
+        """True if inertia counts."""
+        return self.motion == "dynamic"
+
+    def outputs(self) -> dict[str, Output]:
+        """The coordinates, and if inertia counts their rates."""
+        found = {c.name: Output(c.unit, c.long_name, c.symbol) for c in self.coordinates()}
+        if self.moves:
+            found |= {
+                f"{c.name}_rate": Output(f"{c.unit}/s", f"rate of {c.long_name}", f"{c.symbol}'")
+                for c in self.coordinates()
+            }
+        return found
+
+    def judged(self) -> dict[str, float]:
+        """The coordinates."""
+        return {c.name: 1e-3 * c.size for c in self.coordinates()}
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Assembled:  # fmt: skip
+        """At home and at rest; with inertia, under the acceleration that the signals give it."""
+        rest = (0.0,) * len(self.coordinates())
+        place = tuple(self.home(xp))
+        pull = self.supply(xp, place, self.start_forces(xp), rest)
+        start = self.release(xp, Motion(place, rest, rest), pull, signals)
+        course = Course(place, rest, start, start) if self.moves else Course(place, rest)
+        unknown = (0.0,) * len(elements)
+        return Assembled(tuple(self.mounted(xp, elongations)), course, unknown)
+
+    def release(
+        self, xp: Namespace, motion: Motion, supply: Column, signals: Column
+    ) -> tuple[Scalar, ...]:
+        """Accelerations [of the coordinates] under given generalised forces."""
+        if not self.moves:
+            return motion.acceleration
+
+        def needed(xp: Namespace, acceleration: Column) -> Column:
+            return self.demand(xp, motion._replace(acceleration=tuple(acceleration)), signals)
+
+        rest = [0.0] * len(motion.position)
+        needs, inertia = jacobian(xp, needed, rest)
+        free = [s - n for s, n in zip(supply, needs, strict=True)]
+        return tuple(solutions(inertia, [free])[0])
+
+    def supply(
+        self, xp: Namespace, position: Column, forces: Column, velocity: Column
+    ) -> list[Scalar]:
+        """Generalised forces [N] or [N m] of given tensions [N]."""
+        if not self.ports():
+            return [0.0] * len(position)
+        _, lever = jacobian(xp, self.contraction, position)
+        motion = Motion(tuple(position), tuple(velocity), (0.0,) * len(position))
+        shares = self.transmission(xp, motion)
+        arriving = [share * force for share, force in zip(shares, forces, strict=True)]
+        return [inner(arriving, column) for column in zip(*lever, strict=True)]
+
+    def scheme(self, xp: Namespace, course: Course, dt: Scalar) -> Scheme:
+        """How velocity and acceleration follow from the position at the end of a step."""
+        if self.moves:
+            return dynamic(xp, course, dt, self.rho_inf)
+        return quasi_static(xp, course, dt)
+
+    def advance(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[Assembled, list[Any], Report]:  # fmt: skip
+        """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        step = condensed.Step(self, memory, loads, signals, dt)
+        course, stiffness, states, report = step.solved(xp)
+        return Assembled(memory.home, course, tuple(stiffness)), states, report
+
+    def observe(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The tensions at the end of the last step, and the coordinates."""
+        forces = [element.force(state) for element, state, _ in loads]
+        now = memory.course
+        return forces, [*now.position, *(now.velocity if self.moves else ())]
+
+    def mechanics(
+        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """Its energy, what resists along every coordinate, and what friction takes of tensions."""
+        motion = memory.course.motion()
+        held = self.energy(xp, motion)
+        if held is None:
+            return None
+        held = held if self.moves else held._replace(kinetic=0.0)
+        rows = zip(
+            self.dissipative(xp, motion), self.imposed(xp, motion, signals), motion.position,
+            strict=True,
+        )  # fmt: skip
+        efforts = [(Effort(taken, q), Effort(-given, q)) for taken, given, q in rows]
+        dissipated, outside = zip(*efforts, strict=True)
+        paths = self.contraction(xp, motion.position)
+        ways, rubbed = list[Scalar](), list[Effort]()
+        shares = self.transmission(xp, motion)
+        for (element, state, _), home, path, share in zip(
+            loads, memory.home, paths, shares, strict=True
+        ):
+            force = element.force(state)
+            taut = home - element.elongation(xp, state, force)
+            ways.append(xp.where(force > 0.0, taut, path))
+            rubbed.append(Effort((1.0 - share) * force, path))
+        return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
+        home = self.home(floats)
+        place = [
+            reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)
+        ]
+        turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]
+        shortened = [float(by) for by in self.contraction(floats, place)]
+        return hanging(self.ports(), shortened, turned, reading)

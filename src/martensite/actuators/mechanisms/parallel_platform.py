@@ -1,0 +1,170 @@
+r"""Parallel platform: a triangular plate on a universal joint, turned by springs at its vertices.
+
+With the angles α about X and β about Y, the lengths L_i of `platform_kinematics` and the tension
+F_i of the spring at vertex i, each spring is shorter by h - L_i than at home, and
+
+    I α'' - … + b α' = -Σ F_i ∂L_i/∂α + M g e sin α cos β
+    I (1 + sin² α) β'' + … + b β' = -Σ F_i ∂L_i/∂β + M g e cos α sin β
+
+where … are the Coriolis and centrifugal terms of `platform_inertia`, b is the damping of each
+axis of the joint, and e the height of the plate's centroid over the joint: zero if the joint is
+in the plate, and then weight has no moment. The moment of inertia I about an axis in the plate
+is M s²/24, that of a uniform triangle, unless given.
+
+All three springs are assembled with the same preload; a spring without tension hangs slack.
+
+Source: Ranjith Pillai, Murali and Gopal (2018), eqs. 1 to 4, with what they leave out (see the
+errata in the documentation). Sign convention: a positive α lowers the vertex on +Y, so it grows
+as the `first` spring pulls; a positive β lowers the vertex of the `second`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanics.platform_inertia import (
+    Rates,
+    TopPlate,
+    inertia_forces,
+    kinetic_energy,
+    thin_plate,
+    weight_energy,
+    weight_torques,
+)
+from martensite.actuators.mechanics.platform_kinematics import Plates, corners, lengths, vertices
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
+from martensite.actuators.mechanisms.drawing import Reading, Shape, bar, led
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@MECHANISMS.register("parallel-platform")
+class ParallelPlatform(AbstractMultibody):
+    """A plate on a universal joint that three springs tilt about two axes."""
+
+    typical_scenario = "closed_loop_platform"
+
+    cites = ("ranjith2018",)
+
+    side: Scalar = param(
+        "m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm"
+    )
+    height: Scalar = param(
+        "m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm"
+    )
+    mass: Scalar = param("kg", "mass M of the top plate", above=0.0, high=1e6, typical="100 g")
+    inertia: Scalar = param(
+        "kg*m^2",
+        "moment of inertia about an axis in the plate through its centroid; 0 for that of a "
+        "uniform triangle, M s²/24",
+        low=0.0, high=1e6, default=0.0,
+    )  # fmt: skip
+    eccentricity: Scalar = param(
+        "m",
+        "height e of the plate's centroid over the joint; 0 if the joint is there",
+        low=-10.0,
+        high=10.0,
+        default=0.0,
+        typical="-10 mm",
+    )
+    gravity: Scalar = param(
+        "m/s^2", "acceleration of gravity towards the base; negative for a hanging platform",
+        low=-100.0, high=100.0, default=9.80665,
+    )  # fmt: skip
+    damping: Scalar = param(
+        "N*m*s/rad",
+        "damping b of each axis of the joint",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m*s/rad",
+    )
+    preload: Scalar = param(
+        "N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N"
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the joint would be below the base."""
+        if self.eccentricity > self.height:
+            raise ParameterError(
+                f"Parameter `eccentricity` of `parallel-platform` must be at most `height`, "
+                f"{1e3 * self.height:.6g} mm, but is {1e3 * self.eccentricity:.6g} mm: the joint "
+                "would be below the base."
+            )
+
+    def ports(self) -> tuple[str, ...]:
+        """The springs at vertices 0 (on +Y), 1 (at -X) and 2 (at +X)."""
+        return ("first", "second", "third")
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Both angles."""
+        return (
+            Coordinate("alpha", "rad", "rotation about X", "α", 1.0),
+            Coordinate("beta", "rad", "rotation about Y", "β", 1.0),
+        )
+
+    def plates(self) -> Plates:
+        """The geometry."""
+        return Plates(self.side, self.height, self.height - self.eccentricity)
+
+    def top_plate(self, xp: Namespace) -> TopPlate:
+        """Mass, moment of inertia and height over the joint of the plate that moves."""
+        plate = thin_plate(self.plates(), self.mass)
+        given = self.inertia > 0.0
+        return plate._replace(inertia=xp.where(given, self.inertia, plate.inertia))
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """h - L_i [m]."""
+        alpha, beta = position
+        return [self.height - length for length in lengths(xp, self.plates(), alpha, beta)]
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Torques [N m] of inertia and damping, less those of the weight."""
+        (alpha, beta), rates = motion.position, Rates(*motion.velocity)
+        plate, moving = self.top_plate(xp), (0.0, 0.0)
+        if self.moves:
+            moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
+        weight = weight_torques(xp, plate, self.gravity, alpha, beta)
+        return [
+            inertia + self.damping * rate - pull
+            for inertia, rate, pull in zip(moving, rates, weight, strict=True)
+        ]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of the weight and of the plate that moves."""
+        (alpha, beta), plate = motion.position, self.top_plate(xp)
+        lifted = weight_energy(xp, plate, self.gravity, alpha, beta)
+        moved = kinetic_energy(xp, plate, alpha, Rates(*motion.velocity))
+        return Energy(gravity=lifted, kinetic=moved)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """Damping of both axes [N m]."""
+        return [self.damping * rate for rate in motion.velocity]
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload, three times [N]."""
+        return [self.preload] * 3
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
+        alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
+        plates, thick = self.plates(), 0.012 * self.side
+        base = tuple((x, -y, 0.0) for x, y in corners(self.side))
+        top = tuple((x, -y, -z) for x, y, z in vertices(floats, plates, alpha, beta))
+        joint = (0.0, 0.0, plates.pivot)
+        x, y, z = (math.fsum(v[k] for v in top) / 3.0 for k in range(3))
+        found = [
+            Shape("base", "plate", base, thick),
+            bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
+            Shape("joint", "object", (joint,), 2.5 * thick),
+            bar("neck", thick, joint, (x, y, z)),
+            Shape("plate", "plate", top, thick),
+        ]
+        for port, first, last in zip(self.ports(), base, top, strict=True):
+            rest = reading.lengths[port] - self.height
+            found += led(port, [first, last], rest, (0.0, 0.0, -1.0))
+        return found

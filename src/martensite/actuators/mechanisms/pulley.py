@@ -1,0 +1,121 @@
+r"""Antagonistic wires on a pulley: two elements that turn it against each other.
+
+Each is led to the rim at the radius r, so one shortens by r φ as the other is drawn out by it:
+
+    J φ'' + b φ' + k φ + M sin φ = r F₁ - r F₂
+
+with an elastic joint k and a lever whose weight has the moment M at φ = 90°. Both are assembled
+with the same preload. An element without tension hangs slack.
+
+Sign convention: φ grows as the first element, `protagonist`, pulls; zero as assembled.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
+from martensite.actuators.mechanisms.drawing import ARC, Reading, Shape, arc, bar, pin, weight
+from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@MECHANISMS.register("antagonistic-pulley")
+class AntagonisticPulley(AbstractMultibody):
+    """A pulley that two elements turn against each other."""
+
+    typical_scenario = "antagonistic_wires"
+
+    radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
+    preload: Scalar = param(
+        "N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N"
+    )
+    stiffness: Scalar = param(
+        "N*m/rad", "stiffness of the joint", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad"
+    )
+    moment: Scalar = param(
+        "N*m",
+        "weight moment of a lever that hangs down",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.02 N*m",
+    )
+    damping: Scalar = param(
+        "N*m*s/rad",
+        "damping of the joint",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="1e-3 N*m*s/rad",
+    )
+    inertia: Scalar = param(
+        "kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2"
+    )
+
+    def ports(self) -> tuple[str, ...]:
+        """The one that pulls φ up, and the other."""
+        return ("protagonist", "antagonist")
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The angle."""
+        return (Coordinate("angle", "rad", "angle of the pulley", "φ", 1.0),)
+
+    def contraction(self, xp: Namespace, position: Column) -> Column:
+        """±r φ [m]."""
+        turned = self.radius * position[0]
+        return [turned, -turned]
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """Torque [N m] of joint, lever, damping and inertia."""
+        (angle,), (rate,), (acceleration,) = motion
+        held = self.stiffness * angle + self.moment * xp.sin(angle)
+        return [held + self.damping * rate + self.inertia * acceleration]
+
+    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+        """Of joint, lever and inertia."""
+        (angle,), (rate,), _ = motion
+        lifted = self.moment * (1.0 - xp.cos(angle))
+        moved = 0.5 * self.inertia * rate * rate
+        return Energy(0.5 * self.stiffness * angle * angle, lifted, moved)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """b φ' [N m]."""
+        return [self.damping * motion.velocity[0]]
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload, twice [N]."""
+        return [self.preload, self.preload]
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """Both elements come from a wall and are wound on the rim, half a turn as assembled."""
+        angle, r = reading.outputs["angle"], self.radius
+        wound = math.pi * r
+        # straight, as assembled: the longer element reaches to the wall
+        straight = max(*reading.lengths.values(), 2.0 * wound) - wound
+        wide, thick = 0.15 * r, 0.3 * r
+        wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
+        axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
+        found = [
+            bar("wall", thick, *wall, kind="ground"),
+            pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
+            Shape("pulley", "pulley", axis, r, turn=angle),
+        ]
+        for port, side in zip(self.ports(), (1.0, -1.0), strict=True):
+            rim = arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
+            free = reading.lengths[port] - wound
+            start = min(free, straight) if free > 0.0 else 0.5 * r
+            path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
+            found += [
+                bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
+                Shape(port, "wire", tuple(path), 0.0, port),
+            ]
+        if self.moment > 0.0:
+            end = (2.5 * r * math.sin(angle), -3.0 * wide, -2.5 * r * math.cos(angle))
+            found += [
+                bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
+                weight("weight of the lever", end, 0.0, 0.3 * r, r),
+            ]
+        return found

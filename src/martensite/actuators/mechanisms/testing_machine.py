@@ -1,0 +1,224 @@
+"""Testing machine: holds the element and makes its force or its elongation follow a signal.
+
+The signal `command` is what the control prescribes: a force F_c, a stress σ_c, a travel u_c of
+the crosshead, or a strain ε_c. At the end of every step
+
+    force, stress         F = F_c  or  σ_c A
+    elongation, strain    e - e₀ + (F - F₀)/k = u_c  or  ε_c l     while taut, else F = 0
+
+with the elongation e of the element, e₀ as it is mounted under the force F₀ (the preload, or the
+first command where that is a force or a stress), the stiffness k of frame and grips in series,
+and the section A and gauge length l by which the test report divides. Those two belong to the
+report, not to the element: without them a machine knows forces and travels only. Nothing is
+approximated: the element meets a given force, or a straight load line, vertical where frame and
+grips are rigid. No element can be pushed.
+
+While taut the crosshead travels by e - e₀ + (F - F₀)/k, whatever is prescribed. Without an
+extensometer this is what a test reports as elongation, and why its moduli come out too low.
+
+Source: equilibrium of springs in series. Sign convention: command and travel are positive in
+tension and zero as mounted; position is that of the grip, at which the element ends while taut,
+and grows as the element shortens.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, fitted
+from martensite.actuators.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Energy,
+    Load,
+    Mechanics,
+    Output,
+)
+from martensite.actuators.mechanisms.drawing import Reading, Shape, bar
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
+
+UNITS = {"force": "N", "stress": "Pa", "elongation": "m", "strain": "1"}
+"""Control -> unit of its command."""
+SIZES = {"stress": "section", "strain": "gauge_length"}
+"""Control -> what makes a force or a travel of its command."""
+
+
+class Mounted(NamedTuple):
+    """The element when it was mounted."""
+
+    elongation: Scalar
+    """e₀ [m]"""
+    force: Scalar
+    """F₀ [N]"""
+
+
+@MECHANISMS.register("testing-machine")
+class TensileTestingMachine(AbstractMechanism):
+    """A tensile testing machine whose `command` prescribes force, stress, elongation or strain."""
+
+    typical_scenario = "tensile-test"
+
+    control: str = option("what the signal `command` prescribes", *UNITS)
+    preload: Scalar = param(
+        "N",
+        "force F₀ under which the element is mounted if a travel is prescribed",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="3 N",
+    )
+    stiffness: Scalar = param(
+        "N/m",
+        "stiffness k of frame and grips together; rigid if left out",
+        above=0.0,
+        default=math.inf,
+        typical="1e4 N/m",
+    )
+    section: Scalar = param(
+        "m^2",
+        "section A that makes a force of a prescribed stress",
+        above=0.0,
+        default=math.inf,
+        typical="5 m^2",
+    )
+    gauge_length: Scalar = param(
+        "m",
+        "length l that makes an elongation of a prescribed strain",
+        above=0.0,
+        default=math.inf,
+        typical="100 mm",
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the section or length of a stress or strain is missing."""
+        name = SIZES.get(self.control)
+        if name is not None and math.isinf(getattr(self, name)):
+            raise ParameterError(
+                f'`testing-machine` with control = "{self.control}" needs `{name}` '
+                f"[{self.declarations[name].unit}]; none given."
+            )
+
+    def signals(self) -> dict[str, str]:
+        """The command, in the unit of what is prescribed."""
+        return {"command": UNITS[self.control]}
+
+    def outputs(self) -> dict[str, Output]:
+        """Where the grip is, and the travel of the crosshead."""
+        return {
+            "position": Output("m", "position of the mechanism", "x"),
+            "crosshead": Output("m", "travel of the crosshead, frame and grips included", "x_c"),
+        }
+
+    def judged(self) -> dict[str, float]:
+        """The position."""
+        return {"position": 1e-6}
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload [N]."""
+        return [self.preload]
+
+    def first_forces(self, xp: Namespace, signals: Column) -> Column:
+        """The first command, or the preload where that is a travel [N]."""
+        return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        signals: Column,
+    ) -> Mounted:  # fmt: skip
+        """The element as mounted."""
+        return Mounted(elongations[0], self.first_forces(xp, signals)[0])
+
+    def advance(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[Mounted, list[Any], Report]:  # fmt: skip
+        """The element solves the step by itself, against what is prescribed at its end."""
+        ((element, state, heating),) = loads
+        pull = self._pull(memory, signals)
+        after, report = element.advance(xp, state, heating, pull, dt)
+        return memory, [after], report
+
+    def observe(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> tuple[list[Scalar], Column]:
+        """The force that is prescribed or found, the position, and the travel."""
+        ((element, state, _),) = loads
+
+        def tangent(xp: Namespace, force: Scalar) -> Spring:
+            return element.tangent(xp, state, force)
+
+        pull = self._pull(memory, signals)
+        force = fitted(xp, tangent, pull, element.force(state), element.passes)
+        give = (force - memory.force) * (1.0 / self.stiffness)
+        travel = self._travel(xp, memory, element, state, force, signals)
+        return [force], [give - travel, travel]
+
+    def mechanics(
+        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+    ) -> Mechanics:
+        """½ F²/k of frame and grips; the crosshead, as it travels, works against the drive."""
+        ((element, state, _),) = loads
+        force = element.force(state)
+        travel = self._travel(xp, memory, element, state, force, signals)
+        spring = Energy(springs=(0.5 / self.stiffness) * force * force)
+        taut = memory.elongation - element.elongation(xp, state, force)
+        slack = (force - memory.force) * (1.0 / self.stiffness) - travel
+        ways = (xp.where(force > 0.0, taut, slack),)
+        return Mechanics(spring, ways, outside=(Effort(-force, travel),))
+
+    def drawn(self, reading: Reading) -> list[Shape]:
+        """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
+        element = reading.lengths["element"]
+        grip, thick = element - reading.outputs["position"], 0.02 * element
+        head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
+        sides = [((x, 0.0, -thick), (x, 0.0, 1.6 * element)) for x in (-wide, wide)]
+        rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
+        gives = math.isfinite(self.stiffness)
+        return [
+            bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
+            *(bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
+            bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
+            Shape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
+            Shape("frame and grips", "spring" if gives else "link", rod, thick),
+            Shape("grip", "object", (rod[0],), thick),
+        ]
+
+    @property
+    def _pulls(self) -> bool:
+        """True if a force is prescribed, not a travel."""
+        return self.control in ("force", "stress")
+
+    def _target(self, signals: Column) -> Scalar:
+        """Prescribed force [N] or travel [m]."""
+        (command,) = signals
+        size = SIZES.get(self.control)
+        return command if size is None else command * getattr(self, size)
+
+    def _travel(
+        self, xp: Namespace, memory: Mounted, element: AbstractElement, state: Any,
+        force: Scalar, signals: Column,
+    ) -> Scalar:  # fmt: skip
+        """Travel of the crosshead [m] under a force [N]."""
+        if not self._pulls:
+            return self._target(signals)
+        give = (force - memory.force) * (1.0 / self.stiffness)
+        return element.elongation(xp, state, force) - memory.elongation + give
+
+    def _pull(self, memory: Mounted, signals: Column) -> Pull:
+        """The machine as the element sees it."""
+        target = self._target(signals)
+
+        def given(xp: Namespace, spring: Spring) -> Scalar:
+            return xp.maximum(target, 0.0)
+
+        def met(xp: Namespace, spring: Spring) -> Scalar:
+            give = 1.0 / self.stiffness
+            reach = memory.elongation + target + memory.force * give
+            return xp.maximum((reach - spring.free) / (spring.compliance + give), 0.0)
+
+        return given if self._pulls else met

@@ -1,0 +1,1 @@
+"""What everything stands on: parameters, names, units, errors, files."""

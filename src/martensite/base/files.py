@@ -1,0 +1,61 @@
+"""Files that appear whole or not at all, documents, and the folder for what can be made again."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tomllib
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from martensite.base.errors import DataError
+
+
+@contextmanager
+def replacing(path: Path) -> Generator[Path]:
+    """A new file beside `path` that takes its place once it is complete.
+
+    Raises:
+        DataError: the folder does not exist or the file cannot be written.
+    """
+    if not path.parent.is_dir():
+        raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
+    try:
+        yield part
+        part.replace(path)
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
+    """The document in a text; `name` is how an error calls it.
+
+    Raises:
+        DataError: it is not TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise DataError(f"{name} is not valid TOML: it is nested too deeply.") from None
+    except tomllib.TOMLDecodeError as error:
+        raise DataError(
+            f"{name} is not valid TOML: {error}; "
+            'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
+        ) from None
+
+
+def cache_folder() -> Path:
+    """The user's cache folder for this package."""
+    if os.environ.get("XDG_CACHE_HOME"):
+        return Path(os.environ["XDG_CACHE_HOME"]) / "martensite"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "martensite"
+    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
+        return Path(os.environ["LOCALAPPDATA"]) / "martensite" / "Cache"
+    return Path.home() / ".cache" / "martensite"

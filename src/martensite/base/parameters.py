@@ -1,0 +1,379 @@
+"""One declaration per parameter: unit, meaning, bounds and default in one line.
+
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=2e11)
+
+From this line come conversion of text with units, range checks, the command line's
+`params`, the documentation tables, search bounds for identification and the units of saved
+data. `option` declares a choice between words, `text` a free one such as the name of a signal,
+`part` a component chosen from a registry.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transform
+
+from martensite.base import units
+from martensite.base.errors import ParameterError, UnitError, suggestion
+from martensite.base.interfaces import require_methods
+from martensite.base.registry import Registry
+
+REQUIRED: Any = object()
+
+
+class ByUnit(dict[str, Any]):
+    """Typical values of what has a unit that depends on its place: by that unit, in SI."""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What is declared about one field; `kind` is parameter, option, text or part."""
+
+    kind: str
+    doc: str
+    default: Any
+    unit: str = "1"
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    choices: tuple[str, ...] = ()
+    registry: Registry[Any] | None = None
+    typical: Any = None
+    """A value of an ordinary size, as files write it: a form begins with it, and examples of the
+    part are made of it. `ByUnit` where the unit depends on the place. Assumed, never data."""
+
+    def typical_in(self, unit: str) -> Any:
+        """The typical value in a place where the SI unit is this one; None if there is none."""
+        if self.typical is None and self.registry is not None:
+            return self.registry.typical or None
+        return self.typical.get(unit) if isinstance(self.typical, ByUnit) else self.typical
+
+    def convert(self, owner: str, name: str, value: Any) -> Any:
+        """Return the checked value in SI, or raise a sentence naming owner and name."""
+        if self.kind == "parameter":
+            return self._number(owner, name, value)
+        if self.kind == "text":
+            return _texts(owner, name, value)
+        if self.kind == "option" and isinstance(value, int):
+            value = str(value)  # a count, such as `cells = 20`
+        if self.kind == "option" and value not in self.choices:
+            raise ParameterError(
+                f"Option `{name}` of `{owner}` is `{value}`. {suggestion(str(value), self.choices)}"
+            )
+        return value
+
+    def _number(self, owner: str, name: str, value: Any) -> float:
+        try:
+            number = units.parse(value, self.unit) if isinstance(value, str) else float(value)
+        except UnitError as error:
+            raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
+        except (TypeError, ValueError):
+            raise ParameterError(
+                f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}."
+            ) from None
+        if math.isinf(number) and number != self.default:
+            raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
+        too_low = number <= self.low if self.open_low else number < self.low
+        if too_low or number > self.high or math.isnan(number):
+            raise ParameterError(
+                f"Parameter `{name}` of `{owner}` must be {self.allowed()}, but is {value}"
+                f"{'' if isinstance(value, str) else self._label(self.unit)}."
+            )
+        return number
+
+    def allowed(self) -> str:
+        """The allowed range in words, in readable units."""
+        unit = self._readable()
+        label = self._label(unit)
+        low, high = (f"{units.from_si(v, unit, self.unit):.6g}{label}" for v in self.bounds)
+        if math.isinf(self.low) and math.isinf(self.high):
+            return "finite"
+        if math.isinf(self.high):
+            return f"above {low}" if self.open_low else f"at least {low}"
+        if math.isinf(self.low):
+            return f"at most {high}"
+        return f"above {low} and at most {high}" if self.open_low else f"between {low} and {high}"
+
+    def _sort(self) -> str:
+        """What is taken, in words."""
+        if self.unit in units.OF_READINGS:
+            return "a number in the SI unit of the reading"
+        return f"a number in {self.unit} or a text with a unit"
+
+    @staticmethod
+    def _label(unit: str) -> str:
+        """What is written behind a number; nothing where the unit depends on the place."""
+        return "" if unit in ("1", *units.OF_READINGS) else f" {unit}"
+
+    def _readable(self) -> str:
+        """The unit a person would rather read, unless it makes the bounds unwieldy."""
+        unit = units.readable(self.unit)
+        sizes = [abs(units.from_si(v, unit, self.unit)) for v in self.bounds if math.isfinite(v)]
+        return unit if all(size == 0.0 or 1e-3 <= size < 1e5 for size in sizes) else self.unit
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest allowed value in SI."""
+        return self.low, self.high
+
+
+def param(
+    unit: str,
+    doc: str,
+    *,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: float | None = None,
+    default: float = REQUIRED,
+    typical: float | str | ByUnit | None = None,
+) -> Any:
+    """Declare a number in the SI `unit`.
+
+    Args:
+        unit: SI unit.
+        doc: what it is, in words.
+        low: lowest allowed value.
+        high: highest allowed value.
+        above: an excluded lower bound instead of `low`.
+        default: value if none is given; without one, a value must be given.
+        typical: an ordinary value, in SI or as text with a unit (`Declared.typical`).
+    """
+    least = low if above is None else above
+    return Declared(
+        "parameter", doc, default, unit, least, high, above is not None, typical=typical
+    )
+
+
+def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
+    """Declare a choice between words; another choice is another program."""
+    return Declared("option", doc, default, choices=choices, typical=choices[0])
+
+
+def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | None = None) -> Any:
+    """Declare a free text, or several, such as names of signals; another is another program.
+
+    A typical text of `=name` is the same as the entry of that name.
+    """
+    return Declared("text", doc, default, typical=typical)
+
+
+def part(
+    doc: str,
+    registry: Registry[Any] | None = None,
+    *,
+    default: Any = REQUIRED,
+    typical: Any = None,
+) -> Any:
+    """Declare a component, chosen by name from `registry` in files.
+
+    The typical one is a name or a table, as files have it; by default that of the registry.
+    """
+    return Declared("part", doc, default, registry=registry, typical=typical)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One parameter of a tree: dotted path, its declaration, its value, its owner."""
+
+    path: str
+    declared: Declared
+    value: Any
+    owner: str = field(default="")
+
+
+def _texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
+    """A text, or texts as a tuple."""
+    if isinstance(value, str):
+        return value
+    found: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
+    if not all(isinstance(one, str) for one in found):
+        raise ParameterError(
+            f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}."
+        )
+    return found
+
+
+@dataclass_transform(
+    kw_only_default=True, frozen_default=True, field_specifiers=(param, option, text, part)
+)
+class Parametrised:
+    """A frozen object whose fields are declared by `param`, `option` and `part`."""
+
+    registered_name: ClassVar[str] = ""
+    cites: ClassVar[tuple[str, ...]] = ()
+    declarations: ClassVar[dict[str, Declared]] = {}
+    names_reading: ClassVar[tuple[str, ...]] = ()
+    """Texts of its own that may name a reading; in the unit of the first that does, its levels and
+    differences of a reading are given, and those of its components."""
+
+    def __init_subclass__(cls, *, init: bool = True) -> None:
+        """File declarations; `init=False` tells type checkers not to derive arguments from them."""
+        super().__init_subclass__()
+        if isinstance(cls.declarations, property):  # it answers for itself
+            return
+        own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
+        inherited: dict[str, Declared] = {}
+        for base in cls.__bases__:
+            inherited |= getattr(base, "declarations", {})
+        cls.declarations = {**inherited, **own}
+        for name in own:
+            delattr(cls, name)
+
+    def __init__(self, **values: Any) -> None:
+        require_methods(type(self))
+        owner = type(self).registered_name or type(self).__name__
+        unknown = next((name for name in values if name not in self.declarations), None)
+        if unknown is not None:
+            raise ParameterError(
+                f"`{owner}` has no parameter `{unknown}`. {suggestion(unknown, self.declarations)}"
+            )
+        for name, declared in self.declarations.items():
+            value = values.get(name, declared.default)
+            if value is REQUIRED:
+                raise ParameterError(
+                    f"`{owner}` needs `{name}` [{declared.unit}] ({declared.doc}); none given."
+                )
+            self.__dict__[name] = declared.convert(owner, name, value)
+        self.check()
+
+    def check(self) -> None:
+        """Raise `ParameterError` where values contradict each other; override as needed."""
+
+    def layout(self) -> tuple[int, ...]:
+        """Counts that follow from the numbers and decide how large a traced program is."""
+        return ()
+
+    def cautions(self) -> list[str]:
+        """Sentences about values that are allowed but probably not meant."""
+        return []
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
+
+    def __repr__(self) -> str:
+        inner = ", ".join(f"{name}={self.__dict__[name]!r}" for name in self.declarations)
+        return f"{type(self).__name__}({inner})"
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(repr(self.__dict__[name]) for name in self.declarations)))
+
+    def children(self) -> Iterator[tuple[str, Parametrised]]:
+        """The components that are parametrised themselves."""
+        for name in self.declarations:
+            value = self.__dict__[name]
+            if isinstance(value, Parametrised):
+                yield name, value
+
+    def leaves(self, prefix: str = "") -> Iterator[Leaf]:
+        """All numbers of the tree with their dotted paths, depth first."""
+        owner = type(self).registered_name or type(self).__name__
+        for name, declared in self.declarations.items():
+            if declared.kind == "parameter":
+                yield Leaf(prefix + name, declared, self.__dict__[name], owner)
+        for name, child in self.children():
+            yield from child.leaves(f"{prefix}{name}.")
+
+    def tree(self) -> Iterator[Parametrised]:
+        """This object and all components below it."""
+        yield self
+        for _, child in self.children():
+            yield from child.tree()
+
+    def rebuilt(self, values: Mapping[str, Any], prefix: str = "") -> Self:
+        """A twin whose numbers are replaced by path, unchecked: for tracing kernels."""
+        twin = object.__new__(type(self))
+        for name, value in self.__dict__.items():
+            if isinstance(value, Parametrised):
+                value = value.rebuilt(values, f"{prefix}{name}.")
+            twin.__dict__[name] = values.get(prefix + name, value)
+        return twin
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """A checked copy with the numbers at the given paths (or unique endings) changed."""
+        paths = [leaf.path for leaf in self.leaves()]
+        return self._with_paths({_resolved(name, paths): value for name, value in values.items()})
+
+    def with_parts(self, **parts: Any) -> Self:
+        """A checked copy with whole components (or numbers) of its own exchanged."""
+        return type(self)(**{**self._declared(), **parts})
+
+    def _declared(self) -> dict[str, Any]:
+        """What was given: without what a class has worked out of it."""
+        return {name: self.__dict__[name] for name in self.declarations}
+
+    def _with_paths(self, values: Mapping[str, Any]) -> Self:
+        own = self._declared()
+        for name, child in self.children():
+            below = {p[len(name) + 1 :]: v for p, v in values.items() if p.startswith(name + ".")}
+            own[name] = child._with_paths(below) if below else child
+        own.update({path: v for path, v in values.items() if "." not in path})
+        return type(self)(**own)
+
+    def value_of(self, name: str) -> float:
+        """The number, in SI, of a parameter given by its path or by a unique ending of it."""
+        full = self.resolve(name)
+        return next(leaf.value for leaf in self.leaves() if leaf.path == full)
+
+    def resolve(self, name: str) -> str:
+        """The full path of a parameter given by its path or by a unique ending of it."""
+        return _resolved(name, [leaf.path for leaf in self.leaves()])
+
+
+def meant(name: str, paths: Iterable[str]) -> list[str]:
+    """The path that a name is, or else all that it ends."""
+    known = list(paths)
+    return [p for p in known if p == name] or [p for p in known if p.endswith(f".{name}")]
+
+
+def _resolved(name: str, paths: Sequence[str]) -> str:
+    """The one among some paths that a name is, or ends."""
+    found = meant(name, paths)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
+    raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
+
+
+Part = TypeVar("Part", bound=Parametrised)
+
+
+def structure(part: Parametrised) -> tuple[Any, ...]:
+    """A hashable description of everything but the numbers."""
+    options = tuple(
+        (name, getattr(part, name))
+        for name, declared in part.declarations.items()
+        if declared.kind in ("option", "text")
+    )
+    return (
+        type(part),
+        options,
+        part.layout(),
+        tuple((name, structure(child)) for name, child in part.children()),
+    )
+
+
+class Keyed(Generic[Part]):
+    """Something parametrised as a key: two of one structure, whatever their numbers, are equal."""
+
+    __slots__ = ("key", "part")
+
+    def __init__(self, part: Part) -> None:
+        self.key, self.part = structure(part), part
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Keyed) and self.key == cast("Keyed[Any]", other).key
+
+
+def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:
+    """The numbers at some paths, in their order."""
+    known = {leaf.path: leaf.value for leaf in part.leaves()}
+    return [known[path] for path in paths]

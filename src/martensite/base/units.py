@@ -1,0 +1,232 @@
+"""Units at the edge: text with a unit becomes an SI float, and back for labels.
+
+pint is the authority. The everyday spellings below are a table generated from it (and
+compared with it in the tests), so that a short run need not load pint at all. Inside the
+library there are only SI floats in the declared unit.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+from martensite.base.errors import UnitError
+
+# spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset
+EVERYDAY: dict[str, tuple[str, float, float]] = {
+    "1": ("1", 1.0, 0.0),
+    "%": ("1", 0.01, 0.0),
+    "K": ("K", 1.0, 0.0),
+    "degC": ("K", 1.0, 273.15),
+    "m": ("m", 1.0, 0.0),
+    "mm": ("m", 1e-3, 0.0),
+    "cm": ("m", 1e-2, 0.0),
+    "um": ("m", 1e-6, 0.0),
+    "m^3": ("m^3", 1.0, 0.0),
+    "s": ("s", 1.0, 0.0),
+    "ms": ("s", 1e-3, 0.0),
+    "us": ("s", 1e-6, 0.0),
+    "min": ("s", 60.0, 0.0),
+    "Hz": ("Hz", 1.0, 0.0),
+    "kHz": ("Hz", 1e3, 0.0),
+    "kg": ("kg", 1.0, 0.0),
+    "g": ("kg", 1e-3, 0.0),
+    "N": ("N", 1.0, 0.0),
+    "N/m": ("N/m", 1.0, 0.0),
+    "N/mm": ("N/m", 1e3, 0.0),
+    "Pa": ("Pa", 1.0, 0.0),
+    "kPa": ("Pa", 1e3, 0.0),
+    "MPa": ("Pa", 1e6, 0.0),
+    "GPa": ("Pa", 1e9, 0.0),
+    "Pa/K": ("Pa/K", 1.0, 0.0),
+    "MPa/K": ("Pa/K", 1e6, 0.0),
+    "V": ("V", 1.0, 0.0),
+    "mV": ("V", 1e-3, 0.0),
+    "A": ("A", 1.0, 0.0),
+    "mA": ("A", 1e-3, 0.0),
+    "W": ("W", 1.0, 0.0),
+    "mW": ("W", 1e-3, 0.0),
+    "ohm": ("ohm", 1.0, 0.0),
+    "ohm/m": ("ohm/m", 1.0, 0.0),
+    "ohm*m": ("ohm*m", 1.0, 0.0),
+    "ohm m": ("ohm*m", 1.0, 0.0),
+    "kg/m^3": ("kg/m^3", 1.0, 0.0),
+    "J/kg": ("J/kg", 1.0, 0.0),
+    "kJ/kg": ("J/kg", 1e3, 0.0),
+    "J/kg/K": ("J/kg/K", 1.0, 0.0),
+    "W/m/K": ("W/m/K", 1.0, 0.0),
+    "W/m^2/K": ("W/m^2/K", 1.0, 0.0),
+    "W/m^2/K^2": ("W/m^2/K^2", 1.0, 0.0),
+    "W/m^2/K^3": ("W/m^2/K^3", 1.0, 0.0),
+    "1/K": ("1/K", 1.0, 0.0),
+    "1/Pa": ("1/Pa", 1.0, 0.0),
+    "m/s^2": ("m/s^2", 1.0, 0.0),
+    "m/s": ("m/s", 1.0, 0.0),
+    "rad": ("rad", 1.0, 0.0),
+    "deg": ("rad", 0.017453292519943295, 0.0),
+    "rad/s": ("rad/s", 1.0, 0.0),
+    "deg/s": ("rad/s", 0.017453292519943295, 0.0),
+    "N*m": ("N*m", 1.0, 0.0),
+    "mN*m": ("N*m", 1e-3, 0.0),
+    "N*m/rad": ("N*m/rad", 1.0, 0.0),
+    "N*m*s/rad": ("N*m*s/rad", 1.0, 0.0),
+    "N*s/m": ("N*s/m", 1.0, 0.0),
+    "kg*m^2": ("kg*m^2", 1.0, 0.0),
+    "N*m/A": ("N*m/A", 1.0, 0.0),
+    "V*s/rad": ("V*s/rad", 1.0, 0.0),
+    "H": ("H", 1.0, 0.0),
+    "mH": ("H", 1e-3, 0.0),
+}
+
+DEGREES = "delta_degC"
+"""Unit of a difference of two temperatures [K], which has no zero to be shifted."""
+
+LEVEL = "reading"
+"""Declared unit of a level of a reading: that of the reading, which depends on the place."""
+DIFFERENCE = "reading difference"
+"""Declared unit of a difference of two readings; of two temperatures it has no zero."""
+RATE = "reading difference/s"
+"""Declared unit of a rate of a reading."""
+OF_READINGS = (LEVEL, DIFFERENCE, RATE)
+
+# declared SI unit -> unit a person would rather read
+READABLE = {
+    "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
+    "rad/s": "deg/s", DEGREES: "K",
+}  # fmt: skip
+
+PERCENT = ("strain",)
+"""Columns that are read more easily in percent."""
+
+# declared SI unit -> unit for large values, and from which value on
+_LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
+
+_QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+_SPELLINGS = str.maketrans(
+    {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u"}
+    | {"·": "*", "²": "^2", "³": "^3"}
+)
+
+
+def parse(text: str, unit: str) -> float:
+    """Read a quantity such as `"0.381 mm"` as a float in the SI `unit`.
+
+    Raises:
+        UnitError: the text is no number with a unit, or the unit has another dimension.
+    """
+    match = _QUANTITY.match(text.translate(_SPELLINGS))
+    if match is None:
+        raise UnitError(f"`{text}` is not a number with a unit; write for example `1.5 {unit}`.")
+    if not match[2] and unit != "1":
+        raise UnitError(f"`{text}` has no unit; write for example `{text.strip()} {unit}`.")
+    return to_si(float(match[1]), match[2] or "1", unit)
+
+
+def to_si(value: float, spelling: str, unit: str) -> float:
+    """Convert `value` from the unit `spelling` to the declared SI `unit`."""
+    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    return value * factor + offset
+
+
+def from_si(value: float, spelling: str, unit: str) -> float:
+    """Convert `value` from the declared SI `unit` to the unit `spelling`."""
+    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    return (value - offset) / factor
+
+
+def conversion(spelling: str, unit: str) -> tuple[float, float]:
+    """Return (factor, offset) with value in `unit` = value in `spelling` * factor + offset."""
+    if spelling == unit or (spelling, unit) == ("K", DEGREES):
+        return 1.0, 0.0
+    declared, factor, offset = EVERYDAY.get(spelling, ("", 1.0, 0.0))
+    if declared == unit:
+        return factor, offset
+    return _ask_pint(spelling, unit)
+
+
+def require_unit(unit: str) -> None:
+    """Raise `UnitError` unless a declared unit is one."""
+    if unit not in ("1", *OF_READINGS):
+        _ask_pint(unit, unit)
+
+
+def readable(unit: str) -> str:
+    """The unit in which a person would rather read a quantity declared in `unit`."""
+    return READABLE.get(unit, unit)
+
+
+def of_column(name: str, unit: str) -> str:
+    """The unit in which a column is read: percent for strains, else what is readable."""
+    return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else readable(unit)
+
+
+def familiar(value: float, unit: str) -> str:
+    """The unit in which a value of this size, in SI, is best read: GPa for a modulus."""
+    larger = _LARGER.get(unit)
+    return larger[0] if larger and abs(value) >= larger[1] else readable(unit)
+
+
+def of_reading(unit: str, reading: str) -> str:
+    """The SI unit of a number declared in `unit`, for a reading in the SI unit `reading`."""
+    if unit == RATE:
+        return f"{reading}/s"
+    if unit == DIFFERENCE:
+        return DEGREES if reading == "K" else reading
+    return reading if unit == LEVEL else unit
+
+
+_BASES = {
+    "kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "mole": "mol",
+    "candela": "cd", "radian": "rad",
+}  # fmt: skip
+
+
+@cache
+def dimensions(unit: str) -> dict[str, float]:
+    """Exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
+
+    Raises:
+        UnitError: the unit is not known, or is no coherent unit of SI, such as `mm`.
+    """
+    import pint
+
+    try:
+        ureg = _pint_registry()
+        one = ureg.Quantity(1.0, ureg.parse_units("" if unit == "1" else unit)).to_base_units()
+    except (pint.PintError, ValueError, TypeError, AssertionError):
+        raise UnitError(f"`{unit}` is not a known unit.") from None
+    if abs(one.magnitude - 1.0) > 1e-12:
+        raise UnitError(f"`{unit}` is no coherent unit of SI.")
+    return {_BASES[name]: float(power) for name, power in one.unit_items()}
+
+
+@cache
+def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
+    from tokenize import TokenError
+
+    import pint
+
+    ureg = _pint_registry()
+    try:
+        zero = ureg.Quantity(0.0, _delta(spelling)).to(_delta(unit)).magnitude
+        one = ureg.Quantity(1.0, _delta(spelling)).to(_delta(unit)).magnitude
+    except pint.DimensionalityError:
+        raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
+    except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
+        raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
+    return float(one - zero), float(zero)
+
+
+def _delta(spelling: str) -> str:
+    """Inside a compound unit a degree Celsius is a difference of temperature."""
+    if spelling in ("degC", "degF"):
+        return spelling
+    return re.sub(r"\bdeg([CF])\b", r"delta_deg\1", spelling)
+
+
+@cache
+def _pint_registry() -> Any:
+    pint: Any = import_module("pint")
+    return pint.UnitRegistry()

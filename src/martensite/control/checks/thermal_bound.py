@@ -1,0 +1,96 @@
+"""A bound on the temperature that needs no sensor: how hot the element may be at worst.
+
+    C dT̂/dt = P̂(u) - G (T̂ - T̂_a),      T̂ = T̂_a at rest
+
+driven by the signal u that the guard lets pass, with the largest power P̂(u) that the signal can
+bring, the heat capacity C without latent heat, a conductance G below that of the element at any
+temperature up to the limit, and the hottest surroundings T̂_a. Every period is solved exactly.
+A signal under which T̂ would pass its limit within the next period is not let through: T̂ never
+passes the limit, whatever any sensor says.
+
+Nor does the element, if it is equally hot everywhere. With S, the heat that it stores beyond C
+times its rise - that of a larger heat capacity, and latent heat, S = Δh (1 - ξ) - its difference
+to the bound obeys
+
+    C d(T - T̂)/dt ≤ -G (T - T̂) - dS/dt,   so   T - T̂ ≤ [mean of S over the past - S(t)]/C
+
+with a mean that fades with C/G. When T is at its highest so far, and austenite, so is S at its
+most, and T ≤ T̂. While martensite is left, T is below the end of the transformation A_f at its
+stress. So T stays below the limit, or below that A_f if it should be higher. Latent heat must be
+left out of C for this: with it, the bound would be too low once all is austenite.
+
+What it does not know: a source that heats without a signal, or more than declared, and hot spots.
+Pulses go above the mean of their period by up to P (1 - D) D t/C, t being their period: leave
+that much room below what the element can stand.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base.parameters import option, param, text
+from martensite.base.units import DEGREES
+from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.base import DRIVE
+
+
+@CHECKS.register("thermal-bound")
+class ThermalBound(AbstractCheck):
+    """A lumped model of the worst case."""
+
+    alarm, size = 8, 1
+
+    drive: str = text("name of the drive that heats the element", default="drive")
+    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="400 K")
+    band: Scalar = param(
+        DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K"
+    )
+    power: Scalar = param(
+        "W", "largest power in the element at the full signal", above=0.0, typical="1 W"
+    )
+    full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
+    rises: str = option(
+        "power with the signal: `linear` for a duty or a power, `square` for volt or ampere",
+        "linear", "square", default="linear",
+    )  # fmt: skip
+    capacity: Scalar = param(
+        "J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K"
+    )
+    conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
+    ambient: Scalar = param("K", "hottest surroundings", above=0.0, typical="30 degC")
+
+    def names(self) -> tuple[str, ...]:
+        """The drive that heats, and those that are cut."""
+        return (self.drive, *self.cuts())
+
+    def rest(self, xp: Namespace, readings: Named) -> Column:
+        """As hot as the hottest surroundings."""
+        return (self.ambient,)
+
+    def look(
+        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
+    ) -> Looked:
+        """Whether the element may be too hot at the end of the period."""
+        then = self.after(xp, memory[0], wanted[self.drive], dt)
+        return Looked(then > self.limit, then <= self.limit - self.band, memory)
+
+    def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
+        """The bound at the end of the period."""
+        return (self.after(xp, memory[0], allowed[self.drive], dt),)
+
+    def after(self, xp: Namespace, bound: Scalar, signal: Scalar, dt: Scalar) -> Scalar:
+        """The bound [K] after a signal of dt [s]."""
+        settled = self.settled(xp, signal)
+        return settled + (bound - settled) * xp.exp(-self.conductance * dt / self.capacity)
+
+    def settled(self, xp: Namespace, signal: Scalar) -> Scalar:
+        """Where the bound ends under a signal that stays [K]."""
+        share = xp.abs(signal) / self.full
+        share = share if self.rises == "linear" else share * share
+        return self.ambient + self.power * share / self.conductance
+
+    def holds(self, safe: float) -> bool:
+        """Whether the bound stays below its limit under the signal of a cut."""
+        return self.settled(floats, safe) <= self.limit

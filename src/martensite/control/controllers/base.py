@@ -1,0 +1,115 @@
+"""The contract of a controller: a reference and readings in, the signal of a drive out.
+
+A controller is a straight-line kernel with a memory of numbers: `rest` before the first sample,
+`answer` in every sample. On a bench (`martensite.control.loop`) it is traced together with the
+plant,
+the sensors and the observers, so that the whole loop runs in C, in batches and with derivatives.
+The same controller is a drive like any other (`AbstractDrive`): called once per sample with what
+is measured, it answers on plain floats, in `simulate_controlled` or in a program of one's own.
+
+Readings come by name: those of sensors, `estimated.NAME` of observers, and the age of each,
+`NAME.age` [s]. Without sensors they are the outputs of the system themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.interfaces import make_missing_error, require_where
+from martensite.base.parameters import part, text
+from martensite.base.registry import Registry
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.base import WAVEFORMS, AbstractDrive, AbstractWaveform
+
+CONTROLLERS: Registry[AbstractController] = Registry(
+    "controller", "martensite.control.controllers", typical="pid"
+)
+Column: TypeAlias = Sequence[Scalar]
+Readings: TypeAlias = Mapping[str, Scalar]
+HAIR = 1e-9
+"""Difference of times that is rounding [s]."""
+
+
+class Called(NamedTuple):
+    """What a controller remembers as a drive."""
+
+    time: float
+    """Of the last call [s]."""
+    memory: Column
+
+
+class AbstractController(AbstractDrive):
+    """Interface of a controller; a subclass adds `rest` and `answer`."""
+
+    kernel: ClassVar[bool] = True
+    """False for one that is no kernel and runs as a drive only."""
+    names_reading = ("measured",)
+
+    measured: str = text("name of the reading that shall follow the reference", typical="position")
+    reference: AbstractWaveform = part("what it shall follow, in its SI unit", WAVEFORMS)
+
+    def reads(self) -> tuple[str, ...]:
+        """Names of all readings it needs."""
+        return (self.measured,)
+
+    def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
+        """SI unit of the reference: that of the reading that shall follow it.
+
+        Args:
+            readings: SI units of all readings, by name.
+            signal: SI unit of the signal.
+        """
+        return readings[self.measured]
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """What it remembers before the first sample."""
+        return ()
+
+    @require_where("kernel")
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """The signal of this sample, and what is remembered for the next.
+
+        Args:
+            xp: namespace.
+            memory: from the sample before, or from `rest`.
+            reference: what the reading shall be now, in SI.
+            readings: by name, in SI.
+            dt: time since the sample before [s]; 0 for the first one.
+        """
+        raise make_missing_error(type(self), ["answer"])
+
+    def init(self) -> Called | None:
+        """Nothing measured."""
+        return None
+
+    def __call__(
+        self, time: float, measurement: Mapping[str, float], memory: Any
+    ) -> tuple[float, Any]:
+        """Signal at `time` [s] and the new memory; called once in every sample.
+
+        Raises:
+            ParameterError: something that it reads is not measured.
+        """
+        require(self, measurement)
+        wanted = self.reference.value(time)
+        if memory is None:
+            memory = Called(time, self.rest(floats, wanted, measurement))
+        dt = time - memory.time
+        signal, after = self.answer(floats, memory.memory, wanted, measurement, dt)
+        return signal, Called(time, after)
+
+
+def require(controller: AbstractController, known: Mapping[str, Any]) -> None:
+    """Raise `ParameterError` if a controller reads what is not known."""
+    for name in controller.reads():
+        if name not in known:
+            title = controller.registered_name or type(controller).__name__
+            raise ParameterError(
+                f"Controller `{title}` cannot measure `{name}`: there is no such reading. "
+                f"{suggestion(name, known)}"
+            )

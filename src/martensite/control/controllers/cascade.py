@@ -1,0 +1,81 @@
+"""A cascade: the controller of a position asks another one for a temperature.
+
+    T_r = T_0 + C_o(r - y)        within [T_0 + low, T_0 + high] of the outer limits
+    u   = C_i(T_r - T)            within the inner limits
+
+Both are PID controllers (`martensite.control.controllers.pid`). The inner loop is fast and knows no
+hysteresis; limits of the outer one keep the element between two temperatures whatever the
+position does. y and T are readings by name: an estimate, `estimated.temperature`, will do.
+
+Where the inner signal is at a limit and the error of the position asks for more of the same, the
+outer integral stays as it is; more temperature must mean more signal and more of what is
+measured, or the gains have the signs that make it so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.base.parameters import param, part, text
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.pid import PidGains, PidMemory
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+class Both(NamedTuple):
+    """Memories of the two controllers, one after the other."""
+
+    outer: PidMemory
+    inner: PidMemory
+
+    @classmethod
+    def of(cls, memory: Column) -> Both:
+        """From a flat column."""
+        return cls(PidMemory(*memory[:3]), PidMemory(*memory[3:]))
+
+    def flat(self) -> Sequence[Scalar]:
+        """As a flat column."""
+        return (*self.outer, *self.inner)
+
+
+@CONTROLLERS.register("cascade")
+class Cascade(AbstractController):
+    """PID control of a position by PID control of a temperature."""
+
+    cites = ("copaci2019",)
+
+    temperature: str = text("name of the reading of the temperature", default="temperature")
+    start: Scalar = param(
+        "K", "temperature T_0 to which the outer controller adds", typical="60 degC"
+    )
+    outer: PidGains = part("of the position: gains in kelvin per SI unit, limits in kelvin")
+    inner: PidGains = part("of the temperature: gains in signal per kelvin, limits of the signal")
+
+    def reads(self) -> tuple[str, ...]:
+        """Position and temperature."""
+        return self.measured, self.temperature
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """Nothing integrated."""
+        outer = self.outer.law.rest(xp, reference, readings[self.measured])
+        inner = self.inner.law.rest(xp, self.start, readings[self.temperature])
+        return Both(outer, inner).flat()
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """Signal of this sample, and what is remembered for the next."""
+        before, position = Both.of(memory), readings[self.measured]
+        added, outer = self.outer.law.answer(
+            xp, self.outer.gains(xp, dt), before.outer, reference, position
+        )
+        signal, inner = self.inner.law.answer(
+            xp, self.inner.gains(xp, dt), before.inner, self.start + added,
+            readings[self.temperature],
+        )  # fmt: skip
+        limits, gained = self.inner.law, outer.integral - before.outer.integral
+        over = xp.both(signal >= limits.high, gained > 0.0)
+        under = xp.both(signal <= limits.low, gained < 0.0)
+        integral = xp.where(xp.either(over, under), before.outer.integral, outer.integral)
+        return signal, Both(outer._replace(integral=integral), inner).flat()

@@ -1,0 +1,132 @@
+"""Feed-forward by the inverse of a Prandtl–Ishlinskii hysteresis.
+
+Slowly driven, an actuator is a static curve behind a sum of plays, without time:
+
+    y = N(w),    w = a_0 u + Σ a_i p_i(u),    p_i⁺ = max(u - r_i, min(u + r_i, p_i))
+
+with the signal u and the output y. Both have an inverse, and that of the sum is again a sum of
+plays, with thresholds and weights in closed form:
+
+    w = N⁻¹(r),    u_f = b_0 w + Σ b_i q_i(w)
+
+N is given by its values at knots, with lines between them that go on beyond; two knots are a gain
+and an offset. A reference as slow as the loop that was identified is then followed on a line. The
+inverse knows nothing of time: the lag of the heat, and the rate at which something cools, stay as
+they are, and so does every change of load or surroundings; that is for feedback.
+
+`martensite.design.synthesis.inverse_hysteresis` finds the numbers in a slow record.
+
+Source: Kuhnen 2003 (the inverse); Krasnosel'skii and Pokrovskii 1989 (plays).
+"""
+
+from __future__ import annotations
+
+from itertools import accumulate, pairwise
+from typing import Any
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import part
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.correction import KEPT, Correction
+from martensite.control.controllers.pid import PidMemory
+from martensite.control.controllers.row import Row, as_row
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@CONTROLLERS.register("inverse-play")
+class InversePlay(AbstractController):
+    """The signal at which a hysteresis of plays and a curve gives the reference, and feedback."""
+
+    cites = ("kuhnen2003", "krasnoselskii1989")
+
+    thresholds: Any = part(
+        "thresholds r_1 < r_2 < … of the plays, in the unit of the signal", default=()
+    )
+    weights: Any = part("weights a_0, a_1, …, one more than thresholds", default=(1.0,))
+    knots: Any = part("levels of the sum of plays, rising", default=(0.0, 1.0))
+    outputs: Any = part(
+        "what is measured at these levels, rising or falling, in SI", default=(0.0, 1.0)
+    )
+    feedback: Correction = part("limits, and PID on the measured error", default=Correction())
+
+    def check(self) -> None:
+        """Raise `ParameterError` if sum or curve have no inverse."""
+        for name in ("thresholds", "weights", "knots", "outputs"):
+            self.__dict__[name] = as_row("inverse-play", name, self.__dict__[name])
+        self._check_plays()
+        x, y = self.knots.numbers, self.outputs.numbers
+        steps = [b - a for a, b in pairwise(y)]
+        rising = all(b > a for a, b in pairwise(x))
+        turning = not (all(s > 0.0 for s in steps) or all(s < 0.0 for s in steps))
+        if len(x) < 2 or len(x) != len(y) or not rising or turning:
+            raise ParameterError(
+                "The curve of controller `inverse-play` needs 2 or more rising `knots` and as many "
+                f"`outputs` that all rise or all fall, but has knots {x} and outputs {y}."
+            )
+
+    def _check_plays(self) -> None:
+        """Raise `ParameterError` unless thresholds rise and loading never turns back."""
+        r, a = (0.0, *self.thresholds.numbers), self.weights.numbers
+        slopes = list(accumulate(a))
+        rising = all(after > before for before, after in pairwise(r))
+        if len(a) != len(r) or not rising or min(slopes) <= 0.0:
+            raise ParameterError(
+                "The plays of controller `inverse-play` need rising `thresholds` above 0 and one "
+                f"of the `weights` more, with sums a_0 + … + a_i above 0, but have thresholds "
+                f"{r[1:]} and weights {a}."
+            )
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """At rest under the idle signal: all plays there."""
+        idle = self.feedback.limited(xp, 0.0)
+        level = idle * _total(self.weights)
+        correction = self.feedback.rest(xp, reference, readings[self.measured])
+        return [*correction, *[level] * len(self.thresholds.numbers)]
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """Signal of this sample, and what is remembered for the next."""
+        correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
+        level = self._level(xp, reference)
+        first, rows = _inverse(self.thresholds, self.weights)
+        after = [
+            xp.maximum(level - r, xp.minimum(level + r, q))
+            for (r, _), q in zip(rows, plays, strict=True)
+        ]
+        signal = first * level
+        for (_, b), q in zip(rows, after, strict=True):
+            signal = signal + b * q
+        feed, found = self.feedback.limited(xp, signal), readings[self.measured]
+        signal, correction = self.feedback.answer(xp, correction, feed, reference, found, dt)
+        return signal, [*correction, *after]
+
+    def _level(self, xp: Namespace, output: Scalar) -> Scalar:
+        """N⁻¹: the level of the sum of plays at which the curve has an output."""
+        x, y = self.knots.numbers, self.outputs.numbers
+        found = x[0] + (output - y[0]) * ((x[1] - x[0]) / (y[1] - y[0]))
+        way = xp.where(y[1] > y[0], 1.0, -1.0)
+        for k in range(1, len(x) - 1):
+            here = x[k] + (output - y[k]) * ((x[k + 1] - x[k]) / (y[k + 1] - y[k]))
+            found = xp.where(way * (output - y[k]) > 0.0, here, found)
+        return found
+
+
+def _total(weights: Row) -> Scalar:
+    """Gain of the sum at rest."""
+    total: Scalar = 0.0
+    for weight in weights.numbers:
+        total = total + weight
+    return total
+
+
+def _inverse(thresholds: Row, weights: Row) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
+    """b_0, and threshold and weight of every play of the inverse, by Kuhnen's equations."""
+    first, *others = weights.numbers
+    slope, before, place = first, 0.0, 0.0
+    rows: list[tuple[Scalar, Scalar]] = []
+    for r, a in zip(thresholds.numbers, others, strict=True):
+        place = place + slope * (r - before)
+        rows.append((place, -a / (slope * (slope + a))))
+        slope, before = slope + a, r
+    return 1.0 / first, rows

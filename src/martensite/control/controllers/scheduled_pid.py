@@ -1,0 +1,133 @@
+"""A PID controller whose gains follow a schedule, others rising than falling.
+
+    K(σ) = K_j + (K_j+1 - K_j) (σ - σ_j)/(σ_j+1 - σ_j)       between two points of a table,
+
+and the nearest point beyond them, for K_p, K_i and K_d alike, where σ is the reference or any
+reading: a plant whose gain changes over its stroke gets a loop that does not. With two tables,
+`rising` counts from where the reference last rose and `falling` from where it last fell; before
+it has ever moved, the sign of the first error decides. It is the reference that decides and not
+the error, whose sign changes with every noise about the target. If the signal raises what is
+measured, rising is heating and falling is cooling, whose rate no signal can help.
+
+The integral is a signal, not a sum of errors, so that nothing jumps with K_i. Equation, limits
+and anti-windup are those of `martensite.control.controllers.pid`.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+from martensite.actuators.assembly import Members
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, option, param, part, text
+from martensite.base.units import LEVEL
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, sampled
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.levels import HIGH
+
+
+class GainsAt(Parametrised):
+    """Gains at a point of the schedule."""
+
+    at: Scalar = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
+    Kp: Scalar = param(
+        "1", "proportional gain, in signal per SI unit of what is measured", typical=100.0
+    )
+    Ki: Scalar = param("1", "integral gain", default=0.0)
+    Kd: Scalar = param("1", "derivative gain", default=0.0)
+
+
+class Schedule(Members[GainsAt], init=False):
+    """Gains over what decides about them, by names of points, in ascending order."""
+
+    noun, kind = "point", GainsAt
+
+    def __init__(self, **members: GainsAt) -> None:
+        super().__init__(**members)
+        places = [one.at for one in self.members().values()]
+        if not places:
+            raise ParameterError("A schedule of gains needs at least one point; none given.")
+        for before, after in pairwise(places):
+            if not before < after:
+                raise ParameterError(
+                    f"The points of a schedule of gains must ascend, but {after:g} comes after "
+                    f"{before:g}."
+                )
+
+    def gains(self, xp: Namespace, at: Scalar) -> Gains:
+        """Gains at a value, piecewise linear."""
+        points = list(self.members().values())
+        first = points[0]
+        found = Gains(first.Kp, first.Ki, first.Kd)
+        for a, b in pairwise(points):
+            share = xp.clip((at - a.at) / (b.at - a.at), 0.0, 1.0)
+            steps = (b.Kp - a.Kp, b.Ki - a.Ki, b.Kd - a.Kd)
+            found = Gains(*(k + share * step for k, step in zip(found, steps, strict=True)))
+        return found
+
+
+class ScheduledMemory(NamedTuple):
+    """What a scheduled PID controller remembers."""
+
+    integral: Scalar
+    before: Scalar
+    change: Scalar
+    """As `PidMemory`."""
+    reference: Scalar
+    """That of the last sample."""
+    direction: Scalar
+    """1 since the reference rose, -1 since it fell."""
+
+
+@CONTROLLERS.register("scheduled-pid")
+class ScheduledPid(AbstractController):
+    """A PID controller with gains over a reading or the reference, rising and falling."""
+
+    cites = ("copaci2019",)
+    names_reading = ("over", "measured")
+
+    over: str = text("name of the reading that decides; the reference if none", default="")
+    rising: Schedule = part(
+        "gains since the reference rose",
+        typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}},
+    )
+    falling: Schedule | None = part("gains since it fell; as rising if none", default=None)
+    gains_are: str = option(
+        "integral and derivative gains: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
+        *GAINS_ARE, default="per-sample",
+    )  # fmt: skip
+    law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
+
+    def reads(self) -> tuple[str, ...]:
+        """What is controlled, and what decides about the gains."""
+        return (self.measured, self.over) if self.over else (self.measured,)
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> ScheduledMemory:
+        """Nothing integrated, in the direction of the error."""
+        value = readings[self.measured]
+        direction = xp.where(reference < value, -1.0, 1.0)
+        return ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, ScheduledMemory]:
+        """Signal of this sample, and what is remembered for the next."""
+        before = ScheduledMemory(*memory)
+        kept = xp.where(reference < before.reference, -1.0, before.direction)
+        direction = xp.where(reference > before.reference, 1.0, kept)
+        at = readings[self.over] if self.over else reference
+        gains = sampled(xp, self._gains(xp, at, direction), self.gains_are, dt)
+        value, held = readings[self.measured], PidMemory(*before[:3])
+        signal, after = self.law.answer(xp, gains, held, reference, value)
+        return signal, ScheduledMemory(*after, reference, direction)
+
+    def _gains(self, xp: Namespace, at: Scalar, direction: Scalar) -> Gains:
+        """As they were given, for a direction."""
+        up = self.rising.gains(xp, at)
+        if self.falling is None:
+            return up
+        down = self.falling.gains(xp, at)
+        pairs = zip(up, down, strict=True)
+        return Gains(*(xp.where(direction > 0.0, a, b) for a, b in pairs))

@@ -1,0 +1,129 @@
+"""Sliding-mode control: the signal switches on the side of a surface in the space of errors.
+
+    s = ė + λ e                    or, with the integral,   s = ė + 2λ e + λ² ∫e dt,     e = r - y
+    u = u_eq + K φ(s/Φ)            limited to [low, high]
+
+φ is the saturation, φ(x) = x limited to [-1, 1], or tanh. Inside of the boundary layer |s| < Φ
+the control is linear, without chattering; the error that is left there is at most about Φ/λ
+without the integral. On the surface the error decays with the time constant 1/λ.
+
+ė is the difference over the last sample behind a lag with the time constant τ of `filter`. The
+equivalent signal u_eq, which would hold the plant on the surface, is either a straight line of
+the reference, u_0 + k r, to be read off a staircase of the plant, or (`filtered`) what the signal
+has been on the mean: u itself behind a lag of its own, in the sense of Utkin's equivalent
+control. It then takes over what an integral would do, and cannot wind up, since u is limited.
+∫e stays as it is where the signal is limited and the error drives it further.
+
+Gain K is in signal, λ in 1/s, Φ in units of s: those of the reading per second. A negative K
+controls what falls when the signal rises.
+
+Sources: surface, boundary layer and integral of Slotine and Li (1991), chapter 7; equivalent
+control by a lag of Utkin (1992); tanh in a robust controller for an SMA wire by Song et al. (2003).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.base.units import RATE
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN
+
+
+class SlidingMemory(NamedTuple):
+    """What a sliding-mode controller remembers."""
+
+    error: Scalar
+    """That of the last sample."""
+    rate: Scalar
+    """ė behind its lag."""
+    integral: Scalar
+    """∫e dt."""
+    mean: Scalar
+    """The signal behind its lag."""
+
+
+@CONTROLLERS.register("sliding-mode")
+class SlidingMode(AbstractController):
+    """A controller that drives the error onto a surface and along it to 0."""
+
+    cites = ("slotine1991", "utkin1992", "song2003")
+
+    gain: Scalar = param(DRIVE, "largest signal K of the switching part", typical=HIGH)
+    slope: Scalar = param("1/s", "slope λ of the surface", above=0.0, typical="2 1/s")
+    layer: Scalar = param(
+        RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN
+    )
+    boundary: str = option(
+        "what the switching is inside of the layer", "saturation", "tanh", default="saturation"
+    )
+    integral: str = option("integral in the surface", "without", "with", default="without")
+    equivalent: str = option(
+        "the equivalent signal: a line of the reference, or the signal behind a lag",
+        "line", "filtered", default="line",
+    )  # fmt: skip
+    offset: Scalar = param(DRIVE, "u_0 of the line", default=0.0)
+    per_reference: Scalar = param("1", "k of the line, in signal per SI unit", default=0.0)
+    lag: Scalar = param("s", "time constant of the lag of the signal", low=0.0, default=1.0)
+    filter: Scalar = param("s", "time constant τ of the filter of ė", low=0.0, default=0.05)
+    low: Scalar = param(DRIVE, "least signal", default=0.0)
+    high: Scalar = param(DRIVE, "largest signal", default=1.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if there is nothing between the limits."""
+        if not self.low < self.high:
+            raise ParameterError(
+                f"The least signal of a controller must be below the largest one, but they are "
+                f"{self.low:g} and {self.high:g}."
+            )
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> SlidingMemory:
+        """No rate, nothing integrated, the signal nearest to 0."""
+        mean = xp.clip(0.0, self.low, self.high)
+        return SlidingMemory(reference - readings[self.measured], 0.0, 0.0, mean)
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, SlidingMemory]:
+        """Signal of this sample, and what is remembered for the next."""
+        before, error = SlidingMemory(*memory), reference - readings[self.measured]
+        rate = lagged(xp, before.rate, error - before.error, self.filter, dt)
+        integral = before.integral + error * dt
+        part = self._switched(xp, self._surface(error, rate, integral) / self.layer)
+        wanted = self._equivalent(before.mean, reference) + self.gain * part
+        signal = xp.clip(wanted, self.low, self.high)
+        pushed = self.gain * error
+        over = xp.both(wanted > self.high, pushed > 0.0)
+        under = xp.both(wanted < self.low, pushed < 0.0)
+        kept = xp.where(xp.either(over, under), before.integral, integral)
+        mean = lagged(xp, before.mean, signal * dt, self.lag, dt)
+        return signal, SlidingMemory(error, rate, kept, mean)
+
+    def _surface(self, error: Scalar, rate: Scalar, integral: Scalar) -> Scalar:
+        """The variable s, which is 0 on the surface."""
+        if self.integral == "without":
+            return rate + self.slope * error
+        return rate + self.slope * (2.0 * error + self.slope * integral)
+
+    def _switched(self, xp: Namespace, x: Scalar) -> Scalar:
+        """The function φ."""
+        return xp.tanh(x) if self.boundary == "tanh" else xp.clip(x, -1.0, 1.0)
+
+    def _equivalent(self, mean: Scalar, reference: Scalar) -> Scalar:
+        """The signal u_eq."""
+        return (
+            mean if self.equivalent == "filtered" else self.offset + self.per_reference * reference
+        )
+
+
+def lagged(xp: Namespace, before: Scalar, change: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
+    """What changes by `change` in `dt`, behind a lag: its rate, by the implicit rule.
+
+    d = (τ d₋ + Δ)/(τ + dt), and d₋ where dt = 0; with Δ = u dt it is u itself behind the lag.
+    """
+    some = dt > 0.0
+    return xp.where(some, (lag * before + change) / xp.where(some, lag + dt, 1.0), before)

@@ -1,0 +1,84 @@
+"""State feedback around an operating point, with integral action.
+
+    u = u_0 + N (r - y_0) - Σ K_i (z_i - z_0i) + K_I I,    low ≤ u ≤ high
+    I_k = I_k-1 + e_k T,    e = r - y
+
+The states z are readings: sensors, estimates of observers, `estimated.NAME`, or without sensors
+outputs of the plant. N says what the signal does ahead of the feedback where the reference leaves
+the level of the operating point. The integral stops where the signal is at a limit and the error
+would drive it further. `martensite.design.synthesis.lqr` finds all numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param, part, text
+from martensite.base.units import LEVEL
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.row import as_row
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.base import DRIVE
+
+
+@CONTROLLERS.register("state-feedback")
+class StateFeedback(AbstractController):
+    """A signal from all states, such as that of a linear-quadratic regulator."""
+
+    states: tuple[str, ...] = text("readings that are the states; empty: that measured", default=())
+    gains: Any = part("gains K, one per state, in signal per SI unit", default=(0.0,))
+    at: Any = part("states z_0 of the operating point, in SI", default=(0.0,))
+    signal: Scalar = param(DRIVE, "signal u_0 of the operating point", default=0.0)
+    level: Scalar = param(LEVEL, "what is measured there, y_0", default=0.0)
+    prefilter: Scalar = param("1", "gain N of the reference", default=0.0)
+    Ki: Scalar = param("1/s", "gain K_I of the integral of the error", default=0.0)
+    low: Scalar = param(DRIVE, "least signal", default=0.0)
+    high: Scalar = param(DRIVE, "largest signal", default=1.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless there is a gain and a value for every state."""
+        title = "state-feedback"
+        for name in ("gains", "at"):
+            row = self.__dict__[name] = as_row(title, name, self.__dict__[name])
+            if len(row.numbers) != len(self.named):
+                raise ParameterError(
+                    f"`{name}` of `{title}` must have a number for each of the "
+                    f"{len(self.named)} states ({', '.join(self.named)}), but has "
+                    f"{len(row.numbers)}."
+                )
+        if not self.low < self.high:
+            raise ParameterError(
+                f"The least signal of a controller must be below the largest one, but they are "
+                f"{self.low:g} and {self.high:g}."
+            )
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The readings that are the states."""
+        given = (self.states,) if isinstance(self.states, str) else self.states
+        return given or (self.measured,)
+
+    def reads(self) -> tuple[str, ...]:
+        """What is measured, and the states."""
+        return self.measured, *self.named
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """Nothing integrated."""
+        return (0.0,)
+
+    def answer(
+        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """Signal of this sample, and the integral."""
+        added = (reference - readings[self.measured]) * dt
+        integral = memory[0] + added
+        wanted = self.signal + self.prefilter * (reference - self.level) + self.Ki * integral
+        rows = zip(self.named, self.gains.numbers, self.at.numbers, strict=True)
+        for name, gain, value in rows:
+            wanted = wanted - gain * (readings[name] - value)
+        push = self.Ki * added
+        over = xp.both(wanted > self.high, push > 0.0)
+        under = xp.both(wanted < self.low, push < 0.0)
+        kept = xp.where(xp.either(over, under), memory[0], integral)
+        return xp.clip(wanted, self.low, self.high), (kept,)

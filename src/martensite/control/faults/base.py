@@ -1,0 +1,65 @@
+"""The contract of a fault: from one time to another, something on a bench is not as it should be.
+
+A fault acts in one place: on the plant (its supply, its surroundings), on a signal on its way to
+the source, or on a sensor. It is part of the traced loop: everything is a choice by `where`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, param
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+FAULTS: Registry[AbstractFault] = Registry("fault", "martensite.control.faults", typical="stuck")
+HAIR = 1e-7
+"""Difference of times that is rounding, for time is a sum of periods [s]."""
+
+
+class AbstractFault(Parametrised):
+    """Interface of a fault. A subclass overrides what it disturbs."""
+
+    start: Scalar = param("s", "when it begins", low=0.0, default=0.0, typical="0.5 s")
+    end: Scalar = param("s", "when it is over", above=0.0, default=math.inf, typical="1.5 s")
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless it ends after it begins."""
+        if not self.start < self.end:
+            raise ParameterError(
+                f"A fault must end after it begins, but begins at {self.start:g} s and ends at "
+                f"{self.end:g} s."
+            )
+
+    def active(self, xp: Namespace, time: Scalar) -> Flag:
+        """Whether it is there at a time [s]."""
+        return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
+
+    def grown(self, xp: Namespace, time: Scalar) -> Self:
+        """The fault as it is by a time [s]; itself unless it grows."""
+        return self
+
+    def names(self) -> dict[str, str]:
+        """What it names -> `sensor` or `drive`: to be checked by the bench."""
+        return {}
+
+    def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
+        """The plant with the fault in it."""
+        return plant
+
+    def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
+        """What arrives at the source of a drive."""
+        return signal
+
+    def reading(
+        self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag
+    ) -> Scalar:
+        """What a sensor says; `held` is what it said before."""
+        return reading
+
+    def fresh(self, xp: Namespace, sensor: str, fresh: Flag, active: Flag) -> Flag:
+        """Whether there is a new reading of a sensor."""
+        return fresh

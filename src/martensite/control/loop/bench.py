@@ -1,0 +1,155 @@
+"""The bench: a plant in its loops, as one system in discrete time.
+
+In every period, from t_k to t_k+1 = t_k + T:
+
+    signals wanted at t_k → supervisor → plant goes on to t_k+1 → sensors → observers → controllers
+
+so that what a run shows at t_k belongs together: state, readings made then, the signals they led
+to. Controllers sample once per period; the plant goes in `substeps` steps meanwhile. The whole
+is one kernel: a bench is a system, and runs wherever a system runs, on floats, in C, in batches
+and with derivatives.
+
+What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), the
+drives of the plant that no controller has, and for every sensor `noise.NAME` and `jitter.NAME`,
+standard normal numbers; what is not given is 0, so that a run without them is one without noise.
+"""
+
+from __future__ import annotations
+
+from martensite.actuators.assembly import AbstractSystem, Actuator, advanced
+from martensite.actuators.assembly.base import Drive
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
+from martensite.base.parameters import option, param, part
+from martensite.control.loop import names, period
+from martensite.control.loop.checks import check_bench
+from martensite.control.loop.parts import BenchState, Controllers, Faults, Observers, Sensors
+from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import Report
+from martensite.simulate.api import steps_in
+
+
+class Bench(AbstractSystem, init=False):
+    """A plant with everything around it."""
+
+    plant: AbstractSystem = part("what is controlled")
+    period: Scalar = param("s", "time from one sample to the next", above=0.0)
+    sensors: Sensors = part("sensors by name; without any, everything is known", default=Sensors())
+    observers: Observers = part("observers by name", default=Observers())
+    controllers: Controllers = part("controllers by drive of the plant", default=Controllers())
+    supervisor: AbstractSupervisor | None = part("who has the last word", SUPERVISORS, default=None)
+    faults: Faults = part("what goes wrong, by name", default=Faults())
+    substeps: int = part("steps of the plant in a period; 0: as many as it needs", default=0)
+    switching: str = option(
+        "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
+        "share of it that the signal says",
+        "averaged", "pulses", default="averaged",
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Raise `ParameterError` where names do not fit; fix what decides the program's size."""
+        check_bench(self)
+        pieces = self.substeps or steps_in(self.plant, self.period)
+        kept = (mounted.kept(self.period) for mounted in self.sensors.members().values())
+        self.__dict__["_layout"] = (pieces, *kept)
+
+    def layout(self) -> tuple[int, ...]:
+        """Steps in a period, and readings that every sensor keeps."""
+        return self.__dict__["_layout"]
+
+    @property
+    def turns(self) -> int:
+        """Steps of the plant in a period."""
+        return self.layout()[0]
+
+    # ---------------------------------------------------------------- as a system
+
+    @property
+    def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
+        """That of the plant."""
+        return self.plant.mechanism
+
+    def sample_time(self) -> float:
+        """The period [s]."""
+        return self.period
+
+    def actuators(self) -> dict[str, Actuator]:
+        """Those of the plant."""
+        return self.plant.actuators()
+
+    def label(self, port: str, name: str) -> str:
+        """As on the plant."""
+        return self.plant.label(port, name)
+
+    def drive_at(self, port: str) -> str:
+        """As on the plant."""
+        return self.plant.drive_at(port)
+
+    def judged(self) -> dict[str, float]:
+        """As on the plant."""
+        return self.plant.judged()
+
+    def described(self) -> str:
+        """Such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
+        kinds = [one.registered_name for one in self.controllers.members().values()]
+        return f"{self.plant.described()}{', under ' if kinds else ''}{', '.join(kinds)}"
+
+    def drives(self) -> list[Drive]:
+        """References, drives of the plant that are free, noise and jitter."""
+        return names.drives(self)
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
+        return names.outputs(self)
+
+    def profile(self, state: BenchState) -> list[Column]:
+        """Nothing: that of the plant is not kept."""
+        return []
+
+    # ---------------------------------------------------------------- as a kernel
+
+    def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
+        """The plant at rest under no signal of a controller; readings are those of rest."""
+        given = period.sorted_inputs(self, drives)
+        idle = period.idle(self, given)
+        plant = period.faulty(self, xp, 0.0)
+        state = plant.init(xp, *idle.values())
+        known = period.truth(self, xp, plant, state, idle)
+        rows = zip(self.sensors.members().values(), given.numbers, self.layout()[1:], strict=True)
+        sensors = tuple(one.rest(xp, known, noise, kept) for one, (noise, _), kept in rows)
+        known = period.readings(self, sensors, known)
+        observers, controllers, held, _ = period.begun(self, xp, known, given)
+        return BenchState(0.0, state, sensors, observers, controllers, held)
+
+    def step(
+        self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar
+    ) -> tuple[BenchState, Report]:
+        """One period, whatever `dt`: the plant goes on, then everything samples."""
+        given = period.sorted_inputs(self, drives)
+        allowed = period.verdict(self, xp, state, given)
+        signals = period.arriving(self, xp, state.time, allowed.signals)
+        plant, pieces = period.faulty(self, xp, state.time), period.pieces(self, xp, signals)
+        after, report = advanced(xp, plant, state.plant, pieces, self.turns)
+        time = state.time + self.period
+        known = period.truth(self, xp, period.faulty(self, xp, time), after, signals)
+        sensors = period.sensed(self, xp, state.sensors, known, given, time)
+        known = period.readings(self, sensors, known)
+        observers = period.watched(self, xp, state.observers, known, allowed.signals)
+        known |= period.estimates(self, observers)
+        controllers = period.answered(self, xp, state.controllers, known, given)
+        memory = tuple(allowed.memory)
+        return BenchState(time, after, sensors, observers, controllers, memory), report
+
+    def observe(self, xp: Namespace, state: BenchState, *drives: Scalar) -> list[Scalar]:
+        """Everything, at a sample."""
+        given = period.sorted_inputs(self, drives)
+        allowed = period.verdict(self, xp, state, given)
+        signals = period.arriving(self, xp, state.time, allowed.signals)
+        plant = period.faulty(self, xp, state.time)
+        seen = plant.observe(xp, state.plant, *signals.values())
+        readings = [one.reading for one in state.sensors]
+        guesses = [value for one in state.observers for value in one.estimates]
+        held = [one.wanted for one in state.controllers]
+        loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
+        alarm = [] if self.supervisor is None else [allowed.alarm]
+        return [*seen, *readings, *guesses, *loops, *alarm]

@@ -1,0 +1,136 @@
+"""Is a filter as wrong as it says? Many runs of a bench with other noise.
+
+    e = x - x̂,    NEES = eᵀ P⁻¹ e,    x = (T, ξ) of every port
+
+Of a consistent filter the mean over N runs, times N, is chi-square distributed with N n degrees
+of freedom. So is that of the NIS, with as many per run as there are readings. The noise must be
+the one that the filter reckons with: a plant that does the same random walk is a `Shaken` one.
+
+Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import InputError, suggestion
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.run import simulate_bench
+from martensite.control.observers import hidden
+from martensite.control.observers.base import ESTIMATED
+from martensite.control.observers.filter import CORRELATION, AbstractFilter
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.result import Result
+
+Numbers = NDArray[Any]
+CERTAIN = 1e-9
+"""Standard deviation below which nothing is unknown."""
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """Errors of a filter in many runs, as shares of what it says of them."""
+
+    times: Numbers
+    """[s]"""
+    nees: Numbers
+    """(samples, runs)"""
+    nis: Numbers
+    """(samples, runs)"""
+    degrees: int
+    """Degrees of freedom of the NEES: number of hidden values."""
+    readings: int
+    """Those of the NIS."""
+    error: dict[str, Numbers]
+    """Estimate less truth by name, (samples, runs)."""
+
+    @property
+    def runs(self) -> int:
+        """How many runs."""
+        return self.nees.shape[1]
+
+    def band(self, share: float = 0.95) -> tuple[float, float]:
+        """Where the mean NEES of a sample over the runs lies, with that probability."""
+        return _band(self.degrees, self.runs, share)
+
+    def nis_band(self, share: float = 0.95) -> tuple[float, float]:
+        """The same for the NIS."""
+        return _band(self.readings, self.runs, share)
+
+    def inside(self, share: float = 0.95) -> float:
+        """Share of samples whose mean NEES lies in its band; `share` if all is well."""
+        low, high = self.band(share)
+        mean = self.nees.mean(axis=1)
+        return float(np.mean((mean >= low) & (mean <= high)))
+
+
+def consistency(
+    bench: Bench, duration: float, *, observer: str | None = None, runs: int = 50, seed: int = 0,
+    waveforms: Mapping[str, AbstractWaveform] | None = None,
+) -> Consistency:  # fmt: skip
+    """Run a bench many times with other noise.
+
+    Args:
+        bench: with a Kalman filter among its observers.
+        duration: of a run [s].
+        observer: name of the filter; by default the only one.
+        runs: how many.
+        seed: of all noise of the first run; the next ones have the next numbers.
+        waveforms: those of drives of the plant that no controller has, the same in all runs.
+
+    Raises:
+        InputError: there is no filter of that name.
+    """
+    chosen, unknown = _filter(bench, observer), hidden.names(bench.plant)
+    found = [
+        _judged(
+            simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown
+        )
+        for k in range(runs)
+    ]
+    nees, nis, error = zip(*found, strict=True)
+    errors = {name: np.stack([one[name] for one in error], axis=1) for name in unknown}
+    times = bench.period * np.arange(1, len(nees[0]) + 1)
+    nees, nis = np.stack(nees, axis=1), np.stack(nis, axis=1)
+    return Consistency(times, nees, nis, len(unknown), len(chosen.reads()), errors)
+
+
+def _judged(run: Result, unknown: list[str]) -> tuple[Numbers, Numbers, dict[str, Numbers]]:
+    """NEES, NIS and errors of a run, without its start at rest."""
+    columns = {name: np.asarray(column)[1:] for name, column in run.columns.items()}
+    error = {name: columns[ESTIMATED + name] - columns[name] for name in unknown}
+    e = np.stack([error[name] for name in unknown], axis=-1)
+    sized = np.linalg.solve(_covariance(columns, unknown), e[..., None])[..., 0]
+    return np.sum(e * sized, axis=-1), columns[f"{ESTIMATED}nis"], error
+
+
+def _filter(bench: Bench, name: str | None) -> AbstractFilter:
+    members = bench.observers.members()
+    found = {n: one for n, one in members.items() if isinstance(one, AbstractFilter)}
+    chosen = name or (next(iter(found)) if len(found) == 1 else "")
+    if chosen not in found:
+        raise InputError(f"There is no Kalman filter `{chosen}`. {suggestion(chosen, found)}")
+    return found[chosen]
+
+
+def _covariance(columns: Mapping[str, Any], unknown: list[str]) -> Numbers:
+    """P of every sample, (samples, n, n)."""
+    size = [np.maximum(columns[f"{ESTIMATED}{name}_std"], CERTAIN) for name in unknown]
+    rows = [[a * b for b in size] for a in size]
+    for i, a in enumerate(unknown):
+        for j, b in enumerate(unknown[i + 1 :], i + 1):
+            rows[i][j] = rows[i][j] * columns[f"{ESTIMATED}{CORRELATION}.{a}.{b}"]
+            rows[j][i] = rows[i][j]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _band(degrees: int, runs: int, share: float) -> tuple[float, float]:
+    from scipy.stats import chi2
+
+    ends = chi2.ppf([0.5 - 0.5 * share, 0.5 + 0.5 * share], degrees * runs) / runs
+    return float(ends[0]), float(ends[1])

@@ -1,0 +1,140 @@
+"""A sensor on a bench: what it looks at, how often, and how late what it says arrives.
+
+    truth → lag and noise → rounding → held until the next sample → late by delay + jitter n
+
+Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its
+readings, a whole number of periods of the bench in the end: one is made in the first period in
+which so much time has gone by. Where there is nothing to measure none is made, and the last one
+counts on. Readings travel, each for `delay` + `jitter` n, with a standard normal number n of its
+own that is limited to ±4; less than 0 is 0. In every period the newest one counts that has
+arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, param, part, text
+from martensite.control.faults.base import AbstractFault
+from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+HAIR = 1e-9
+"""Part of a period that is rounding."""
+WORST = 4.0
+"""Jitters beyond which no reading is later."""
+NEVER = 1e9
+"""Age of a reading that was never made [s]."""
+
+
+class Sensed(NamedTuple):
+    """What a sensor on a bench remembers."""
+
+    inner: tuple[Scalar, ...]
+    """Of the sensor itself."""
+    held: Scalar
+    """Its last reading."""
+    elapsed: Scalar
+    """Time since it was made [s]."""
+    past: tuple[Scalar, ...]
+    """Readings of this and the last periods, latest first."""
+    ages: tuple[Scalar, ...]
+    """Their ages then [s]."""
+    travels: tuple[Scalar, ...]
+    """How long they travel [s]."""
+    reading: Scalar
+    """What has arrived."""
+    age: Scalar
+    """And how old it is [s]."""
+
+
+class Mounted(Parametrised):
+    """A sensor in its place."""
+
+    sensor: AbstractSensor = part("the sensor", SENSORS)
+    of: str | tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
+    sample_time: Scalar = param("s", "time between its readings", low=0.0, default=0.0)
+    delay: Scalar = param("s", "how late a reading arrives", low=0.0, default=0.0)
+    jitter: Scalar = param("s", "standard deviation of the delay", low=0.0, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless it is told as many outputs as the sensor looks at."""
+        wanted, given = self.sensor.sees, self.sees()
+        if len(given) != len(wanted):
+            raise ParameterError(
+                f"Sensor `{self.sensor.registered_name}` looks at {' and '.join(wanted)}: `of` "
+                f"must name {len(wanted)}, but is {', '.join(given)}."
+            )
+
+    def sees(self) -> tuple[str, ...]:
+        """Outputs that it looks at."""
+        given = (self.of,) if isinstance(self.of, str) else self.of
+        return given or self.sensor.sees
+
+    def kept(self, period: float) -> int:
+        """Readings to be kept for the delay."""
+        return 1 + math.ceil((self.delay + WORST * self.jitter) / period - HAIR)
+
+    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
+        """The first reading, made at rest; it has been the same for long."""
+        seen = [truth[name] for name in self.sees()]
+        inner = self.sensor.rest(xp, seen)
+        value, inner = self.sensor.reading(xp, inner, seen, noise, 0.0)
+        age = xp.where(self.sensor.valid(xp, seen), 0.0, NEVER)
+        past, ages, travels = ((one,) * kept for one in (value, age, self.delay))
+        return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
+
+    def step(
+        self, xp: Namespace, before: Sensed, truth: Mapping[str, Scalar],
+        numbers: tuple[Scalar, Scalar], period: Scalar, disturbed: Disturbed,
+    ) -> Sensed:  # fmt: skip
+        """What it says a period [s] later, with normal numbers for noise and jitter."""
+        noise, late = numbers
+        seen = [truth[name] for name in self.sees()]
+        value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
+        value = disturbed.reading(xp, value, before.held)
+        elapsed = before.elapsed + period
+        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - HAIR * period)
+        fresh = disturbed.fresh(xp, due)
+        held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
+        travel = xp.clip(late, -WORST, WORST) * self.jitter + self.delay
+        travel = xp.where(fresh, travel, before.travels[0])
+        past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
+        travels = (travel, *before.travels[:-1])
+        reading, age = _arrived(xp, past, ages, travels, period)
+        return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
+
+
+def _arrived(
+    xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The newest reading that has arrived, and its age [s]; the oldest one has."""
+    oldest = len(past) - 1
+    reading, age = past[oldest], ages[oldest] + oldest * period
+    for k in range(oldest - 1, -1, -1):
+        old = ages[k] + k * period
+        there = old >= travels[k] - HAIR * period
+        reading, age = xp.where(there, past[k], reading), xp.where(there, old, age)
+    return reading, age
+
+
+class Disturbed:
+    """How faults disturb one sensor."""
+
+    def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
+        self.name, self.faults = name, faults
+
+    def reading(self, xp: Namespace, reading: Scalar, held: Scalar) -> Scalar:
+        """What it says, after every fault."""
+        for fault, active in self.faults:
+            reading = fault.reading(xp, self.name, reading, held, active)
+        return reading
+
+    def fresh(self, xp: Namespace, fresh: Flag) -> Flag:
+        """Whether there is a new reading, after every fault."""
+        for fault, active in self.faults:
+            fresh = fault.fresh(xp, self.name, fresh, active)
+        return fresh

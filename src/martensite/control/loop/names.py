@@ -1,0 +1,124 @@
+"""What everything on a bench is called: drives, readings, outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from martensite.actuators.assembly.base import Drive
+from martensite.actuators.mechanisms.base import Output
+from martensite.control.loop.mounted import Mounted
+from martensite.control.observers.base import ESTIMATED
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+
+MEASURED, REFERENCE, WANTED, NOISE, JITTER = "measured.", "reference", "wanted", "noise.", "jitter."
+ALARM = "alarm"
+AGE = ".age"
+AMBIENT = "ambient"
+
+
+def references(bench: Bench) -> list[str]:
+    """Names of the references, in the order of the controllers."""
+    names = list(bench.controllers.members())
+    return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
+
+
+def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
+    """Names of the references of drives that run outside of a bench, by drive.
+
+    As on a bench: `reference` of a controller that is alone, `reference.DRIVE` beside others.
+    """
+    found = list(outside)
+    alone = len(found) == 1 and not bench.controllers.members()
+    return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
+
+
+def drives(bench: Bench) -> list[Drive]:
+    """References, drives of the plant that are free, noise and jitter."""
+    taken = bench.controllers.members()
+    rows = zip(references(bench), reference_units(bench), strict=True)
+    followed = [Drive(name, unit, False, True) for name, unit in rows]
+    free = [drive for drive in bench.plant.drives() if drive.name not in taken]
+    numbers = [
+        Drive(kind + name, "1", False, True)
+        for name in bench.sensors.members()
+        for kind in (NOISE, JITTER)
+    ]
+    return [*followed, *free, *numbers]
+
+
+def reference_units(bench: Bench) -> list[str]:
+    """SI units of the references, in the order of the controllers."""
+    known = {name: output.unit for name, output in readings(bench).items()}
+    signals = {drive.name: drive.unit for drive in bench.plant.drives()}
+    members = bench.controllers.members().items()
+    return [one.reference_unit(known, signals[name]) for name, one in members]
+
+
+def readings(bench: Bench) -> dict[str, Output]:
+    """What controllers may read: readings and estimates, and the age of readings."""
+    found = {
+        name: Output(_unit(bench, one), f"reading of {name}", f"y_{name}")
+        for name, one in bench.sensors.members().items()
+    }
+    found = found or dict(bench.plant.outputs())
+    ages = {name + AGE: Output("s", f"age of {name}", "t") for name in found}
+    return found | estimates(bench) | ages
+
+
+def estimates(bench: Bench) -> dict[str, Output]:
+    """What observers estimate."""
+    return {
+        ESTIMATED + name: output._replace(long_name=f"estimated {output.long_name}")
+        for one in bench.observers.members().values()
+        for name, output in one.estimates().items()
+    }
+
+
+def outputs(bench: Bench) -> dict[str, Output]:
+    """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
+    known = readings(bench)
+    measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
+    found = bench.plant.outputs() | measured | estimates(bench)
+    signals = {drive.name: drive.unit for drive in bench.plant.drives()}
+    members = bench.controllers.members().items()
+    rows = zip(references(bench), reference_units(bench), members, strict=True)
+    for name, unit, (drive, one) in rows:
+        found[name] = reference_output(unit, one.measured or drive)
+        found[wanted_name(name)] = wanted_output(signals[drive], drive)
+    if bench.supervisor is not None:
+        found[ALARM] = Output("1", "alarm of the supervisor", "a")
+    return found
+
+
+def reference_output(unit: str, followed: str) -> Output:
+    """What a controller shall follow."""
+    return Output(unit, f"reference of {followed}", "r")
+
+
+def wanted_output(unit: str, drive: str) -> Output:
+    """What a controller answers."""
+    return Output(unit, f"signal that {drive} shall have", "u")
+
+
+def wanted_name(reference: str) -> str:
+    """Name of the signal that a controller wants, by that of its reference."""
+    return WANTED + reference.removeprefix(REFERENCE)
+
+
+def truths(bench: Bench) -> dict[str, Output]:
+    """What sensors may look at: outputs of the plant, and the surroundings."""
+    found = dict(bench.plant.outputs())
+    for port in bench.plant.actuators():
+        name = bench.plant.label(port, AMBIENT)
+        found[name] = Output("K", "temperature of the surroundings", "T_a")
+    return found
+
+
+def _unit(bench: Bench, mounted: Mounted) -> str:
+    """Unit of the readings of a sensor: its own, or that of what it looks at."""
+    if mounted.sensor.unit is not None:
+        return mounted.sensor.unit
+    return truths(bench)[mounted.sees()[0]].unit

@@ -1,0 +1,182 @@
+"""The parts of a period on a bench: kernels that `Bench` puts in order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.course import Piece
+from martensite.control.loop.mounted import Disturbed, Sensed
+from martensite.control.loop.names import AGE, AMBIENT
+from martensite.control.loop.parts import BenchState, Controlling, Inputs, Named, Watching
+from martensite.control.loop.supervisor import Verdict
+from martensite.control.observers.base import ESTIMATED
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import AbstractSwitch
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+
+Signals = Mapping[str, Scalar]
+SLIGHT = 1e-9
+"""Least share of a period, so that no step has length 0."""
+
+
+def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
+    """What drives the bench, by where it goes."""
+    taken, rest = bench.controllers.members(), iter(drives)
+    references = tuple(next(rest) for _ in taken)
+    free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
+    numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
+    return Inputs(references, free, numbers)
+
+
+def verdict(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
+    """Signals by drive of the plant, as the supervisor lets them pass."""
+    ordered, known = wanted(bench, state.controllers, given), Named()
+    if bench.supervisor is not None:
+        if not state.sensors:
+            known = truth(bench, xp, faulty(bench, xp, state.time), state.plant, ordered)
+        known = readings(bench, state.sensors, known) | estimates(bench, state.observers)
+    return judged(bench, xp, state.supervisor, ordered, known)
+
+
+def wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Named:
+    """Signals of controllers and those that no controller has, in the order of the drives."""
+    taken = zip(bench.controllers.members(), controllers, strict=True)
+    found = given.free | {name: held.wanted for name, held in taken}
+    return {drive.name: found[drive.name] for drive in bench.plant.drives()}
+
+
+def idle(bench: Bench, given: Inputs) -> Named:
+    """Signals before anything is controlled, in the order of the drives."""
+    return {drive.name: given.free.get(drive.name, 0.0) for drive in bench.plant.drives()}
+
+
+def judged(
+    bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Named, known: Named
+) -> Verdict:
+    """What the supervisor makes of signals; without one they pass."""
+    if bench.supervisor is None:
+        return Verdict(signals, 0.0, ())
+    return bench.supervisor.judge(xp, memory, signals, known, bench.period)
+
+
+def begun(
+    bench: Bench, xp: Namespace, known: Named, given: Inputs
+) -> tuple[tuple[Watching, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
+    """Observers, controllers and supervisor in the first sample, and all that is read there."""
+    first = [one.rest(xp, known, idle(bench, given)) for one in bench.observers.members().values()]
+    observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
+    known = known | estimates(bench, observers)
+    rows = zip(bench.controllers.members().values(), given.references, strict=True)
+    found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
+    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
+    return observers, controllers, held, known
+
+
+def faulty(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
+    """The plant as it is at a time [s]."""
+    plant = bench.plant
+    for fault in bench.faults.members().values():
+        plant = fault.plant(xp, plant, fault.active(xp, time))
+    return plant
+
+
+def arriving(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Named:
+    """Signals as they arrive at the sources."""
+    found = dict(signals)
+    for fault in bench.faults.members().values():
+        active = fault.active(xp, time)
+        found = {name: fault.signal(xp, name, u, active) for name, u in found.items()}
+    return found
+
+
+def pieces(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
+    """Signals and lengths of what is repeated in a period."""
+    length = bench.period / bench.turns
+    if bench.switching == "averaged":
+        return [(list(signals.values()), length)]
+    ((duty, share),) = _switched(bench, xp, signals)
+    on, off = closed(xp, duty, share), xp.where(share < 1.0, 0.0, closed(xp, duty, share))
+    share = xp.clip(share, SLIGHT, 1.0 - SLIGHT)
+    return [([on], share * length), ([off], (1.0 - share) * length)]
+
+
+def _switched(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scalar, Scalar]]:
+    """Signal of every switch, and the share of the time for which it is closed."""
+    sources = [one.source for one in bench.plant.actuators().values()]
+    frequency = bench.turns / bench.period
+    rows = zip(sources, signals.values(), strict=True)
+    return [(u, one.share(xp, u, frequency)) for one, u in rows if isinstance(one, AbstractSwitch)]
+
+
+def closed(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
+    """The signal of a switch in its pulse: 1, or -1 for a negative duty; 0 if none comes."""
+    return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
+
+
+def truth(
+    bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals
+) -> Named:
+    """What sensors may look at; electrical outputs are those while the switch is closed."""
+    applied = list(signals.values())
+    if bench.switching == "pulses":
+        applied = [closed(xp, u, share) for u, share in _switched(bench, xp, signals)]
+    found: Named = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
+    for port, one in plant.actuators().items():
+        found[plant.label(port, AMBIENT)] = one.environment.temperature
+    return found
+
+
+def sensed(
+    bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Named, given: Inputs, time: Scalar
+) -> tuple[Sensed, ...]:
+    """All sensors a period later."""
+    rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
+    every = bench.faults.members().values()
+    faults = [(one.grown(xp, time), one.active(xp, time)) for one in every]
+    return tuple(
+        mounted.step(xp, held, known, numbers, bench.period, Disturbed(name, faults))
+        for (name, mounted), held, numbers in rows
+    )
+
+
+def watched(
+    bench: Bench, xp: Namespace, before: Sequence[Watching], known: Named, signals: Named
+) -> tuple[Watching, ...]:
+    """All observers a period later."""
+    rows = zip(bench.observers.members().values(), before, strict=True)
+    found = [
+        one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows
+    ]
+    return tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in found)
+
+
+def answered(
+    bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Named, given: Inputs
+) -> tuple[Controlling, ...]:
+    """All controllers a period later."""
+    rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
+    found = [one.answer(xp, held.memory, r, known, bench.period) for one, held, r in rows]
+    return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+
+
+def readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
+    """What controllers may read: readings with their ages, or without sensors the truth."""
+    found: Named = {}
+    for name, held in zip(bench.sensors.members(), sensors, strict=True):
+        found |= {name: held.reading, name + AGE: held.age}
+    return found or {**known, **dict.fromkeys((name + AGE for name in known), 0.0)}
+
+
+def estimates(bench: Bench, observers: Sequence[Watching]) -> Named:
+    """Estimates by name."""
+    rows = zip(bench.observers.members().values(), observers, strict=True)
+    return {
+        ESTIMATED + name: value
+        for one, held in rows
+        for name, value in zip(one.estimates(), held.estimates, strict=True)
+    }

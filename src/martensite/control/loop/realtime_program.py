@@ -1,0 +1,187 @@
+"""A loop without its plant as a program: kernels of a first and of any other sample."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from martensite.base.parameters import Keyed
+from martensite.control.loop import period
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import AGE, references
+from martensite.control.loop.parts import Controlling, Inputs, Named, Watching
+from martensite.control.observers.base import ESTIMATED
+from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.once import once
+from martensite.kernels.program import Program
+
+_STEP = """
+void prepare(const double *p, double *c) {{ k_prepare(1, p, c); }}
+void begin(const double *c, double *x, double *y) {{
+    k_begin(1, c, x + {size}, y);
+    memcpy(x, y, sizeof(double) * {size});
+}}
+void step(const double *c, double *x, double *y) {{
+    k_step(1, c, x, y);
+    memcpy(x, y, sizeof(double) * {size});
+}}
+"""
+
+
+class Loop(NamedTuple):
+    """State of a loop without its plant."""
+
+    observers: tuple[Watching, ...]
+    controllers: tuple[Controlling, ...]
+    supervisor: tuple[Scalar, ...]
+    alarm: Scalar
+    signals: tuple[Scalar, ...]
+    """Of all drives of the plant, as the supervisor lets them pass."""
+
+
+def reads(bench: Bench) -> tuple[str, ...]:
+    """Names of the readings that the parts of a bench need from sensors."""
+    parts: list[Any] = [
+        *bench.observers.members().values(), *bench.controllers.members().values(),
+    ]  # fmt: skip
+    parts += [] if bench.supervisor is None else [bench.supervisor]
+    names = [name for one in parts for name in one.reads()]
+    measured = [name for name in names if not name.startswith(ESTIMATED)]
+    return tuple(dict.fromkeys(name.removesuffix(AGE) for name in measured))
+
+
+# ---------------------------------------------------------------- kernels
+
+
+def _begun(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
+    """The first sample, as at the start of a bench."""
+    observers, controllers, held, known = period.begun(bench, xp, known, given)
+    return _judged(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
+
+
+def _continued(bench: Bench, xp: Namespace, before: Loop, known: Named, given: Inputs) -> Loop:
+    """Another sample, a period after the one before."""
+    signals = dict(zip(_drives(bench), before.signals, strict=True))
+    observers = period.watched(bench, xp, before.observers, known, signals)
+    known = known | period.estimates(bench, observers)
+    controllers = period.answered(bench, xp, before.controllers, known, given)
+    after = before._replace(observers=observers, controllers=controllers)
+    return _judged(bench, xp, after, known, given)
+
+
+def _judged(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
+    """With the signals that the supervisor lets pass."""
+    ordered = period.wanted(bench, loop.controllers, given)
+    said = period.judged(bench, xp, loop.supervisor, ordered, known)
+    signals = tuple(said.signals[name] for name in ordered)
+    return loop._replace(supervisor=tuple(said.memory), alarm=said.alarm, signals=signals)
+
+
+def _drives(bench: Bench) -> list[str]:
+    return [drive.name for drive in bench.plant.drives()]
+
+
+# ---------------------------------------------------------------- programs
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A traced loop; functions `begin` and `step` over flat states."""
+
+    program: Program
+    paths: tuple[str, ...]
+    """Parameter paths in the order in which the program takes them."""
+    shape: Shape
+    size: int
+    """Numbers of the state."""
+    inputs: int
+    """Readings, their ages, references, signals that no controller has."""
+
+
+def trace(bench: Bench) -> Traced:
+    """Trace the loop of a bench, or return that of an earlier one of the same structure."""
+    return _traced(Keyed(bench))
+
+
+@once(32)
+def _traced(keyed: Keyed[Bench]) -> Traced:
+    """Kernels of a first and of another sample as a program over flat states."""
+    program = Program()
+    paths = tuple(leaf.path for leaf in keyed.part.leaves())
+    bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
+    names, free = reads(bench), [n for n in _drives(bench) if n not in bench.controllers.members()]
+    signals = [*names, *(name + AGE for name in names), *references(bench), *free]
+    labels = [f"i{i}" for i in range(len(signals))]
+    found: list[Shape] = []
+
+    def sorted_out(numbers: Sequence[Scalar]) -> tuple[Named, Inputs]:
+        split, end = 2 * len(names), len(signals) - len(free)
+        others = dict(zip(free, numbers[end:], strict=True))
+        known = dict(zip(signals[:split], numbers[:split], strict=True))
+        return known, Inputs(tuple(numbers[split:end]), others, ())
+
+    def begin(xp: Any, *numbers: Any) -> list[Any]:
+        loop = _begun(bench, xp, *sorted_out(numbers))
+        found.append(Shape(loop))
+        return flatten(loop)
+
+    def step(xp: Any, *numbers: Any) -> list[Any]:
+        before = found[0].rebuild(numbers[:size])
+        return flatten(_continued(bench, xp, before, *sorted_out(numbers[size:])))
+
+    program.add("begin", labels, begin)
+    size = len(flatten(found[0].example))
+    program.add("step", [*(f"s{i}" for i in range(size)), *labels], step)
+    return Traced(program, paths, found[0], size, len(labels))
+
+
+class Native:
+    """One loop in C."""
+
+    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+        self.size, number = traced.size, ctypes.c_double
+        library, constants = _library(traced)
+        self.c, self.x = (number * constants)(), (number * (traced.size + traced.inputs))()
+        self.y = (number * traced.size)()
+        library.prepare((number * max(1, len(values)))(*values), self.c)
+        held = tuple(ctypes.c_void_p(ctypes.addressof(one)) for one in (self.c, self.x, self.y))
+        self.held, self.functions = held, {"begin": library.begin, "step": library.step}
+
+    def run(self, name: str, inputs: Sequence[float]) -> list[float]:
+        """State after a sample."""
+        self.x[self.size :] = inputs
+        self.functions[name](*self.held)
+        return self.y[:]
+
+    def state(self) -> list[float]:
+        """State after the last sample."""
+        return self.y[:]
+
+
+class Plain:
+    """One loop on floats."""
+
+    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+        self.functions = traced.program.bind_floats(*values)
+        self.now: tuple[float, ...] = ()
+
+    def run(self, name: str, inputs: Sequence[float]) -> Sequence[float]:
+        """State after a sample."""
+        before = self.now if name == "step" else ()
+        self.now = self.functions[name](*before, *inputs)
+        return self.now
+
+    def state(self) -> Sequence[float]:
+        """State after the last sample."""
+        return self.now
+
+
+@once(32)
+def _library(traced: Traced) -> tuple[Any, int]:
+    program = traced.program
+    source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
+    return load_library(source), max(1, len(program.hoisted))

@@ -1,0 +1,148 @@
+"""`simulate_bench`: one run of a bench, with its noise drawn and its references played.
+
+References come from the controllers themselves, noise from a seed. A controller that is no
+kernel, such as a predictive one, runs outside: the bench is opened at its drive, and it is
+called once per period with what the bench measures. The result has the columns `reference` and
+`wanted` of either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base.parameters import part
+from martensite.control.controllers.base import AbstractController
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import (
+    AGE,
+    JITTER,
+    MEASURED,
+    NOISE,
+    drives,
+    outside_references,
+    readings,
+    reference_output,
+    references,
+    wanted_name,
+    wanted_output,
+)
+from martensite.control.loop.parts import Controllers
+from martensite.control.observers.base import ESTIMATED
+from martensite.kernels.c99 import compiler
+from martensite.signals.base import AbstractDrive, AbstractWaveform
+from martensite.signals.held import Held
+from martensite.simulate.api import simulate
+from martensite.simulate.controlled import simulate_controlled
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
+
+
+def simulate_bench(
+    bench: Bench, duration: float, *, outside: Mapping[str, AbstractDrive] | None = None,
+    waveforms: Mapping[str, AbstractWaveform] | None = None, seed: int | None = 0,
+    runtime: str | None = None, watch: Callable[[float], None] | None = None,
+) -> Result:  # fmt: skip
+    """Run a bench from rest.
+
+    Args:
+        bench: plant, sensors, observers, controllers, supervisor and faults.
+        duration: length of the run [s], at least a period.
+        outside: drives by name of what they drive that run outside of the kernel, such as a
+            predictive controller; they are called once per period.
+        waveforms: those of drives of the plant that nobody has; what is not named gets 0.
+        seed: of noise and jitter; None for a run without.
+        runtime: floats, c or jax; by default c if there is a compiler.
+        watch: called after every period with the share of the run that is done, if something
+            runs outside.
+
+    Raises:
+        InputError: a name or a unit does not fit.
+        SolveError: the run failed; the sentence says when and what to try.
+    """
+    played: dict[str, Any] = {**(waveforms or {}), **reference_waveforms(bench)}
+    played |= noise_waveforms(bench, duration, seed)
+    if outside:
+        seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
+        periods = round(duration / bench.period)
+        length = periods * bench.period
+        found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
+        return _with_loops(found, bench, outside)
+    chosen = runtime or ("c" if compiler() is not None else "floats")
+    samples = int(duration / bench.period + 1e-6) + 1
+    return simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
+
+
+def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:
+    """A result with the references, and the wanted signals, of drives outside of the bench.
+
+    Nobody answers at the end: the last signal is held.
+    """
+    units = {name: output.unit for name, output in readings(bench).items()}
+    signals = {drive.name: drive.unit for drive in bench.drives()}
+    columns, beside = dict(result.columns), dict(result.beside)
+    for drive, name in outside_references(bench, outside).items():
+        one, held = outside[drive], result.waveform[drive].values
+        if isinstance(one, AbstractController):
+            unit = one.reference_unit(units, signals[drive])
+            beside[name] = reference_output(unit, one.measured or drive)
+            columns[name] = [one.reference.value(time) for time in result.times]
+        beside[wanted_name(name)] = wanted_output(signals[drive], drive)
+        columns[wanted_name(name)] = [*held, held[-1]][: len(result.times)]
+    return replace(result, columns=columns, beside=beside)
+
+
+def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
+    """What the controllers of a bench shall follow, by the name of the drive."""
+    followed = bench.controllers.members().values()
+    return {name: one.reference for name, one in zip(references(bench), followed, strict=True)}
+
+
+def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:
+    """Standard normal numbers for every sensor of a bench; none without a seed."""
+    if seed is None:
+        return {}
+    rng = np.random.default_rng(seed)
+    count = int(duration / bench.period + 1e-6) + 2
+    names = [drive.name for drive in drives(bench)]
+    return {
+        name: Held(values=tuple(rng.standard_normal(count).tolist()), frequency=1.0 / bench.period)
+        for name in names
+        if name.startswith((NOISE, JITTER))
+    }
+
+
+def opened(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
+    """A bench without the controller of a drive, and that controller."""
+    members = bench.controllers.members()
+    controller = members.pop(drive)
+    return bench.with_parts(controllers=Controllers(**members)), controller
+
+
+class Seeing(AbstractDrive):
+    """A drive that sees of a bench what a controller may see: readings, not the truth."""
+
+    drive: AbstractDrive = part("what answers")
+
+    def init(self) -> Any:
+        """Memory of the drive."""
+        return self.drive.init()
+
+    def __call__(
+        self, time: float, measurement: Mapping[str, float], memory: Any
+    ) -> tuple[float, Any]:
+        """Its signal at `time` [s] and its new memory."""
+        return self.drive(time, seen(measurement), memory)
+
+
+def seen(measurement: Mapping[str, float]) -> dict[str, float]:
+    """Readings and estimates among the outputs of a bench; without any, all of them."""
+    found = {n.removeprefix(MEASURED): v for n, v in measurement.items() if n.startswith(MEASURED)}
+    if not found:
+        return dict(measurement)
+    ages = {name + AGE: 0.0 for name in found}
+    return ages | found | {n: v for n, v in measurement.items() if n.startswith(ESTIMATED)}

@@ -1,0 +1,61 @@
+"""The contract of an observer: readings and signals in, estimates of what no sensor sees out.
+
+An observer carries a model, a system as it is believed to be, and goes along with the plant: in
+every sample it gets the readings and the signals under which the plant has been since the last
+one. It is a straight-line kernel and runs inside the loop of a bench. Its estimates are readings
+called `estimated.NAME`, which a controller may follow: control without the sensor.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.parameters import Parametrised, part
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+
+OBSERVERS: Registry[AbstractObserver] = Registry(
+    "observer", "martensite.control.observers", typical="inverse-model"
+)
+Column: TypeAlias = Sequence[Scalar]
+Named: TypeAlias = Mapping[str, Scalar]
+ESTIMATED = "estimated."
+"""What the names of estimates begin with among readings."""
+
+
+class AbstractObserver(Parametrised):
+    """Interface of an observer."""
+
+    model: AbstractSystem = part("the system as it is believed to be")
+
+    @abstractmethod
+    def reads(self) -> tuple[str, ...]:
+        """Names of the readings that it needs."""
+
+    @abstractmethod
+    def estimates(self) -> dict[str, Output]:
+        """What it estimates, by name."""
+
+    @abstractmethod
+    def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
+        """Estimates and memory at the first sample, with the plant at rest."""
+
+    @abstractmethod
+    def update(
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar,
+        turns: int,
+    ) -> tuple[Column, Column]:  # fmt: skip
+        """Estimates of this sample, and what is remembered for the next.
+
+        Args:
+            xp: namespace.
+            memory: from the sample before, or from `rest`.
+            readings: by name, in SI, and the age of each, `NAME.age` [s].
+            signals: by the name of the drive, as they have been since the sample before.
+            dt: time since then [s].
+            turns: in how many steps the model shall go.
+        """

@@ -1,0 +1,118 @@
+"""Small covariance matrices, written out: packed, factored, and conditioned on readings.
+
+Unknowns v with covariance C are jointly normal. A reading z = v_i + n of one of them, with a
+noise of variance r, makes
+
+    S = C_ii + r,   g = C e_i/S,   v + g (z - v_i),   C - S g gᵀ,
+
+which is the update of a Kalman filter for one reading; several follow one after the other.
+Sum of (z - v_i)²/S: the normalised innovation squared (NIS), chi-square distributed with as many
+degrees of freedom as there are readings if the filter is consistent.
+
+Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with Applications to Tracking and
+Navigation, sections 5.2 and 5.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.kernels.namespace import Namespace, Scalar
+
+Matrix = list[list[Scalar]]
+LEAST = 1e-30
+"""Variance below which nothing is unknown."""
+
+
+class Reading(NamedTuple):
+    """What is read of one of the unknowns."""
+
+    index: int
+    value: Scalar
+    variance: Scalar
+    used: Scalar
+    """1 if it counts, else 0."""
+
+
+def packed(matrix: Matrix) -> list[Scalar]:
+    """The lower triangle of a symmetric matrix, row by row."""
+    return [x for i, row in enumerate(matrix) for x in row[: i + 1]]
+
+
+def unpacked(numbers: Sequence[Scalar]) -> Matrix:
+    """The symmetric matrix of a lower triangle."""
+    size = int((2 * len(numbers)) ** 0.5)
+    start = [k * (k + 1) // 2 for k in range(size)]
+    return [[numbers[start[max(i, j)] + min(i, j)] for j in range(size)] for i in range(size)]
+
+
+def diagonal(numbers: Sequence[Scalar]) -> Matrix:
+    """A diagonal matrix."""
+    return [[x if i == j else 0.0 for j in range(len(numbers))] for i, x in enumerate(numbers)]
+
+
+def spread(rows: Matrix, matrix: Matrix) -> Matrix:
+    """J C Jᵀ of a symmetric matrix."""
+    half = [[_inner(row, column) for column in matrix] for row in rows]
+    below = [[_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
+    return unpacked(packed(below))
+
+
+def plus(a: Matrix, b: Matrix) -> Matrix:
+    """Sum of two matrices."""
+    return [[x + y for x, y in zip(r, s, strict=True)] for r, s in zip(a, b, strict=True)]
+
+
+def factor(xp: Namespace, matrix: Matrix) -> Matrix:
+    """L with L Lᵀ = C, lower; a column of zeros where nothing is left unknown."""
+    size = len(matrix)
+    found: Matrix = [[0.0] * size for _ in range(size)]
+    for k in range(size):
+        left = matrix[k][k] - _inner(found[k][:k], found[k][:k])
+        some = left > LEAST
+        root = xp.sqrt(xp.where(some, left, 1.0))
+        found[k][k] = xp.where(some, root, 0.0)
+        for i in range(k + 1, size):
+            rest = matrix[i][k] - _inner(found[i][:k], found[k][:k])
+            found[i][k] = xp.where(some, rest / root, 0.0)
+    return found
+
+
+def conditioned(
+    xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[Reading]
+) -> tuple[list[Scalar], Matrix, Scalar]:
+    """Unknowns and covariance after readings, and their NIS."""
+    found, nis = list(mean), 0.0
+    for i, value, variance, used in readings:
+        total = matrix[i][i] + variance
+        some = total > LEAST
+        inverse = xp.store(xp.where(some, used / xp.where(some, total, 1.0), 0.0))
+        short = value - found[i]
+        gain = [xp.store(row[i] * inverse) for row in matrix]
+        nis = nis + short * short * inverse
+        found = [x + g * short for x, g in zip(found, gain, strict=True)]
+        matrix = [
+            [xp.store(c - g * b) for c, b in zip(row, matrix[i], strict=True)]
+            for row, g in zip(matrix, gain, strict=True)
+        ]
+    return found, unpacked(packed(matrix)), nis
+
+
+def put(
+    xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar
+) -> list[Scalar]:
+    """Unknowns of which one is put at a value; the others follow as they are correlated."""
+    some = matrix[index][index] > LEAST
+    inverse = xp.where(some, 1.0 / xp.where(some, matrix[index][index], 1.0), 0.0)
+    way = value - mean[index]
+    found = [x + row[index] * inverse * way for x, row in zip(mean, matrix, strict=True)]
+    found[index] = value
+    return found
+
+
+def _inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    result: Scalar = 0.0
+    for x, y in zip(a, b, strict=True):
+        result = result + x * y
+    return result

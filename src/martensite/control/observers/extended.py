@@ -1,0 +1,102 @@
+"""Extended Kalman filter: the model linearised along its own course.
+
+    x⁻ = f(x),   v = (x⁻, h(x⁻)),   C = (dv/dx) P (dv/dx)ᵀ + (dv/dx⁻) Q T (dv/dx⁻)ᵀ
+
+Slopes are exact: dual numbers go through the steps of the period together with the state, history
+of the law and all. At a turning point of a hysteresis they are those of one side.
+
+Source: Bar-Shalom, Li and Kirubarajan (2001), section 10.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from martensite.control.observers import covariance, hidden
+from martensite.control.observers.base import OBSERVERS
+from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
+from martensite.control.observers.going import Going
+from martensite.kernels.dual import DualNamespace
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten
+
+Columns = list[list[Scalar]]
+
+
+@OBSERVERS.register("extended-kalman")
+class ExtendedKalman(AbstractFilter):
+    """Temperature and fraction by linearisation (EKF)."""
+
+    cites = ("barshalom2001",)
+
+    def forecast(self, xp: Namespace, before: Believed, going: Going) -> Forecast:
+        """Mean and covariance a period later."""
+        drift = before.drift
+        flat, slopes = self._moved(xp, before, going)
+        state = Shape(before.state).rebuild(flat)
+        mean, rows = self._seen(xp, before, flat, slopes, going)
+        matrix = covariance.spread(rows, before.covariance)
+        added = self.disturbed(xp, state, drift, going)
+        return Forecast(state, mean, covariance.plus(matrix, added))
+
+    def _moved(self, xp: Namespace, before: Believed, going: Going) -> tuple[list[Scalar], Columns]:
+        """The flat state at the end of the period, and its slopes: a column per unknown."""
+        shape, count = Shape(before.state), self.unknowns()
+        model = self.believed(before.drift)
+        at = [*hidden.values(xp, model, before.state, going.signals), *before.drift]
+        unknown = len(at) - len(before.drift)
+        size = len(flatten(before.state))
+
+        def start(dual: Any, x: Sequence[Any]) -> list[Any]:
+            model = self.believed(x[unknown:])
+            return flatten(hidden.placed(dual, model, before.state, x[:unknown], going.signals))
+
+        def turn(*numbers: Any) -> list[Any]:
+            flat, columns = numbers[:size], list[Any]()
+            after = list(flat)
+            for k in range(count):
+                dual: Any = DualNamespace(xp)
+                model = self.believed(_seeded(dual, at, k)[unknown:])
+                slopes = numbers[size * (k + 1) : size * (k + 2)]
+                now = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, slopes, strict=True)])
+                then, _ = model.step(dual, now, *going.signals, dt=going.step)
+                after, tangents = _apart(dual, flatten(then))
+                columns += tangents
+            return [*after, *columns]
+
+        begin = list(flatten(before.state))
+        for k in range(count):
+            dual: Any = DualNamespace(xp)
+            begin += _apart(dual, start(dual, _seeded(dual, at, k)))[1]
+        found = turn(*begin) if going.turns == 1 else xp.repeat(going.turns, turn, *begin)
+        columns = [list(found[size * (k + 1) : size * (k + 2)]) for k in range(count)]
+        return list(found[:size]), columns
+
+    def _seen(
+        self, xp: Namespace, before: Believed, flat: list[Scalar], slopes: Columns, going: Going
+    ) -> tuple[list[Scalar], Columns]:
+        """Everything at the end of the period, and its slopes: a row each."""
+        shape, columns = Shape(before.state), Columns()
+        mean: list[Scalar] = []
+        unknown = len(slopes) - len(before.drift)
+        for k, tangents in enumerate(slopes):
+            dual: Any = DualNamespace(xp)
+            drift = list(before.drift)
+            if k >= unknown:
+                drift[k - unknown] = dual.pair(drift[k - unknown], 1.0)
+            state = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, tangents, strict=True)])
+            mean, column = _apart(dual, self.told(dual, state, drift, going.signals))
+            columns.append(column)
+        return mean, [list(row) for row in zip(*columns, strict=True)]
+
+
+def _seeded(dual: Any, at: Sequence[Any], k: int) -> list[Any]:
+    """Numbers of which one is the variable."""
+    return [dual.pair(x, 1.0) if i == k else x for i, x in enumerate(at)]
+
+
+def _apart(dual: Any, numbers: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """Values and slopes."""
+    pairs = [dual.parts(x) for x in numbers]
+    return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]

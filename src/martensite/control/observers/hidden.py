@@ -1,0 +1,108 @@
+"""What of a system no sensor sees: temperature and martensite fraction at every port.
+
+    x = (T, ξ) of every actuator,      state = placed(x)
+
+Observers carry the whole state of their model along and correct x in it: the law keeps its
+history (`AbstractLaw.moved`), and the stress is that at which element and mechanism fit. The
+oriented fraction goes with ξ in proportion. It is no unknown of its own: the resistance tells
+nothing about it, and in a wire under tension martensite is oriented where it forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from martensite.actuators.assembly import AbstractSystem, State
+from martensite.actuators.assembly.base import AbstractAssembly
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.base import Fractions
+
+HIDDEN = ("temperature", "martensite_fraction")
+"""What is estimated at every port, in this order."""
+SLIGHT = 1e-6
+"""Fraction below which martensite is taken as oriented."""
+REST = 300.0
+"""A temperature to begin with where a source sets it [K]."""
+
+
+def example(model: AbstractSystem) -> State:
+    """A state of a model: the shape of all of them.
+
+    Raises:
+        ParameterError: it is no system that an observer can go along with.
+    """
+    if not isinstance(model, AbstractAssembly):
+        raise ParameterError(
+            f"An observer needs a `System` or a `Machine` as its model, but has a "
+            f"`{type(model).__name__}`."
+        )
+    mechanism = model.mechanism
+    if isinstance(mechanism, AbstractMultibody) and mechanism.moves:
+        raise ParameterError(
+            f"An observer knows no inertia: give the `{mechanism.registered_name}` of its model "
+            f'`motion = "quasi-static"`.'
+        )
+    signals = [REST if drive.unit == "K" else 0.0 for drive in model.drives()]
+    state = model.init(floats, *signals)
+    placed(floats, model, state, values(floats, model, state, signals), signals)
+    return state
+
+
+def names(model: AbstractSystem) -> list[str]:
+    """Names of all that is hidden."""
+    return [model.label(port, name) for port in model.actuators() for name in HIDDEN]
+
+
+def seen(
+    xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
+) -> dict[str, Scalar]:
+    """Outputs of a model by name."""
+    return dict(zip(model.outputs(), model.observe(xp, state, *signals), strict=True))
+
+
+def values(
+    xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
+) -> list[Scalar]:
+    """What is hidden in a state."""
+    found = seen(xp, model, state, signals)
+    return [found[name] for name in names(model)]
+
+
+def placed(
+    xp: Namespace, model: AbstractSystem, state: State, at: Sequence[Scalar],
+    signals: Sequence[Scalar],
+) -> State:  # fmt: skip
+    """The state with other hidden values, under forces at which everything fits."""
+    for _ in range(2):
+        found = seen(xp, model, state, signals)
+        rows = zip(model.actuators().items(), state.elements, at[::2], at[1::2], strict=True)
+        elements = [
+            one.element.in_state(
+                xp, element, _fractions(xp, model, port, found, fraction), temperature,
+                found[model.label(port, "force")],
+            )
+            for (port, one), element, temperature, fraction in rows
+        ]  # fmt: skip
+        state = State(tuple(elements), state.mechanism)
+    return state
+
+
+def legal(xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+    """Hidden values with fractions in [0, 1]."""
+    return [xp.clip(x, 0.0, 1.0) if k % 2 else x for k, x in enumerate(at)]
+
+
+def _fractions(
+    xp: Namespace, model: AbstractSystem, port: str, found: Mapping[str, Scalar], fraction: Scalar
+) -> Fractions:
+    """Phase state of a port at another martensite fraction, oriented in proportion."""
+    before, oriented = (
+        found[model.label(port, name)] for name in ("martensite_fraction", "oriented_fraction")
+    )
+    some = before > SLIGHT
+    share = xp.where(some, oriented / xp.where(some, before, 1.0), 1.0)
+    return Fractions(fraction, xp.clip(share, -1.0, 1.0) * fraction)

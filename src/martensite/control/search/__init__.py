@@ -1,1 +1,0 @@
-"""Gains by search: exact derivatives through the closed loop, over perturbed plants."""

@@ -1,0 +1,88 @@
+"""Infrared thermometer whose field of view a thin wire does not fill.
+
+    T_f = T_a + κ (T - T_a)                    mixed linearly
+    T_f⁴ = T_a⁴ + κ (T⁴ - T_a⁴)                mixed as radiation
+    τ dT_s/dt = T_f - T_s,    reading = round((T_s + σ n)/q) q,  within its range
+
+What it sees is a mixture of the wire, at T, and of what is behind it, at T_a. κ = (f + f' t) ε/ε_s
+is what counts of the wire: f is its share of the field of view, which may drift with time, as it
+does when a wire moves in it; ε is the emissivity of the wire, a grey body that reflects the rest
+from surroundings at T_a; ε_s is the emissivity that the thermometer is set to. It follows with
+the lag τ. Radiation is total radiation of a grey body: that a thermometer sees a band of
+wavelengths only is left out, and so are its own temperature and the window.
+
+The paper says of its thermometer that its reading "is an average between SMA wire temperature and
+the temperature of the ambient around the SMA wire", without the share; f, τ and the noise are
+assumed. By default the wire is black and the mixture linear.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.base.units import DEGREES
+from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
+from martensite.control.sensors.lag import followed
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+@SENSORS.register("infrared")
+class InfraredSensor(AbstractSensor):
+    """A thermometer that sees a share of the wire and follows with a lag."""
+
+    cites = ("copaci2019",)
+    unit = "K"
+    sees = ("temperature", "ambient")
+
+    mixing: str = option("what is averaged over the field of view: temperature, or radiation",
+                         "linear", "radiance", default="linear")  # fmt: skip
+    factor: Scalar = param(
+        "1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6
+    )
+    drift: Scalar = param("1/s", "change of that share with time", default=0.0)
+    emissivity: Scalar = param("1", "emissivity of the wire", above=0.0, high=1.0, default=1.0)
+    setting: Scalar = param("1", "emissivity that it is set to", above=0.0, high=1.0, default=1.0)
+    lag: Scalar = param("s", "time constant", above=0.0, default=0.25)
+    noise: Scalar = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
+    resolution: Scalar = param(DEGREES, "least step of a reading", low=0.0, default=0.02)
+    lowest: Scalar = param("K", "lowest reading", default=-math.inf)
+    highest: Scalar = param("K", "highest reading", default=math.inf)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless there is a range."""
+        if not self.lowest < self.highest:
+            raise ParameterError(
+                f"The range of a thermometer must not be empty, but goes from {self.lowest:g} K "
+                f"to {self.highest:g} K."
+            )
+
+    def limits(self) -> tuple[Scalar, Scalar]:
+        """Its range."""
+        return self.lowest, self.highest
+
+    def rest(self, xp: Namespace, truth: Column) -> Column:
+        """The temperature seen, and no time gone by."""
+        return self._seen(xp, truth, 0.0), 0.0
+
+    def step(
+        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
+    ) -> tuple[Scalar, Column]:
+        """The lagged temperature with noise [K]; the lag is exact for a truth that is held."""
+        time = state[1] + dt
+        felt = followed(xp, state[0], self._seen(xp, truth, time), self.lag, dt)
+        return felt + self.noise * noise, (felt, time)
+
+    def _seen(self, xp: Namespace, truth: Column, time: Scalar) -> Scalar:
+        """T_f [K]."""
+        wire, behind = truth
+        share = (self.factor + self.drift * time) * (self.emissivity / self.setting)
+        if self.mixing == "linear":
+            return behind + share * (wire - behind)
+        back = _fourth(behind)
+        return xp.sqrt(xp.sqrt(back + share * (_fourth(wire) - back)))
+
+
+def _fourth(x: Scalar) -> Scalar:
+    return x * x * (x * x)

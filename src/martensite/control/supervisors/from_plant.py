@@ -1,0 +1,135 @@
+"""A guard from what is known of a plant: bounds on the temperature of every element.
+
+The bound is for elements of one temperature: a wire, a coil, and bundles and chains of them, with
+power, heat capacity and heat loss of the whole. A ribbon or an axial wire has many temperatures;
+the whole, with wires that carry no current in it, says nothing of the hottest of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.base.errors import InputError
+from martensite.control.checks.base import AbstractCheck, Checks
+from martensite.control.checks.thermal_bound import ThermalBound
+from martensite.control.supervisors.guard import Guard
+from martensite.kernels import floats
+from martensite.physics.thermal.base import Environment
+from martensite.physics.thermal.ends import AbstractEnds, AdiabaticEnds
+
+GRID = 201
+"""Temperatures and resistances among which the worst is searched."""
+STRAINS = (0.0, 0.1)
+"""Between which a resistance is searched for its extremes."""
+
+
+def guard_for(
+    system: AbstractSystem, *, temperature_limit: float | None = None,
+    hottest: float | None = None, least_cooling: float = 1.0, full: float | None = None,
+    band: float = 0.0, answer: str = "latch", hold: float = 0.0,
+    checks: Mapping[str, AbstractCheck] | None = None,
+) -> Guard:  # fmt: skip
+    """A guard that bounds the temperature of every element of a plant without a sensor.
+
+    Args:
+        system: the plant; its elements have one temperature, such as `wire` or a bundle of them.
+        temperature_limit: highest temperature [K]; by default that of the limits of each element.
+        hottest: hottest surroundings [K]; by default the ambient temperature of each.
+        least_cooling: least film coefficient over that of the environment, such as 0.5 for air
+            that may be shut in.
+        full: largest signal, in the unit of the sources; by default 1, for sources that take a
+            duty.
+        band: how far below the limit signals come back [K], where the answer is `resume`.
+        answer: `latch` or `resume`.
+        hold: shortest time of a cut [s].
+        checks: further checks by name.
+
+    Raises:
+        InputError: there is no limit, no full signal, or an element has many temperatures.
+    """
+    found: dict[str, AbstractCheck] = dict(checks or {})
+    for port, one in system.actuators().items():
+        drive = system.drive_at(port)
+        limit = temperature_limit or one.element.limits.temperature_limit
+        if not math.isfinite(limit):
+            raise InputError(
+                f"The element at `{drive}` has no `temperature_limit`; give one to the guard."
+            )
+        ambient = hottest or one.environment.temperature
+        cut = () if len(system.actuators()) == 1 else (drive,)
+        found[f"bound_{drive}"] = ThermalBound(
+            drive=drive, drives=cut, limit=limit, band=band, ambient=ambient,
+            power=worst_power(one, limit, _full(one, full)), full=_full(one, full),
+            rises="square" if one.source.unit in ("V", "A") else "linear",
+            capacity=one.element.heat_capacity_total(),
+            conductance=least_cooling * least_conductance(one, ambient, limit),
+        )  # fmt: skip
+    return Guard(checks=Checks(**found), answer=answer, hold=hold)
+
+
+def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
+    """Largest power [W] that a signal of either sign brings into an element, at any resistance.
+
+    Args:
+        actuator: element, environment and source.
+        hottest: highest temperature of the element [K].
+        full: the signal.
+    """
+    element, source = _lumped(actuator.element), actuator.source
+    ohms = [
+        element.ohms(floats, fraction, strain, temperature)
+        for fraction in (0.0, 1.0)
+        for strain in STRAINS
+        for temperature in (actuator.environment.temperature, hottest)
+    ]
+    currents = (
+        (source.current(floats, sign * full, one), one)
+        for sign in (-1.0, 1.0)
+        for one in _grid(min(ohms), max(ohms))
+    )
+    return max(current * current * one for current, one in currents)
+
+
+def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:
+    """Least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
+    element = _endless(_lumped(actuator.element))
+    around = Environment(temperature=ambient, cooling=actuator.environment.cooling)
+    warm = _grid(ambient, limit)[1:]
+    return min(element.heat_loss(floats, one, around) / (one - ambient) for one in warm)
+
+
+def _full(actuator: Actuator, full: float | None) -> float:
+    """The full signal of a source."""
+    if full is None and actuator.source.unit != "1":
+        raise InputError(
+            f"Drive `{actuator.source.registered_name}` takes a signal in {actuator.source.unit}: "
+            f"give its largest value as `full`."
+        )
+    return 1.0 if full is None else full
+
+
+def _lumped(element: AbstractElement) -> AbstractLumped:
+    """The element, if it has one temperature."""
+    if not isinstance(element, AbstractLumped):
+        raise InputError(
+            f"The bound of a guard is known for elements of one temperature, such as `wire`, not "
+            f"for `{element.registered_name}`; give it as a check `thermal-bound`."
+        )
+    return element
+
+
+def _endless(element: AbstractElement) -> AbstractElement:
+    """The element, and those that it is made of, with ends that lose nothing."""
+    parts = dict(element.children())
+    inner = {n: _endless(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
+    ends = {n: AdiabaticEnds() for n, one in parts.items() if isinstance(one, AbstractEnds)}
+    return element.with_parts(**inner, **ends)
+
+
+def _grid(low: float, high: float) -> list[float]:
+    """Equally spaced values from low to high."""
+    return [low + (high - low) * k / (GRID - 1) for k in range(GRID)]

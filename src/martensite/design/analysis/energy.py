@@ -1,0 +1,151 @@
+"""Energy of every cycle of a run: electrical, mechanical, and what is lost as heat.
+
+    E = ∫ P dt      Q = ∫ Q̇ dt      W = ∫ F dx where x grows, W_back = −∫ F dx where it does not
+
+with F the force of an element and x the coordinate along which it pulls. A spring gives back what
+it was given and a weight is lowered again, so the net work of a cycle is small, and the efficiency
+counts what the element gave: η = W/E. What E − Q leaves is in the element, as heat, as latent heat
+or as work; over a cycle that repeats it is 0 but for the net work, which these heat balances leave
+out (see the documentation of the heat balance).
+
+Powers of a system in discrete time hold for a period; others are integrated by trapezoids on the
+samples of the result, so that a signal with jumps needs many samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine
+from martensite.base.errors import InputError, suggestion
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.result import Result
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class CycleEnergies:
+    """One number per cycle, shape (cycles,) [J]."""
+
+    period: float
+    """[s]"""
+    electrical: Numbers
+    """Into all elements."""
+    lost: Numbers
+    """As heat to the surroundings."""
+    work: Numbers
+    """That the elements gave while they pulled."""
+    returned: Numbers
+    """That they took while they were stretched again."""
+
+    @property
+    def net_work(self) -> Numbers:
+        """Work less what was returned."""
+        return self.work - self.returned
+
+    @property
+    def kept(self) -> Numbers:
+        """Electrical less heat: what is left in the elements at the end of a cycle."""
+        return self.electrical - self.lost
+
+    @property
+    def efficiency(self) -> Numbers:
+        """Work over electrical energy; NaN without any."""
+        given = np.where(self.electrical > 0.0, self.electrical, np.nan)
+        return self.work / given
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyCourses:
+    """Energies from the start of a run to every sample, shape (samples,) [J]."""
+
+    electrical: Numbers
+    """Into all elements."""
+    lost: Numbers
+    """As heat to the surroundings."""
+    work: Numbers
+    """That the elements gave while they pulled."""
+    returned: Numbers
+    """That they took while they were stretched again."""
+
+
+def energy_courses(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
+    """Energies of a run over its samples.
+
+    Args:
+        result: a run, of a plant or of a bench.
+        ways: forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
+    """
+    times = np.asarray(result.times)
+    power, lost = (_added(result, name) for name in ("power", "heat_loss"))
+    work = np.zeros((2, len(times)))
+    for f, x in ways:
+        done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
+        work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
+        work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
+    held = result.system.sample_time() > 0.0
+    given, taken = _integral(times, power, held), _integral(times, lost, False)
+    return EnergyCourses(given, taken, work[0], work[1])
+
+
+def energy_per_cycle(
+    result: Result, period: float, *, pairs: Sequence[Pair] | None = None
+) -> CycleEnergies:
+    """Energies of all whole cycles of a run.
+
+    Args:
+        result: a run, of a plant or of a bench.
+        period: length of a cycle [s].
+        pairs: columns of force and of the coordinate that grows as it pulls, such as a torque and
+            an angle; by default force and position of a mechanism with one element on a line.
+
+    Raises:
+        InputError: there is no whole cycle, a column is missing, or the mechanism needs `pairs`.
+    """
+    times = np.asarray(result.times)
+    cycles = math.floor((times[-1] - times[0]) / period * (1.0 + 1e-9)) if period > 0.0 else 0
+    if cycles < 1:
+        raise InputError(f"A run of {times[-1] - times[0]:g} s has no whole cycle of {period:g} s.")
+    ends = times[0] + period * np.arange(cycles + 1)
+    ways = [
+        (np.asarray(result[force]), np.asarray(result[coordinate]))
+        for force, coordinate in _columns(result, pairs)
+    ]
+    over = energy_courses(result, ways)
+    totals = over.electrical, over.lost, over.work, over.returned
+    found = [np.diff(np.interp(ends, times, total)) for total in totals]
+    return CycleEnergies(period, *found)
+
+
+def _added(result: Result, name: str) -> Numbers:
+    """A column of all elements, added up."""
+    system: AbstractSystem = result.system
+    columns = [np.asarray(result[system.label(port, name)]) for port in system.actuators()]
+    return np.sum(columns, axis=0) if columns else np.zeros(len(result.times))
+
+
+def _integral(times: Numbers, values: Numbers, held: bool) -> Numbers:
+    """Integral up to every sample."""
+    middles = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[0.0], np.cumsum(middles * np.diff(times))])
+
+
+def _columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
+    """Columns of force and coordinate."""
+    if pairs is None:
+        if not isinstance(result.system.mechanism, AbstractLoadLine):
+            raise InputError(
+                "Say by `pairs` which force of this mechanism works along which coordinate."
+            )
+        (port,) = result.system.actuators()
+        return [(result.system.label(port, "force"), result.coordinate)]
+    for name in (one for pair in pairs for one in pair):
+        if name not in result.columns:
+            raise InputError(f"There is no column `{name}`. {suggestion(name, result.columns)}")
+    return pairs

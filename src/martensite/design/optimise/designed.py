@@ -1,0 +1,145 @@
+"""The answer to a question of design."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from martensite.design.optimise.evaluate import Counts, Designs
+from martensite.design.optimise.pressing import Balance
+from martensite.design.optimise.question import Question
+from martensite.design.optimise.scan import Scan
+from martensite.design.optimise.search import Mark
+from martensite.simulate.steered import Steering
+
+
+@dataclass(frozen=True)
+class Reported:
+    """A measure of the design of the scenario and of the one that was found."""
+
+    words: str
+    unit: str
+    """SI"""
+    before: tuple[float, ...]
+    """In every case; NaN if the run fails."""
+    after: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Held:
+    """The best design with some whole numbers."""
+
+    whole: tuple[int, ...]
+    numbers: tuple[float, ...]
+    """All free numbers [SI]."""
+    goal: float
+    """[SI]"""
+    kept: bool
+    violation: float
+    """What its constraints miss, as shares of their limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """A design: the best that was found, and why it is where it is."""
+
+    question: Question
+    steering: Steering
+    """System and waveforms with the numbers that were found."""
+    z: tuple[float, ...]
+    """Where they are between their bounds, from 0 to 1."""
+    numbers: tuple[float, ...]
+    """What was found [SI], one per free number."""
+    kept: bool
+    """Whether it keeps all constraints."""
+    missed: tuple[str, ...]
+    """Constraints that it does not keep."""
+    reported: tuple[Reported, ...]
+    """The goal first, then what is constrained, then other measures."""
+    balance: Balance | None
+    """What holds it; None if it cannot be differentiated."""
+    held: tuple[Held, ...]
+    """The best designs with other whole numbers, that of the answer among them."""
+    relaxed: tuple[float, ...] | None
+    """What was found if whole numbers could be anything [SI]; None if there are none."""
+    relaxed_goal: float | None
+    """[SI]"""
+    counts: Counts
+    history: tuple[Mark, ...]
+    """How the best design became better."""
+    designs: Designs
+    """What judged them, in the steps of the answer."""
+    step: float
+    """Longest step of its runs [s]."""
+    accuracy: float
+    """Largest change of what it is judged by on halving the step, as a share of limits and goal."""
+    life: str = ""
+    """What is claimed of its life."""
+    scan: Scan | None = None
+    """The grid that it was compared with."""
+    notes: list[str] = field(default_factory=list[str])
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """The free numbers of the scenario [SI]."""
+        return tuple(one.start for one in self.question.free)
+
+    @property
+    def goal(self) -> float:
+        """Mean over the cases [SI]."""
+        return _mean(self.reported[0].after)
+
+    @property
+    def goal_before(self) -> float:
+        """That of the scenario [SI]."""
+        return _mean(self.reported[0].before)
+
+    def named(self) -> dict[str, float]:
+        """What was found by name [SI]."""
+        names = (one.name for one in self.question.free)
+        return dict(zip(names, self.numbers, strict=True))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything, ready for JSON; numbers in SI."""
+        question, balance = self.question, self.balance
+        free = zip(question.free, self.numbers, self.z, strict=True)
+        return {
+            "goal": {
+                "measure": question.goal.words, "unit": question.goal.unit,
+                "sense": "max" if question.most else "min",
+                "before": self.goal_before, "after": self.goal,
+            },
+            "kept": self.kept,
+            "missed": list(self.missed),
+            "free": {
+                one.name: {
+                    "before": one.start, "after": number, "low": one.low, "high": one.high,
+                    "unit": one.unit, "whole": one.whole, "at_bound": one.bound(z),
+                } for one, number, z in free
+            },
+            "subject": [one.words for one in question.subject],
+            "cases": [dict(case) for case in question.cases],
+            "measures": {
+                one.words: {
+                    "unit": one.unit, "before": list(one.before), "after": list(one.after)
+                } for one in self.reported
+            },
+            "pressing": [] if balance is None else [one.to_dict() for one in balance.pressing],
+            "imbalance": None if balance is None else balance.residue,
+            "whole_numbers": [vars(one) for one in self.held],
+            "relaxed": None if self.relaxed is None else {
+                "numbers": list(self.relaxed), "goal": self.relaxed_goal,
+            },
+            "runs": self.counts.to_dict(),
+            "step": self.step,
+            "accuracy": self.accuracy,
+            "life": self.life or None,
+            "grid": None if self.scan is None else self.scan.to_dict(),
+            "history": [mark._asdict() for mark in self.history],
+            "notes": self.notes,
+        }  # fmt: skip
+
+
+def _mean(values: tuple[float, ...]) -> float:
+    return math.fsum(values) / len(values)

@@ -1,0 +1,269 @@
+"""Designs judged: values of the goal and of all constraints, in batches, and exact derivatives.
+
+A design is a point z in the box of its free numbers (`martensite.design.optimise.free`). Batches
+are
+marched in C side by side; at one point the run is marched with its derivatives, and by the chain
+rule
+
+    dm/dz_k = Σ_s  (∂m/∂y_s) (∂y_s/∂p_k) (dp_k/dz_k)
+
+with the samples y_s that a measure m looks at. Without a compiler every run is made on plain
+floats, and derivatives are central differences.
+
+Measures are smooth piece by piece: where the hottest sample becomes another, or a coordinate
+meets a stop, derivatives are those of one side. A wire that does not transform at all has
+measures that hardly depend on anything; derivatives are then 0, as they are in truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.design.optimise.question import Aim, Question
+from martensite.kernels.c99 import compiler
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
+from martensite.simulate.driven import grid_of
+from martensite.simulate.march import SOLVED, march_floats
+from martensite.simulate.measures.base import needed
+from martensite.simulate.steered import Level, Steering
+
+Numbers: TypeAlias = NDArray[np.float64]
+LANES = 16
+"""Runs that are marched together."""
+APART = 1e-4
+"""Half the width of a central difference, as a share of a range."""
+
+
+@dataclass
+class Counts:
+    """What was computed."""
+
+    simulations: int = 0
+    """Runs without derivatives."""
+    slopes: int = 0
+    """Runs with derivatives."""
+
+    def to_dict(self) -> dict[str, int]:
+        """For JSON."""
+        return {"simulations": self.simulations, "with_derivatives": self.slopes}
+
+
+class Slopes(NamedTuple):
+    """What a design is judged by, and its derivatives."""
+
+    values: Numbers
+    """(cases, aims)"""
+    slopes: Numbers
+    """By the place z of every free number, (cases, aims, free)."""
+
+
+class Designs:
+    """All designs of a question, ready to be judged."""
+
+    def __init__(
+        self, steering: Steering, question: Question, *, samples: int, step: float,
+        also: Sequence[Aim] = (), native: bool | None = None,
+    ) -> None:  # fmt: skip
+        """Prepare runs.
+
+        Args:
+            steering: the system, its waveforms and the length of a run.
+            question: what is free, and what designs are judged by.
+            samples: of every run, both ends included.
+            step: longest step [s].
+            also: what is told of designs besides, without derivatives.
+            native: whether to run in C; by default if there is a compiler.
+
+        Raises:
+            ParameterError: a level of a waveform cannot be free.
+        """
+        levels = [c.level for one in question.free for c in one.choices if c.level is not None]
+        self.steering = steering.with_levels(levels)
+        self.question, self.step, self.counts = question, step, Counts()
+        self.native = compiler() is not None if native is None else native
+        self.system = self.steering.whole
+        self.compiled: CompiledMarch = compile_march(self.system)
+        played = self.steering.played()
+        self.grid = grid_of(self.system, played, steering.duration, samples, step)
+        self.times = np.array(self.grid.times)
+        self.also = tuple(also)
+        every = [aim.measure for aim in (*question.aims, *also) if aim.measure is not None]
+        self.outputs = needed(every, self.system)
+        self._base = np.array(self.compiled.values(self.system))
+        self._rows = [
+            [self._row(c.path, c.level) for c in one.choices] for one in question.free
+        ]  # fmt: skip
+
+    def numbers(self, z: Numbers) -> Numbers:
+        """Free numbers [SI] at places, (..., free)."""
+        columns = [one.value(z[..., k]) for k, one in enumerate(self.question.free)]
+        return np.stack(columns, axis=-1)
+
+    def values(self, z: Numbers) -> Numbers:
+        """What designs are judged by, (designs, free) -> (designs, cases, aims); or NaN."""
+        return self.told(self.numbers(z), self.aims)
+
+    def told(self, numbers: Numbers, aims: Sequence[Aim]) -> Numbers:
+        """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
+        cases, table = len(self.question.cases), self._table(numbers)
+        self.counts.simulations += len(table)
+        seen, every = self.runs(table, self.outputs), np.repeat(numbers, cases, axis=0)
+        found = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
+        found[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
+        return found.reshape(len(numbers), cases, -1)
+
+    def slopes(self, z: Numbers) -> Slopes | None:
+        """One design with its derivatives; None if a run of it fails."""
+        if not self.native:
+            return self._differences(z)
+        inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
+        values: list[Numbers] = []
+        slopes: list[Numbers] = []
+        numbers = self.numbers(z[None, :])
+        for row in self._table(numbers):
+            run = self._run(row)
+            if run is None:
+                return None
+            seen, moved = run
+            values.append(
+                np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims])
+            )
+            slopes.append(
+                np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims]) * inner
+            )
+        own = self._own() * inner
+        return Slopes(np.stack(values), np.stack(slopes) + own)
+
+    @property
+    def aims(self) -> tuple[Aim, ...]:
+        """What designs are judged by: the goal first."""
+        return self.question.aims
+
+    def runs(self, table: Numbers, outputs: Sequence[str]) -> Numbers:
+        """Outputs of runs of a table of parameters, (outputs, samples, runs); NaN if one fails."""
+        places = [self.compiled.outputs.index(name) for name in outputs]
+        march = self._lanes if self.native else self._floats
+        pieces = [march(table[k : k + LANES], places) for k in range(0, len(table), LANES)]
+        return np.concatenate(pieces, axis=2)
+
+    def course(self, numbers: Numbers, output: str) -> Numbers:
+        """An output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
+        self.counts.simulations += 1
+        return self.runs(self._table(numbers[None, :])[:1], [output])[0, :, 0]
+
+    # ---------------------------------------------------------------- tables of parameters
+
+    def _row(self, path: str, level: Level | None) -> int:
+        steering = self.steering
+        whole = steering.path(path) if level is None else steering.level_path(level)
+        return self.compiled.paths.index(whole)
+
+    def _table(self, numbers: Numbers) -> Numbers:
+        """Parameters of every design in every case, (designs * cases, parameters)."""
+        cases = self.question.cases
+        found = np.repeat(self._base[None, :], len(numbers) * len(cases), axis=0)
+        for rows, column in zip(self._rows, numbers.T, strict=True):
+            for row in rows:
+                found[:, row] = np.repeat(column, len(cases))
+        for k, case in enumerate(cases):
+            for path, value in case.items():
+                found[k :: len(cases), self._row(path, None)] = value
+        return found
+
+    # ---------------------------------------------------------------- measures
+
+    def _seen(self, aim: Aim, seen: Numbers) -> Numbers:
+        """The columns that a measure looks at."""
+        measure = aim.measure
+        names = () if measure is None else measure.columns(self.system)
+        return seen[[self.outputs.index(name) for name in names]]
+
+    def _value(self, aim: Aim, seen: Numbers, numbers: Numbers) -> Numbers:
+        if aim.measure is None:
+            return numbers[:, aim.place or 0]
+        return aim.measure.value(self.times, np.nan_to_num(self._seen(aim, seen)))
+
+    def _slope(self, aim: Aim, seen: Numbers, moved: Numbers) -> Numbers:
+        """d(measure)/d(number), (free,)."""
+        if aim.measure is None:
+            return np.zeros(moved.shape[2])
+        weights = aim.measure.weights(self.times, self._seen(aim, seen))[:, :, 0]
+        return np.einsum("cs,csf->f", weights, self._seen(aim, moved))
+
+    def _own(self) -> Numbers:
+        """d(aim)/d(number) of aims that are free numbers, (aims, free)."""
+        found = np.zeros((len(self.aims), len(self.question.free)))
+        for k, aim in enumerate(self.aims):
+            if aim.place is not None:
+                found[k, aim.place] = 1.0
+        return found
+
+    def _differences(self, z: Numbers) -> Slopes | None:
+        """Central differences, one-sided at bounds."""
+        apart = APART * np.eye(len(z))
+        ends = np.clip(np.concatenate([z + apart, z - apart]), 0.0, 1.0)
+        found = self.values(np.concatenate([z[None, :], ends]))
+        if np.isnan(found).any():
+            return None
+        up, down = found[1 : 1 + len(z)], found[1 + len(z) :]
+        wide = (ends[: len(z)] - ends[len(z) :]).sum(axis=1)
+        with np.errstate(invalid="ignore"):
+            slopes = np.nan_to_num((up - down) / wide[:, None, None], posinf=0.0, neginf=0.0)
+        return Slopes(found[0], np.moveaxis(slopes, 0, 2))
+
+    # ---------------------------------------------------------------- runs
+
+    def _run(self, row: Numbers) -> tuple[Numbers, Numbers] | None:
+        """Outputs of a run and their derivatives by the free numbers; None if it fails."""
+        from martensite.simulate.native_slopes import march_slopes
+
+        self.counts.slopes += 1
+        seeds = np.zeros((len(row), len(self._rows)))
+        for k, rows in enumerate(self._rows):
+            seeds[rows, k] = 1.0
+        places = [self.compiled.outputs.index(name) for name in self.outputs]
+        given = self.compiled, row.tolist(), seeds, self.grid, places
+        found = march_slopes(*given)
+        finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
+        if not (found.residual <= SOLVED and finite):
+            return None
+        return found.rows.T, np.moveaxis(found.slopes, 0, 1)
+
+    def _lanes(self, table: Numbers, places: Sequence[int]) -> Numbers:
+        from martensite.simulate.native import march_lanes
+
+        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
+        given = self.compiled, list(padded.T), self.grid, LANES, places
+        rows, worst = march_lanes(*given)
+        rows[:, :, ~(worst[0] <= SOLVED)] = np.nan
+        return np.moveaxis(rows, 1, 0)[:, :, : len(table)]
+
+    def _floats(self, table: Numbers, places: Sequence[int]) -> Numbers:
+        found = np.full((len(places), len(self.times), len(table)), np.nan)
+        for k, row in enumerate(table):
+            values = dict(zip(self.compiled.paths, row.tolist(), strict=True))
+            track = march_floats(*bind_march(self.system.rebuilt(values)), self.grid)
+            if not track.status.failed and len(track.rows) == len(self.times):
+                found[:, :, k] = np.asarray(track.rows)[:, places].T
+        return found
+
+
+def at_levels(steering: Steering, question: Question, numbers: Sequence[float]) -> Steering:
+    """System and waveforms of a design, checked.
+
+    Raises:
+        ParameterError: the system refuses the numbers together.
+    """
+    pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True)
+             for c in one.choices]  # fmt: skip
+    system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
+    waves = dict(steering.own)
+    for drive in waves:
+        moved = {c.level.name: v for c, v in pairs if c.level and c.level.drive == drive}
+        waves[drive] = steering.at(drive, moved)
+    return replace(steering, system=system, waveforms=waves, levels=())

@@ -1,0 +1,221 @@
+"""`optimise_design`: the numbers of an actuator for which a goal is best and all limits are kept.
+
+A sample of the box, descents with exact derivatives through the march, whole numbers rounded with
+their neighbours (`martensite.design.optimise.search`, `martensite.design.optimise.whole`). Runs are
+made in fixed steps, at most a tenth of the least thermal time constant in the box. At the design
+that is found the steps are halved until this changes little, and the design is adjusted in the
+steps that this takes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.design.optimise.designed import Designed, Held, Reported
+from martensite.design.optimise.evaluate import Designs, Numbers, at_levels
+from martensite.design.optimise.judged import KEPT, Scales
+from martensite.design.optimise.life import life_constraints, life_words
+from martensite.design.optimise.pressing import balance
+from martensite.design.optimise.question import Aim, Question, read_aim, read_question
+from martensite.design.optimise.search import Hunt, Mark, Point, Search, Tell
+from martensite.design.optimise.whole import Tried, rounded
+from martensite.simulate.api import longest_step
+from martensite.simulate.driven import Waveforms
+from martensite.simulate.steered import Steering
+
+ACCURACY = 1e-3
+"""Accepted change on halving the step, as a share of limits and of the goal."""
+HALVINGS = 5
+SHOWN = (
+    "stroke", "rise-time", "fall-time", "energy", "max({stress})", "stroke({strain})",
+    "max({hottest})", "max({power})", "max({current})", "max({voltage})",
+)  # fmt: skip
+"""Measures that are reported, whatever was asked for."""
+
+
+def optimise_design(
+    system: AbstractSystem, waveform: Waveforms, duration: float, free: Sequence[str], *,
+    minimise: str | None = None, maximise: str | None = None, subject: Sequence[str] = (),
+    life: float | None = None, cases: Sequence[str] = (), samples: int = 1001,
+    step: float | None = None, accuracy: float = ACCURACY, search: Search | None = None,
+    written: Mapping[str, str] | None = None, watch: Tell | None = None,
+    native: bool | None = None,
+) -> Designed:  # fmt: skip
+    """Find the best design of a system in a run from rest.
+
+    Args:
+        system: a `System` of one element, or a `Machine` of several; where the search begins.
+        waveform: drive signal, or signals by the name of what they drive.
+        duration: length of the run [s].
+        free: what may change, such as `element.diameter=0.05..0.5 mm` or `drive.peak=1..5 W`.
+        minimise: what shall be least, such as `energy` (which it is if neither is given).
+        maximise: what shall be most.
+        subject: what must hold, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
+        life: share of the declared limits of the elements that is to be left; None to ignore them.
+        cases: further cases in which it must hold, such as `environment.temperature=35 degC`.
+        samples: at which measures look.
+        step: longest step [s]; chosen and refined if not given.
+        accuracy: accepted change on halving the step, as a share of limits and of the goal.
+        search: how to search.
+        written: path in the system -> path in its scenario, for names.
+        watch: called with a sentence and the share that is done.
+        native: whether to run in C; by default if there is a compiler.
+
+    Raises:
+        InputError: a text cannot be read, a name or unit is wrong, bounds are none.
+        SolveError: no design can be run.
+    """
+    if minimise is not None and maximise is not None:
+        raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
+    steering = Steering(system, waveform, duration)
+    question = read_question(
+        steering, free, maximise or minimise or "energy", subject, most=maximise is not None,
+        cases=cases, written=written,
+    )  # fmt: skip
+    limits = [] if life is None else life_constraints(steering, question.free, life)
+    question = replace(question, subject=(*question.subject, *limits))
+    for case in question.cases:
+        system.with_values(case)
+    first = step or min(_longest(steering, question), duration / (samples - 1))
+    also = _shown(steering, {aim.words for aim in question.aims})
+    designs = Designs(
+        steering, question, samples=samples, step=first, also=also, native=native
+    )  # fmt: skip
+    hunt = Hunt(designs, search or Search(), watch)
+    begin = np.array([one.place(one.start) for one in question.free])
+    relaxed = hunt.run(begin)
+    whole = any(one.whole for one in question.free)
+    history = list(hunt.history)
+    point, tried, relaxed = rounded(hunt, relaxed)
+    if whole:
+        history = [*(m for m in history if not math.isinf(m.goal)), _mark(hunt, point)]
+    hunt, point, apart = _refined(hunt, point, accuracy, fixed_step=step is not None)
+    found = _answer(steering, hunt, point, apart)
+    return replace(
+        found, history=(*history, _mark(hunt, point)),
+        held=tuple(_held(hunt, one) for one in tried),
+        relaxed=tuple(designs.numbers(relaxed.z).tolist()) if whole else None,
+        relaxed_goal=_goal(hunt.scales, relaxed) if whole else None,
+        life=life_words(limits, life) if life is not None else "",
+    )  # fmt: skip
+
+
+def _longest(steering: Steering, question: Question) -> float:
+    """The shortest of the longest sensible steps at the corners of the box [s]."""
+    ends = [[(c.path, v) for v in (one.low, one.high)]
+            for one in question.free for c in one.choices if c.level is None]  # fmt: skip
+    corners = itertools.islice(itertools.product(*ends), 256)
+    return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
+
+
+def _refined(
+    hunt: Hunt, point: Point, accuracy: float, *, fixed_step: bool
+) -> tuple[Hunt, Point, float]:
+    """The design adjusted in steps that are short enough, and what halving them changes."""
+    fixed = np.array([one.whole for one in hunt.designs.question.free])
+    finer = _with_step(hunt, 0.5)
+    apart = _apart(hunt, finer, point.z)
+    for _ in range(0 if fixed_step else HALVINGS):
+        if apart <= accuracy:
+            break
+        hunt = finer
+        hunt.tell("shorter steps", 0.9)
+        hunt.judge(point.z[None])
+        hunt.descend(point.z, fixed)
+        point, finer = hunt.found, _with_step(hunt, 0.5)
+        apart = _apart(hunt, finer, point.z)
+    return hunt, point, apart
+
+
+def _with_step(hunt: Hunt, share: float) -> Hunt:
+    """The same search in steps of a share of its own; it goes on counting."""
+    old = hunt.designs
+    designs = Designs(
+        old.steering, old.question, samples=len(old.times), step=share * old.grid.longest,
+        also=old.also, native=old.native,
+    )  # fmt: skip
+    designs.counts = old.counts
+    found = Hunt(designs, hunt.search, hunt.watch)
+    found.scales = hunt.scales
+    return found
+
+
+def _apart(hunt: Hunt, finer: Hunt, z: Numbers) -> float:
+    """Largest change of what a design is judged by, as a share of limits and of the goal."""
+    both = [one.scales.judged(one.designs.values(z[None])) for one in (hunt, finer)]
+    goal = abs(both[0].goal[0] - both[1].goal[0])
+    slack = np.abs(both[0].slack - both[1].slack)
+    return float(max(goal, slack.max(initial=0.0)))
+
+
+def _answer(steering: Steering, hunt: Hunt, point: Point, apart: float) -> Designed:
+    """The answer, but for what was seen on the way."""
+    designs, question = hunt.designs, hunt.designs.question
+    numbers = tuple(designs.numbers(point.z).tolist())
+    exact = tuple(
+        float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True)
+    )
+    values = designs.values(point.z[None])
+    slack = hunt.scales.judged(values).slack[0].reshape(-1, len(question.subject) or 1)
+    missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -KEPT).any()]
+    notes: list[str] = []
+    if not point.kept:
+        notes.append(
+            "No design in the box was found that keeps all constraints; this one misses least. "
+            "Widen the bounds, or ask for less."
+        )
+    return Designed(
+        question=question, steering=at_levels(steering, question, exact),
+        z=tuple(point.z.tolist()), numbers=exact, kept=point.kept, missed=tuple(missed),
+        reported=_reported(hunt, exact), balance=balance(designs, hunt.scales, point.z),
+        held=(), relaxed=None, relaxed_goal=None, counts=designs.counts, history=(),
+        designs=designs, step=designs.grid.longest, accuracy=apart, notes=notes,
+    )  # fmt: skip
+
+
+def _reported(hunt: Hunt, numbers: Sequence[float]) -> tuple[Reported, ...]:
+    """What the question asks for and other measures, of the scenario and of the design."""
+    designs = hunt.designs
+    start = [one.start for one in designs.question.free]
+    aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
+    before, after = designs.told(np.array([start, numbers]), list(aims.values()))
+    return tuple(
+        Reported(aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist()))
+        for k, aim in enumerate(aims.values())
+    )
+
+
+def _shown(steering: Steering, asked: set[str]) -> list[Aim]:
+    """Other measures of the actuators of a system."""
+    system = steering.system
+    found: list[Aim] = []
+    for form in SHOWN:
+        name = form.partition("{")[2].partition("}")[0]
+        ports = list(system.actuators()) if name else [""]
+        for port in ports:
+            words = form.format(**{name: system.label(port, name)}) if name else form
+            if words not in asked:
+                found.append(read_aim(words, steering, ()))
+    return found
+
+
+def _held(hunt: Hunt, one: Tried) -> Held:
+    point = one.point
+    numbers = tuple(hunt.designs.numbers(point.z).tolist())
+    return Held(one.numbers, numbers, _goal(hunt.scales, point), point.kept, point.violation)
+
+
+def _goal(scales: Scales, point: Point) -> float:
+    return scales.sign * scales.goal * point.goal
+
+
+def _mark(hunt: Hunt, point: Point) -> Mark:
+    counts = hunt.designs.counts
+    return Mark(counts.simulations + counts.slopes, _goal(hunt.scales, point), point.violation)

@@ -1,0 +1,149 @@
+"""What holds a design where it is: active constraints and bounds, with their Lagrange multipliers.
+
+At a best design the slope of the goal is balanced by those of what it is pressed against,
+
+    ∇f = Σ_i λ_i ∇g_i + Σ_k μ_k n_k,      λ_i, μ_k >= 0,
+
+with the slacks g_i of active constraints and the inward normals n_k of bounds that are met. The
+multipliers are the non-negative least-squares solution of this balance, and its residue says how
+far from a stationary point the design is. A multiplier is what relaxing its limit a little gains.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base import units
+from martensite.design.optimise.evaluate import Designs
+from martensite.design.optimise.judged import Gradient, Scales
+from martensite.design.optimise.question import WARM
+
+ACTIVE = 2e-3
+"""Slack up to which a constraint counts as active, as a share of its limit."""
+PER_CENT = 0.01
+
+
+@dataclass(frozen=True)
+class Pressing:
+    """A constraint or a bound that a design is pressed against."""
+
+    name: str
+    """The constraint, or the free number."""
+    kind: str
+    """constraint, lower bound or upper bound"""
+    limit: float
+    """[SI]"""
+    unit: str
+    multiplier: float
+    """Gain of the goal [SI] per SI unit by which the limit is relaxed."""
+    step: float
+    """A small relaxation [SI]: 1 % of the limit, or of a range of a temperature."""
+    gain: float
+    """What it gains [SI]."""
+    share: float
+    """The same as a share of the goal."""
+    more: bool = True
+    """Whether it is relaxed upwards."""
+    cases: tuple[int, ...] = ()
+    """In which cases a constraint is active."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name, for JSON."""
+        return asdict(self)
+
+    def words(self, goal_unit: str) -> str:
+        """What relaxing it would gain."""
+        label = self.name if self.kind == "constraint" else f"{self.name}, {self.kind}"
+        if self.gain == 0.0:
+            return f"`{label}` is met, but relaxing it gains nothing."
+        way = "more" if self.more else "less"
+        return (
+            f"`{label}` holds it: {_difference(self.step, self.unit)} {way} would gain "
+            f"{_difference(self.gain, goal_unit)} ({100.0 * self.share:.3g} %)."
+        )
+
+
+@dataclass(frozen=True)
+class Balance:
+    """All that a design is pressed against."""
+
+    pressing: tuple[Pressing, ...]
+    residue: float
+    """What of the slope of the goal is not balanced, as a share of it."""
+
+
+def balance(designs: Designs, scales: Scales, z: NDArray[np.float64]) -> Balance | None:
+    """What holds a design; None if it cannot be differentiated.
+
+    Whole numbers are held by being whole and take no part.
+    """
+    found = designs.slopes(z)
+    if found is None:
+        return None
+    one, free = scales.gradient(found), designs.question.free
+    moving = np.array([not f.whole for f in free])
+    slack = np.flatnonzero(np.abs(one.slack) <= ACTIVE)
+    bounds = [(k, f.bound(float(z[k]))) for k, f in enumerate(free) if not f.whole]
+    met = [(k, side) for k, side in bounds if side]
+    normals = np.zeros((len(met), len(free)))
+    for row, (k, side) in enumerate(met):
+        normals[row, k] = 1.0 if side == "lower" else -1.0
+    rows = np.concatenate([one.slack_slope[slack], normals])[:, moving]
+    weights, residue = _balanced(rows, one.goal_slope[moving])
+    goal = abs(float(found.values[:, 0].mean())) or 1.0
+    pressing = _constraints(designs, scales, one, slack, weights, goal)
+    for (k, side), weight in zip(met, weights[len(slack) :], strict=True):
+        limit = free[k].low if side == "lower" else free[k].high
+        rate = weight * scales.goal / abs(free[k].slope(float(z[k])))
+        step = PER_CENT * (WARM if free[k].unit == "K" else abs(limit) or free[k].high)
+        pressing.append(Pressing(
+            free[k].name, f"{side} bound", limit, free[k].unit, rate, step, rate * step,
+            rate * step / goal, side == "upper",
+        ))  # fmt: skip
+    return Balance(tuple(pressing), residue)
+
+
+def _balanced(
+    rows: NDArray[np.float64], slope: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float]:
+    """Non-negative weights of rows whose sum is the slope, and the share that is missing."""
+    size = float(np.linalg.norm(slope))
+    if not size:
+        return np.zeros(len(rows)), 0.0
+    if not len(rows) or not rows.shape[1]:
+        return np.zeros(len(rows)), 1.0
+    weights, missing = import_module("scipy.optimize").nnls(rows.T, slope)
+    return weights, float(missing) / size
+
+
+def _constraints(
+    designs: Designs, scales: Scales, one: Gradient, slack: NDArray[np.intp],
+    weights: NDArray[np.float64], goal: float,
+) -> list[Pressing]:  # fmt: skip
+    """Active constraints, those of all cases together."""
+    subject = designs.question.subject
+    found: list[Pressing] = []
+    for i, constraint in enumerate(subject):
+        rows = [k for k, row in enumerate(slack) if row % len(subject) == i]
+        if not rows:
+            continue
+        rate = float(sum(weights[k] for k in rows)) * scales.goal / constraint.scale
+        step = PER_CENT * constraint.scale
+        cases = tuple(int(slack[k]) // len(subject) for k in rows)
+        found.append(Pressing(
+            constraint.words, "constraint", constraint.limit, constraint.aim.unit, rate, step,
+            rate * step, rate * step / goal, constraint.most, cases,
+        ))  # fmt: skip
+    return found
+
+
+def _difference(value: float, unit: str) -> str:
+    """A difference in a unit that people read; of temperatures in kelvin."""
+    shown = "K" if unit == "K" else units.readable(unit)
+    factor = 1.0 if unit == "K" else units.conversion(shown, unit)[0]
+    return f"{value / factor:.3g}{'' if shown == '1' else f' {shown}'}"

@@ -1,0 +1,189 @@
+"""The question of a design: what is free, what shall be least or most, and what must hold.
+
+    free        element.diameter=0.05..0.5 mm      mechanism.offset=1.5..8 mm      drive.peak=1..5 W
+    goal        energy                             max(temperature)                element.count
+    subject     max(stress) <= 200 MPa             stroke >= 30 deg                rise-time <= 1 s
+
+A goal, and the left side of a constraint, is a measure of a run (`martensite.simulate.measures`) or
+a free number itself. With several cases, such as a cold and a warm room, the goal is the mean over
+them, and constraints must hold in each.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from martensite.base import units
+from martensite.base.errors import ParameterError, UnitError, suggestion
+from martensite.design.optimise.free import Choice, Free, choices, found_choices, read_free
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, measure
+from martensite.simulate.steered import Steering
+
+_CONSTRAINT = re.compile(r"^(.*?[^<>=\s])\s*(<=|>=|<|>|≤|≥)\s*(.*?)\s*$")
+_SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")
+WARM = 50.0
+"""Scale of a constraint on a temperature [K]."""
+
+
+@dataclass(frozen=True)
+class Aim:
+    """Something that a design is judged by."""
+
+    words: str
+    unit: str
+    """SI"""
+    measure: AbstractMeasure | None = None
+    place: int | None = None
+    """Which of the free numbers it is, if it is no measure."""
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A limit of something that a design is judged by."""
+
+    aim: Aim
+    most: bool
+    """Whether the limit is the largest value allowed, else it is the smallest."""
+    limit: float
+    """SI"""
+    note: str = ""
+    """Where it comes from, if it was not asked for by itself."""
+
+    @property
+    def words(self) -> str:
+        """Such as `max(stress) <= 200 MPa`."""
+        unit = units.familiar(self.limit, self.aim.unit)
+        number = f"{units.from_si(self.limit, unit, self.aim.unit):.6g}"
+        sign = "<=" if self.most else ">="
+        return f"{self.aim.words} {sign} {number}{'' if unit == '1' else f' {unit}'}"
+
+    @property
+    def scale(self) -> float:
+        """A difference that counts, in SI."""
+        if self.aim.unit == "K":
+            return WARM
+        return abs(self.limit) or 1.0
+
+    @property
+    def sign(self) -> float:
+        """1 if more of it is better, else -1."""
+        return -1.0 if self.most else 1.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a design is to be."""
+
+    free: tuple[Free, ...]
+    goal: Aim
+    most: bool
+    """Whether the goal shall be as large as it can, else as small."""
+    subject: tuple[Constraint, ...] = ()
+    cases: tuple[Mapping[str, float], ...] = ({},)
+    """Numbers of the system by path that differ from case to case."""
+
+    @property
+    def aims(self) -> tuple[Aim, ...]:
+        """The goal, then what is constrained."""
+        return self.goal, *(one.aim for one in self.subject)
+
+
+def read_question(
+    steering: Steering, free: Sequence[str], goal: str, subject: Sequence[str] = (), *,
+    most: bool = False, cases: Sequence[str] = (), written: Mapping[str, str] | None = None,
+) -> Question:  # fmt: skip
+    """The question that texts ask about a system.
+
+    Args:
+        steering: the system and its waveforms.
+        free: such as `element.diameter=0.05..0.5 mm`.
+        goal: a measure or a free number.
+        subject: such as `max(stress) <= 200 MPa`.
+        most: whether the goal shall be as large as it can.
+        cases: more cases, each the numbers that differ, such as `environment.temperature=35 degC`.
+        written: path in the system -> path in the scenario.
+
+    Raises:
+        InputError: a text that cannot be read, an unknown name, a wrong unit.
+    """
+    if not free:
+        raise ParameterError(
+            "Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`."
+        )
+    known = choices(steering, written)
+    freed = tuple(read_free(text, known, steering.system) for text in free)
+    _refuse_twice(freed)
+    aim = read_aim(goal, steering, freed)
+    limits = tuple(read_constraint(text, steering, freed) for text in subject)
+    return Question(freed, aim, most, limits, ({}, *(_case(text, known, freed) for text in cases)))
+
+
+def _refuse_twice(freed: Sequence[Free]) -> None:
+    paths = [choice.path for one in freed for choice in one.choices]
+    twice = next((path for path in paths if paths.count(path) > 1), None)
+    if twice is not None:
+        raise ParameterError(f"`{twice}` is named as free more than once.")
+
+
+def read_aim(words: str, steering: Steering, freed: Sequence[Free]) -> Aim:
+    """A measure, or a free number by its name or path.
+
+    Raises:
+        ParameterError: it is neither, or no output of the system is called so.
+    """
+    words = words.strip()
+    for place, one in enumerate(freed):
+        if words == one.name or any(words in (c.path, c.written) for c in one.choices):
+            return Aim(one.name, one.unit, place=place)
+    name = words.partition("(")[0].strip()
+    if name not in MEASURES.names():
+        valid = [*MEASURES.names(), *(one.name for one in freed)]
+        raise ParameterError(
+            f"`{words}` is neither a measure nor a free number. {suggestion(name, valid)}"
+        )
+    found = measure(words)
+    return Aim(words, found.unit_in(steering.system), found)
+
+
+def read_constraint(text: str, steering: Steering, freed: Sequence[Free]) -> Constraint:
+    """A constraint from a text such as `max(stress) <= 200 MPa`.
+
+    Raises:
+        InputError: it is no such text, or the limit has another unit.
+    """
+    match = _CONSTRAINT.match(text.strip())
+    if match is None:
+        raise ParameterError(
+            f"`{text}` is no constraint; write a measure, <= or >=, and a limit, such as "
+            "`max(stress) <= 200 MPa`."
+        )
+    words, sign, limit = match.groups()
+    aim = read_aim(words, steering, freed)
+    try:
+        return Constraint(aim, sign in ("<=", "<", "≤"), units.parse(limit, aim.unit))
+    except UnitError as error:
+        raise UnitError(f"Constraint `{text}`: {error}") from None
+
+
+def _case(text: str, known: Sequence[Choice], freed: Sequence[Free]) -> dict[str, float]:
+    """Numbers of the system that differ in a case."""
+    found: dict[str, float] = {}
+    free = {choice.path for one in freed for choice in one.choices}
+    for piece in text.split(","):
+        match = _SETTING.match(piece)
+        if match is None:
+            raise ParameterError(
+                f"`{text}` is no case; write what differs, such as "
+                "`environment.temperature=35 degC`."
+            )
+        for choice in found_choices(match[1], known):
+            if choice.path in free or choice.level is not None:
+                what = "is free" if choice.path in free else "is a level of a waveform"
+                raise ParameterError(f"`{match[1]}` {what} and cannot differ from case to case.")
+            try:
+                found[choice.path] = units.parse(match[2], choice.unit)
+            except UnitError as error:
+                raise UnitError(f"Case `{text}`: {error}") from None
+    return found

@@ -1,0 +1,115 @@
+"""Whole numbers, such as the count of wires: relaxed first, then rounded, then neighbours.
+
+The search runs as if they could be anything. Then the whole numbers on both sides of what it
+found are held, one combination after another, and the other numbers are searched anew from there;
+from the best combination neighbours are tried, one up and one down, until none is better.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.design.optimise.search import Hunt, Point
+
+Numbers: TypeAlias = NDArray[np.float64]
+Combination = tuple[int, ...]
+MOST = 64
+"""Combinations that are tried."""
+ROUNDS = 3
+"""How often the relaxed design is searched anew."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """The best design with some whole numbers."""
+
+    numbers: Combination
+    point: Point
+
+
+def rounded(hunt: Hunt, relaxed: Point) -> tuple[Point, list[Tried], Point]:
+    """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
+
+    A whole design that is better than the relaxed one shows that this was not the best: it is
+    searched anew from there.
+
+    Args:
+        hunt: the search, which goes on counting.
+        relaxed: the best design found if they could be anything.
+    """
+    places = [k for k, one in enumerate(hunt.designs.question.free) if one.whole]
+    if not places:
+        return relaxed, [], relaxed
+    tried: dict[Combination, Tried] = {}
+    for _ in range(ROUNDS):
+        _walk(hunt, relaxed, places, tried)
+        best = _best(tried).point
+        if not best.before(relaxed):
+            break
+        relaxed = _searched(hunt, best.z, np.zeros(hunt.size, np.bool_))
+    return _best(tried).point, sorted(tried.values(), key=lambda one: one.numbers), relaxed
+
+
+def _walk(
+    hunt: Hunt, relaxed: Point, places: list[int], tried: dict[Combination, Tried]
+) -> None:  # fmt: skip
+    """Try what lies around the relaxed design, then neighbours of the best."""
+    free, values = hunt.designs.question.free, hunt.designs.numbers(relaxed.z)
+    sides = [
+        sorted({max(math.floor(v + 1e-9), one.low), min(math.ceil(v - 1e-9), one.high)})
+        for v, one in ((values[k], free[k]) for k in places)
+    ]
+    waiting = [tuple(int(n) for n in row) for row in itertools.product(*sides)]
+    begin = relaxed.z
+    while waiting and len(tried) < MOST:
+        for numbers in waiting:
+            hunt.tell(f"whole numbers: {', '.join(map(str, numbers))}", 0.85)
+            found = Tried(numbers, _held(hunt, begin, places, numbers))
+            if numbers not in tried or found.point.before(tried[numbers].point):
+                tried[numbers] = found
+        best = _best(tried)
+        begin = best.point.z
+        waiting = [n for n in _neighbours(hunt, places, best.numbers) if n not in tried]
+
+
+def _best(tried: dict[Combination, Tried]) -> Tried:
+    found = next(iter(tried.values()))
+    for one in tried.values():
+        found = one if one.point.before(found.point) else found
+    return found
+
+
+def _neighbours(hunt: Hunt, places: list[int], numbers: Combination) -> list[Combination]:
+    """One number one up or down, within bounds."""
+    free = hunt.designs.question.free
+    found: list[Combination] = []
+    for i, k in enumerate(places):
+        for step in (-1, 1):
+            if free[k].low <= numbers[i] + step <= free[k].high:
+                found.append((*numbers[:i], numbers[i] + step, *numbers[i + 1 :]))
+    return found
+
+
+def _held(hunt: Hunt, begin: Numbers, places: list[int], numbers: Combination) -> Point:
+    """The best design with these numbers."""
+    free = hunt.designs.question.free
+    fixed = np.zeros(hunt.size, np.bool_)
+    fixed[places] = True
+    z = begin.copy()
+    z[places] = [free[k].place(float(n)) for k, n in zip(places, numbers, strict=True)]
+    return _searched(hunt, z, fixed)
+
+
+def _searched(hunt: Hunt, z: Numbers, fixed: NDArray[np.bool_]) -> Point:
+    """The best design from a point, whatever was found before."""
+    hunt.best = None
+    hunt.judge(z[None])
+    hunt.descend(z, fixed)
+    hunt.clouds(fixed)
+    return hunt.found

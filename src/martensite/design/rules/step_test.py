@@ -1,0 +1,191 @@
+"""A step test on a bench: the loop is opened, the signal steps up and back, models are fitted.
+
+    signal u₀ → u₀ + Δ → u₀, each for some time
+
+Models of first order with dead time (`martensite.design.rules.first_order_fit`) are fitted to the
+step up (heating) and to the step back (cooling): a shape-memory actuator is heated by power and
+cools by itself, and what it does has hysteresis, so that the two differ, and a step smaller than
+the hysteresis moves hardly anything on its way back. `holding` finds what signals hold a level on
+the way up and down: a step must go from below the one to above the other.
+
+What is looked at is the reading that the controller has, with its lag, delay and noise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import MEASURED
+from martensite.control.loop.run import opened, simulate_bench
+from martensite.design.rules.first_order_fit import Response, fitted
+from martensite.design.rules.formulas import FirstOrder
+from martensite.design.tuning.loop_runs import loop_of
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.signals.staircase import Staircase
+from martensite.simulate.api import longest_step
+
+Numbers = NDArray[np.float64]
+Waveforms = Mapping[str, AbstractWaveform]
+CONSTANTS = 8.0
+"""Thermal time constants that a level is held by default."""
+TRIED = 17
+"""Signals that are tried for a bias."""
+
+
+class StepTest(NamedTuple):
+    """A step up and back."""
+
+    heating: Response
+    """Of the step up."""
+    cooling: Response
+    """Of the step back."""
+    times: Numbers
+    """From the beginning of the bias on [s]."""
+    signal: Numbers
+    reading: Numbers
+    bias: float
+    step: float
+    hold: float
+    """Time at each level [s]."""
+
+    def model(self, which: str = "mean") -> FirstOrder:
+        """That of heating, of cooling, or the geometric mean of both."""
+        up, down = self.heating.first_order, self.cooling.first_order
+        if which == "mean":
+            sign = math.copysign(1.0, up.gain)
+            return FirstOrder(
+                sign * math.sqrt(abs(up.gain * down.gain)),
+                math.sqrt(up.time_constant * down.time_constant),
+                math.sqrt(up.dead_time * down.dead_time),
+            )
+        if which not in ("heating", "cooling"):
+            raise ParameterError(
+                f"A step test has models of heating, cooling and their mean, not `{which}`."
+            )
+        return up if which == "heating" else down
+
+
+def step_test(
+    bench: Bench, bias: float, step: float, *, drive: str | None = None, hold: float | None = None,
+    seed: int | None = 0, waveforms: Waveforms | None = None,
+) -> StepTest:  # fmt: skip
+    """Step the signal of a drive up and back.
+
+    Args:
+        bench: with the controller whose reading is looked at; it is taken out.
+        bias: signal before and after.
+        step: how much is added to it.
+        drive: whose loop is opened; needed if there are several.
+        hold: time at each level [s]; by default eight thermal time constants.
+        seed: of noise and jitter; None for none.
+        waveforms: of other drives of the plant.
+
+    Raises:
+        ParameterError: no such loop, no step, or a time that is too short.
+        DataError: the output does not answer.
+    """
+    name = loop_of(bench, drive)
+    held = _hold(bench, hold)
+    if step == 0.0 or held < 10.0 * bench.period:
+        raise ParameterError("A step test needs a step, and ten periods of time for it at least.")
+    wave = Staircase(first=bias, increment=step, hold=held, count=2, direction="up-down")
+    times, reading = _reading(bench, name, wave, 3.0 * held, seed, waveforms)
+    signal = np.array([wave.value(float(t) + 1e-9) for t in times])
+    places = [round(k * held / bench.period) for k in (1, 2, 3)]
+    found = [
+        fitted(reading[a - 5 : b + 1], 5, bench.period, change)
+        for (a, b), change in zip(pairwise(places), (step, -step), strict=True)
+    ]
+    return StepTest(found[0], found[1], times, signal, reading, bias, step, held)
+
+
+class Holding(NamedTuple):
+    """Signals that hold a reading at a level."""
+
+    heating: float
+    """Come up from rest."""
+    cooling: float
+    """Come down from the largest signal tried."""
+
+    @property
+    def bias(self) -> float:
+        """The middle of both."""
+        return 0.5 * (self.heating + self.cooling)
+
+    @property
+    def width(self) -> float:
+        """How far they are apart: the hysteresis in the signal."""
+        return abs(self.heating - self.cooling)
+
+
+def holding(
+    bench: Bench, level: float, low: float, high: float, *, drive: str | None = None,
+    hold: float | None = None, waveforms: Waveforms | None = None,
+) -> Holding:  # fmt: skip
+    """The signals that hold a reading at a level, by runs at constant signals.
+
+    Args:
+        bench: with the controller whose reading is looked at.
+        level: of the reading, in SI.
+        low: least signal tried.
+        high: largest signal tried, with which cooling begins.
+        drive: whose loop is opened; needed if there are several.
+        hold: time until the output is looked at [s].
+        waveforms: of other drives of the plant.
+
+    Raises:
+        ParameterError: no signal between holds the reading there.
+    """
+    name, held = loop_of(bench, drive), _hold(bench, hold)
+    signals = np.linspace(low, high, TRIED)
+    branches: list[list[AbstractWaveform]] = [
+        [Constant(level=u) for u in signals.tolist()],
+        [Staircase(first=high, increment=u - high, hold=held, count=2) for u in signals.tolist()],
+    ]
+    cut = " Its supervisor may have cut the signal." if bench.supervisor is not None else ""
+    ends = [
+        np.array([_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves])
+        for k, waves in enumerate(branches, start=1)
+    ]
+    return Holding(*(_crossing(signals, found, level, cut) for found in ends))
+
+
+def _crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float:
+    """Where readings over signals cross a level."""
+    beyond = np.flatnonzero(np.diff(np.sign(found - level)) != 0.0)
+    if not len(beyond):
+        raise ParameterError(
+            f"No signal from {signals[0]:g} to {signals[-1]:g} holds the reading at {level:.6g}; "
+            f"it goes from {found.min():.6g} to {found.max():.6g}.{cut}"
+        )
+    k = int(beyond[0])
+    share = (level - found[k]) / (found[k + 1] - found[k])
+    return float(signals[k] + share * (signals[k + 1] - signals[k]))
+
+
+def _hold(bench: Bench, hold: float | None) -> float:
+    """Time at a level [s], a whole number of periods."""
+    wanted = CONSTANTS * 10.0 * longest_step(bench.plant) if hold is None else hold
+    return max(round(wanted / bench.period), 1) * bench.period
+
+
+def _reading(
+    bench: Bench, drive: str, wave: AbstractWaveform, duration: float, seed: int | None,
+    waveforms: Waveforms | None,
+) -> tuple[Numbers, Numbers]:  # fmt: skip
+    """Times and the reading of the controller, with the loop open."""
+    free, controller = opened(bench, drive)
+    played = {**(waveforms or {}), drive: wave}
+    run = simulate_bench(free, duration, waveforms=played, seed=seed).require()
+    name = controller.measured
+    column = MEASURED + name if name in bench.sensors.members() else name
+    return np.array(run.times), np.array(run[column])

@@ -1,0 +1,153 @@
+"""The model beside the maker's table: currents for 1 s and cooling times of every size.
+
+As the maker states its conditions: room temperature, static air, vertical wire, the last 0.5 % of
+deformation not counted in the cooling time. What the note leaves open is chosen here:
+
+- the load is a weight of the maker's pull stress, 172 MPa, in heating and cooling;
+- room temperature is 22 °C; the wire is 100 mm long (h hardly depends on it);
+- "contracts in 1 s" means 99 % of the strain between the pure phases at that load;
+- 0.5 % of deformation is 0.5 % of the wire's length;
+- the wire cools from the state at the end of that pulse.
+
+Nothing is fitted to any size, so the ratios show how far one set of numbers carries from 0.025 mm
+to 0.51 mm. Sources: the cells of the catalogue, each with its kind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from martensite.actuators.assembly import System
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.base.errors import SolveError
+from martensite.design.sizing.cycle import STEPS, cooled, current_for
+from martensite.design.sizing.request import ALLOYS
+from martensite.design.sizing.strand import Strand, alloy_numbers
+from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue, WireSize, load_wires
+from martensite.signals.step import Step
+from martensite.simulate.api import simulate
+
+LENGTH, AMBIENT, STRESS = 0.1, 295.15, 172e6
+CONTRACTED = 0.99
+"""Share of the full contraction that counts as contracted."""
+LEFT = 0.005
+"""Strain that is left when the cooling time ends."""
+PULSE = 1.0
+"""[s]"""
+
+
+@dataclass(frozen=True)
+class CheckRow:
+    """One size of one alloy: the model's numbers and the catalogue's cells."""
+
+    size: str
+    alloy: str
+    current: float
+    """Current that contracts the wire in 1 s [A]."""
+    current_cell: Cell
+    cooling: float | None
+    """Cooling time [s]; None if the wire does not come that far."""
+    cooling_cell: Cell
+    loss_share: float
+    """Share of the electrical energy of the pulse that is lost to the air meanwhile."""
+    stored_share: float
+    """Electrical energy of the catalogue's 1 s pulse over what heating by 65 K and the
+    transformation take, losses left out."""
+
+    @property
+    def current_ratio(self) -> float:
+        """Model over catalogue."""
+        return self.current / self.current_cell.value
+
+    @property
+    def cooling_ratio(self) -> float | None:
+        """Model over catalogue."""
+        return None if self.cooling is None else self.cooling / self.cooling_cell.value
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How far ratios are apart."""
+
+    least: float
+    mean: float
+    """Geometric mean."""
+    most: float
+
+
+def spread(ratios: Sequence[float | None]) -> Spread | None:
+    """Least, geometric mean and most of ratios, those that exist; None without any."""
+    found = [ratio for ratio in ratios if ratio is not None]
+    if not found:
+        return None
+    mean = math.exp(math.fsum(math.log(ratio) for ratio in found) / len(found))
+    return Spread(min(found), mean, max(found))
+
+
+def check_catalogue(
+    catalogue: WireCatalogue | None = None,
+    *,
+    alloys: Sequence[str] = ALLOYS,
+    stress: float = STRESS,
+    ambient: float = AMBIENT,
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> list[CheckRow]:
+    """Predict every size of a catalogue, thin to thick, alloy by alloy.
+
+    Args:
+        catalogue: the maker's table; that of Flexinol if not given.
+        alloys: which of `70` and `90`.
+        stress: of the weight that the wire lifts [Pa].
+        ambient: room temperature [K].
+        progress: called with the number of rows done and their total.
+        stop: asked before each row; once it says so, those predicted so far are the answer.
+
+    Raises:
+        SolveError: no current contracts a wire in 1 s.
+    """
+    sizes = list((catalogue or load_wires()).sizes.values())
+    rows: list[CheckRow] = []
+    for alloy in alloys:
+        for size in sizes:
+            if stop is not None and stop():
+                return rows
+            rows.append(_row(size, Strand(size, alloy, LENGTH, ambient), stress))
+            if progress is not None:
+                progress(len(rows), len(alloys) * len(sizes))
+    return rows
+
+
+def _row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
+    system = strand.system(DeadWeight(mass=stress * size.section / GRAVITY))
+    position = CONTRACTED * strand.reachable_strain(stress, stress) * strand.length
+    current = current_for(system, position, PULSE, size.current.value)
+    if current is None:
+        raise SolveError(f"No current contracts Flexinol wire of {size.name} in {PULSE:g} s.")
+    _, cooling = cooled(system, LEFT * strand.length, current, PULSE, strand.time_constant())
+    cell = size.cooling_70 if strand.alloy == "70" else size.cooling_90
+    return CheckRow(
+        size.name, strand.alloy, current, size.current, cooling, cell,
+        _loss_share(system, current), _stored_share(size, strand),
+    )  # fmt: skip
+
+
+def _loss_share(system: System, current: float) -> float:
+    run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
+    return _integral(run.times, run.columns["heat_loss"]) / _integral(
+        run.times, run.columns["power"]
+    )
+
+
+def _integral(times: Sequence[float], values: Sequence[float]) -> float:
+    pairs = zip(pairwise(times), pairwise(values), strict=True)
+    return math.fsum(0.5 * (b - a) * (u + v) for (a, b), (u, v) in pairs)
+
+
+def _stored_share(size: WireSize, strand: Strand) -> float:
+    numbers = alloy_numbers(strand.alloy)
+    taken = strand.mass * (65.0 * numbers["heat_capacity"] + numbers["latent_heat"])
+    return size.current.value**2 * strand.resistance * PULSE / taken

@@ -1,0 +1,152 @@
+"""Heating and cooling of a strand, simulated: currents for a time, times for a current.
+
+A cycle is one pulse from the cold state and the cooling after it. Heating ends when the stroke is
+reached; the return counts as done when 2 % of the stroke is left.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from martensite.actuators.assembly import System
+from martensite.base.status import Status
+from martensite.signals.pwm import PulseWidthModulation
+from martensite.signals.step import Step
+from martensite.simulate.alarms import excursion
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+
+RETURNED = 0.02
+"""Share of the stroke that may be left when the return counts as done."""
+STEPS = 100
+"""Steps of the march within the heating time."""
+MOST = 4000
+"""Steps of a cycle."""
+RUNNING = 4
+"""Cycles after which the peak temperature has settled, nearly."""
+HALVINGS = 14
+WIDENINGS = 12
+WINDOWS = (6.0, 16.0)
+"""Time constants after which a cooling wire is looked at again, and given up."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One pulse of current through a strand, and the cooling after it."""
+
+    current: float
+    """[A]"""
+    heating: float
+    """Time until the stroke is reached [s]."""
+    cooling: float | None
+    """Time from then until the return is done [s]; None if it is never done."""
+    hottest: float
+    """In the first cycle, from the cold state [K]."""
+    running: float | None = None
+    """Hottest in `RUNNING` cycles at the rate asked for [K]; None if the rate is not reached."""
+
+    @property
+    def fastest(self) -> float | None:
+        """Cycles per second that this pulse allows [Hz]; None if the wire does not return."""
+        return None if self.cooling is None else 1.0 / (self.heating + self.cooling)
+
+    def keeps(self, period: float) -> bool:
+        """True if heating and cooling fit into a period [s]."""
+        return self.fastest is not None and self.fastest * period >= 1.0 - 1e-9
+
+
+def pulsed(system: System, current: float, time: float) -> float:
+    """Position [m] at the end of a pulse of `current` [A] that lasts `time` [s].
+
+    The farthest one where the wire would melt or tear before.
+    """
+    run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
+    left = run.status is Status.OUT_OF_ENVELOPE
+    return max(run["position"]) if left else run["position"][-1]
+
+
+def current_for(system: System, position: float, time: float, guess: float) -> float | None:
+    """Least constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
+
+    None if no current up to some thousand times `guess` [A] does.
+    """
+    high = guess
+    for _ in range(WIDENINGS):
+        if pulsed(system, high, time) >= position:
+            break
+        high *= 2.0
+    else:
+        return None
+    low = 0.5 * high
+    while pulsed(system, low, time) >= position:
+        high, low = low, 0.5 * low
+    for _ in range(HALVINGS):
+        middle = math.sqrt(low * high)
+        if pulsed(system, middle, time) >= position:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def reached(system: System, position: float, current: float, longest: float) -> float | None:
+    """Time [s] at which a constant current first reaches `position` [m]; None if it does not."""
+    samples = 10 * STEPS + 1
+    step = longest / (samples - 1)
+    run = simulate(system, Step(high=current), longest, step=step, samples=samples)
+    return crossing(run.times, run.columns["position"], position)
+
+
+def cycle(
+    system: System, position: float, current: float, heating: float, time_constant: float
+) -> Cycle:
+    """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
+    left = RETURNED * position
+    run, cooling = cooled(system, left, current, heating, time_constant)
+    return Cycle(current, heating, cooling, max(run["temperature"]))
+
+
+def running_hottest(system: System, found: Cycle, rate: float) -> float:
+    """Highest temperature [K] when the same pulse is repeated at a rate [Hz].
+
+    The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
+    """
+    pulses = PulseWidthModulation(high=found.current, frequency=rate, duty=found.heating * rate)
+    step = max(found.heating / STEPS, 1.0 / rate / MOST * RUNNING)
+    run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
+    return max(run["temperature"])
+
+
+def cooled(
+    system: System, left: float, current: float, heating: float, time_constant: float
+) -> tuple[Result, float | None]:
+    """A pulse and the cooling after it, and the time [s] until only `left` [m] of it is left."""
+    pulse = Step(high=current, until=heating)
+    soon, late = (heating + window * time_constant for window in WINDOWS)
+    run = _run(system, pulse, soon)
+    time = _falls_to(run, heating, left)
+    if time is None:
+        run = _run(system, pulse, late)
+        time = _falls_to(run, heating, left)
+    return run, time
+
+
+def _run(system: System, pulse: Step, duration: float) -> Result:
+    step = max(pulse.until / STEPS, duration / MOST)
+    return simulate(system, pulse, duration, step=step, samples=2001)
+
+
+def _falls_to(run: Result, start: float, level: float) -> float | None:
+    """Time after `start` [s] at which the position has fallen to a level [m]."""
+    after = [i for i, time in enumerate(run.times) if time >= start]
+    times = [run.times[i] for i in after]
+    time = crossing(times, [-run["position"][i] for i in after], -level)
+    return None if time is None else time - start
+
+
+def crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
+    """First time at which `values` exceed `level`, between samples on a line; None if never."""
+    above = excursion(times, [value - level for value in values])
+    return None if above is None else above.first

@@ -1,0 +1,139 @@
+"""What is said about a candidate: why it does not do, what to beware of, how long it lasts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from martensite.design.sizing.cycle import RETURNED, Cycle
+from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.statics import Statics
+from martensite.design.sizing.wiring import Wiring
+
+CLOSE = 10.0
+"""Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
+LIFE_STRESS = 172.4e6
+"""25 ksi [Pa], with the usual rounding to 172 MPa."""
+UNKNOWN_LIFE = "no figure in the datasheets at hand"
+KNOWN_LIFE = (
+    "within 25 ksi (172 MPa), which nitinolactuators.com names as design limit for a million "
+    "cycles: a secondary page, not the maker's datasheet"
+)
+
+
+def life(stress: float) -> str:
+    """What a source says about the life at a stress [Pa]."""
+    return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE
+
+
+def static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
+    """Why a candidate need not be simulated."""
+    strand, cold = static.strand, static.cold_stress
+    if static.count > request.strands:
+        yield f"needs {static.count} strands, at most {request.strands:.0f} are allowed"
+    start = strand.shifted("M_s", cold)
+    if request.ambient >= start:
+        yield (
+            f"never returns: at {_celsius(request.ambient)} it is above M_s = {_celsius(start)} "
+            f"under {_mpa(cold)}"
+        )
+
+
+def reasons(
+    request: WireRequest, static: Statics, wiring: Wiring | None, cycle: Cycle | None,
+    limits: Mapping[str, float],
+) -> Iterator[str]:  # fmt: skip
+    """Why a simulated candidate does not do."""
+    if wiring is not None and cycle is None:
+        yield _supply(request, static, wiring)
+    if wiring is None or cycle is None:
+        return
+    if cycle.cooling is None:
+        yield (
+            f"does not return: more than {100.0 * RETURNED:.0f} % of the stroke is left after "
+            "16 thermal time constants"
+        )
+    elif not cycle.keeps(request.period):
+        spent = cycle.current > 0.999 * wiring.most(request)
+        excuse = ", at all that the supply drives" if spent else ""
+        yield (
+            f"too slow: {cycle.heating:.2g} s of heating and {cycle.cooling:.3g} s of cooling in a "
+            f"period of {request.period:.3g} s{excuse}"
+        )
+    if cycle.hottest > limits["temperature_limit"]:
+        yield (
+            f"too hot: {_celsius(cycle.hottest)}, the limit of the material is "
+            f"{_celsius(limits['temperature_limit'])}"
+        )
+
+
+def _supply(request: WireRequest, static: Statics, wiring: Wiring) -> str:
+    most = wiring.most(request)
+    limit = f"{request.supply:.4g} V"
+    if math.isfinite(request.current_limit):
+        limit += f" and {request.current_limit:.4g} A"
+    return (
+        f"the supply of {limit} drives at most {most:.3g} A through a strand of "
+        f"{static.strand.resistance:.3g} ohm ({wiring.kind}): too little for the stroke"
+    )
+
+
+def warnings(
+    request: WireRequest, static: Statics, cycle: Cycle | None, overheating: float,
+    limits: Mapping[str, float],
+) -> Iterator[str]:  # fmt: skip
+    """What to beware of."""
+    yield from _cold(request, static)
+    if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
+        yield (
+            f"{_mpa(static.hot_stress)} is above the maker's {_mpa(limits['stress_limit'])} for "
+            "repeated use"
+        )
+    if static.strain > limits["strain_limit"]:
+        yield (
+            f"{100.0 * static.strain:.2f} % strain is above the maker's "
+            f"{100.0 * limits['strain_limit']:.0f} %"
+        )
+    if static.strain < request.strain:
+        yield (
+            f"{100.0 * static.strain:.2f} % strain is used, not {100.0 * request.strain:.2f} %: "
+            "the wire gives no more under this load"
+        )
+    limit = limits["temperature_limit"]
+    if cycle is not None and cycle.running is not None and cycle.running > limit:
+        yield (
+            f"repeated at {request.rate:.4g} Hz this pulse heats the wire to "
+            f"{_celsius(cycle.running)}, above its limit of {_celsius(limit)}: end each pulse when "
+            "the stroke is reached"
+        )
+    if cycle is not None and cycle.current > overheating:
+        yield (
+            f"the pulse current is above the {overheating:.3g} A per strand that in the long run "
+            f"bring the wire to its limit of {_celsius(limit)}: a pulse that "
+            "does not end overheats it"
+        )
+
+
+def _cold(request: WireRequest, static: Statics) -> Iterator[str]:
+    """Warnings about an ambient temperature at which the wire hardly becomes martensite."""
+    finish = static.strand.shifted("M_f", static.cold_stress)
+    under = f"M_f = {_celsius(finish)} under {_mpa(static.cold_stress)}"
+    if request.ambient >= finish:
+        yield (
+            f"the ambient of {_celsius(request.ambient)} is above {under}: the wire never cools "
+            "far enough to return wholly"
+        )
+    elif request.ambient > finish - CLOSE:
+        yield (
+            f"the ambient of {_celsius(request.ambient)} is only "
+            f"{finish - request.ambient:.1f} K below {under}: the return is slow, and a warmer day "
+            "stops it"
+        )
+
+
+def _celsius(kelvin: float) -> str:
+    return f"{kelvin - 273.15:.4g} °C"
+
+
+def _mpa(pascal: float) -> str:
+    return f"{pascal / 1e6:.4g} MPa"

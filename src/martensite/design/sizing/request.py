@@ -1,0 +1,64 @@
+"""What is asked of an actuator wire.
+
+`force` is what is left for the load at the end of the stroke. With a weight as bias it is that
+weight; with a spring as bias the load is taken to grow from nothing to `force` over the stroke
+and to give back as the wire lengthens, in addition to the return spring.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, option, param
+from martensite.kernels.namespace import Scalar
+
+ALLOYS = ("70", "90")
+"""Austenite start temperatures [°C] by which the maker names the two alloys."""
+
+
+class WireRequest(Parametrised):
+    """Force, stroke and rate that a wire must reach, and with what."""
+
+    cites = ("dynalloy-vendor-page", "dynalloy-table-copy")
+
+    force: Scalar = param("N", "pull on the load at the end of the stroke", above=0.0, high=1e5)
+    stroke: Scalar = param("m", "way of the load", above=0.0, high=10.0)
+    rate: Scalar = param("Hz", "cycles per second", above=0.0, high=1e3)
+    supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
+    ambient: Scalar = param(
+        "K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15
+    )
+    strain: Scalar = param("1", "largest strain to be used", low=0.002, high=0.08, default=0.04)
+    stress: Scalar = param("Pa", "largest stress of the hot wire", above=0.0, high=6e8,
+                           default=172e6)  # fmt: skip
+    return_stress: Scalar = param(
+        "Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6
+    )
+    spring_rise: Scalar = param(
+        "1", "growth of the return spring's force over the stroke, as a share of its preload",
+        low=0.01, high=5.0, default=0.25,
+    )  # fmt: skip
+    current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
+    strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
+    bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")
+    alloy: str = option("which of the maker's alloys", "any", *ALLOYS, default="any")
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the return takes all the stress that is allowed."""
+        rise = self.spring_rise if self.bias == "spring" else 0.0
+        taken = self.return_stress * (1.0 + rise)
+        if taken >= self.stress:
+            raise ParameterError(
+                f"Parameter `stress` of `WireRequest` must be above the {taken / 1e6:.4g} MPa that "
+                f"the return of the wire takes, but is {self.stress / 1e6:.4g} MPa."
+            )
+
+    def alloys(self) -> tuple[str, ...]:
+        """The alloys that are allowed."""
+        return ALLOYS if self.alloy == "any" else (self.alloy,)
+
+    @property
+    def period(self) -> float:
+        """Time for one cycle [s]."""
+        return 1.0 / self.rate

@@ -1,0 +1,139 @@
+"""A candidate as a scenario file that `martensite run` accepts, each number with its origin."""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base.errors import InputError
+from martensite.design.sizing.candidates import Candidate, Drive
+from martensite.design.sizing.cycle import Cycle
+from martensite.design.sizing.request import WireRequest
+from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue
+
+CYCLES = 3
+SAMPLES = 3001
+
+
+def scenario_text(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> str:
+    """The text of a scenario: some cycles of a candidate at the rate asked for, or its fastest.
+
+    Raises:
+        InputError: the candidate makes no cycle at all.
+    """
+    cycle, drive = candidate.cycle, candidate.drive
+    if cycle is None or drive is None or cycle.fastest is None:
+        raise InputError(
+            f"Wire of {candidate.size.name}, {candidate.alloy} °C, makes no cycle, so there is no "
+            f"scenario of it: {candidate.reasons[0]}."
+        )
+    rate = min(request.rate, cycle.fastest)
+    parts = [
+        _head(request, candidate),
+        _element(candidate, catalogue),
+        _environment(request),
+        _mechanism(request, candidate),
+        _drive(request, drive, cycle, rate),
+        f'[run]\nduration = "{CYCLES / rate:.9g} s"\nsamples = {SAMPLES}\n',
+    ]
+    return "\n".join(parts)
+
+
+def _head(request: WireRequest, candidate: Candidate) -> str:
+    asked = (
+        f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from "
+        f"{request.supply:.6g} V"
+    )
+    found = f"{_count(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
+    lines = [f"# Sized for {asked}: {found}."]
+    lines += [f"# Not met: {reason}." for reason in candidate.reasons]
+    lines += [f"# Beware: {warning}." for warning in candidate.warnings]
+    return "\n".join([*lines, f'title = "{found}: {asked}"', ""])
+
+
+def _count(candidate: Candidate) -> str:
+    wiring = candidate.wiring
+    if wiring is None or wiring.count == 1:
+        return ""
+    return f"{wiring.count} in {wiring.kind}, "
+
+
+def _element(candidate: Candidate, catalogue: WireCatalogue) -> str:
+    static, size, wiring = candidate.statics, candidate.size, candidate.wiring
+    bundle = wiring is not None and wiring.count > 1
+    own = "element.strand" if bundle else "element"
+    lines = ["[element]"]
+    if bundle and wiring is not None:
+        lines += [
+            'kind = "bundle"', f"count = {wiring.count}", f'wiring = "{wiring.kind}"',
+        ]  # fmt: skip
+    else:
+        lines.append('kind = "wire"')
+    lines.append(f'material = "flexinol-{candidate.alloy}"')
+    if bundle:
+        lines += ["", f"[{own}]", 'kind = "wire"']
+    length = f"the stroke at {100.0 * static.strain:.4g} % strain"
+    ohms = size.resistance.text
+    return "\n".join(
+        [
+            *lines,
+            f'diameter = "{size.diameter.text}"   # {_origin(size.diameter, catalogue)}',
+            f'length = "{1e3 * static.strand.length:.12g} mm"   # computed: {length}',
+            'law = { kind = "liang-rogers", modulus = "mixture" }',
+            "",
+            f"[{own}.resistance]   # {_origin(size.resistance, catalogue)}",
+            'kind = "per-length"',
+            f'r_A = "{ohms}"',
+            f'r_M = "{ohms}"   # the catalogue has one value for both phases',
+            "",
+        ]
+    )
+
+
+def _origin(cell: Cell, catalogue: WireCatalogue) -> str:
+    """Kind, source and note of a cell."""
+    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}"
+    return f"{said}: {cell.note}" if cell.note else said
+
+
+def _environment(request: WireRequest) -> str:
+    return (
+        "[environment]   # a vertical wire in still air\n"
+        f'temperature = "{request.ambient - 273.15:.12g} degC"\n'
+        'cooling = { kind = "lefevre-ede", fluid = { kind = "air" } }\n'
+    )
+
+
+def _mechanism(request: WireRequest, candidate: Candidate) -> str:
+    static = candidate.statics
+    if static.stiffness == 0.0:
+        kilograms = static.preload / GRAVITY
+        note = f"{request.force:.4g} N of load"
+        if static.extra > 0.0:
+            note += f" and {static.extra:.4g} N more, to stretch the cold wire"
+        return f'[mechanism]\nkind = "dead-weight"\nmass = "{kilograms:.12g} kg"   # {note}\n'
+    rate = (static.work_force - static.preload) / request.stroke
+    return "\n".join(
+        [
+            "[mechanism]   # return spring and load in one",
+            'kind = "bias-spring"',
+            f'preload = "{static.preload:.12g} N"   # of the return spring',
+            f'stiffness = "{rate:.12g} N/m"   # {static.stiffness:.4g} N/m of the return spring, '
+            f"and the load: {request.force:.4g} N at {1e3 * request.stroke:.4g} mm",
+            "",
+        ]
+    )
+
+
+def _drive(request: WireRequest, drive: Drive, cycle: Cycle, rate: float) -> str:
+    lines = [
+        "[drive]   # each pulse ends when the stroke is reached for the first time",
+        'kind = "current"',
+        f'voltage_limit = "{request.supply:.12g} V"',
+    ]
+    if math.isfinite(request.current_limit):
+        lines.append(f'current_limit = "{request.current_limit:.12g} A"')
+    if rate < request.rate:
+        lines.append(f"# {request.rate:.4g} Hz are not reached; this is the fastest cycle")
+    duty = cycle.heating * rate
+    wave = f'kind = "pwm", high = "{drive.current:.9g} A", frequency = "{rate:.9g} Hz"'
+    return "\n".join([*lines, f"waveform = {{ {wave}, duty = {duty:.9g} }}", ""])

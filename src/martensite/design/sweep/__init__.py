@@ -1,0 +1,1 @@
+"""Sweeps of scenarios: variants, their runs, and the store that holds them."""

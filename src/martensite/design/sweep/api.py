@@ -1,0 +1,174 @@
+"""Sweeps from Python: the command `martensite sweep` as a function."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base import units
+from martensite.base.errors import InputError
+from martensite.base.registry import import_modules
+from martensite.design.backends.base import BACKENDS, AbstractBackend
+from martensite.design.sweep.job import MEASURES, SweepJob, Wanted, prepared, spec_of
+from martensite.design.sweep.plan import CHUNK, Plan
+from martensite.design.sweep.running import Progress, Tell, run_chunks, share_of
+from martensite.design.sweep.store import Store, create
+from martensite.scenario.scenario import Scenario, load
+
+if TYPE_CHECKING:
+    import xarray
+
+FEW = 2
+"""Chunks that are made faster than processes start."""
+
+
+@dataclass(frozen=True)
+class How:
+    """How a sweep is run, which does not change what comes out."""
+
+    backend: str | None = None
+    """Who runs the chunks; None for several processes, or this one alone for a few chunks."""
+    workers: int = 0
+    scheduler: str | None = None
+    part: str | None = None
+    """Part of the chunks, `i/N`."""
+    modules: tuple[str, ...] = ()
+    """What registers parts of the user's own."""
+    force: bool = False
+    """Replace what is there."""
+
+    def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
+        """The backend for so many chunks.
+
+        Raises:
+            InputError: there is none of that name, or an option has no effect on it.
+        """
+        made = BACKENDS[self._name(chunks, runtime)]
+        fields = getattr(made, "__dataclass_fields__", {})
+        given = {"workers": self.workers or None, "scheduler": self.scheduler}
+        for name, value in given.items():
+            if value is not None and name not in fields:
+                raise InputError(
+                    f"Option `--{name}` has no effect on the backend `{made.registered_name}`."
+                )
+        return made(**{name: value for name, value in given.items() if value is not None})
+
+    def _name(self, chunks: int, runtime: str | None) -> str:
+        if self.backend:
+            return self.backend
+        if self.scheduler:
+            return "dask"
+        few = chunks <= FEW and not self.workers
+        return "serial" if few or runtime == "jax" else "processes"
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A sweep whose store is there."""
+
+    plan: Plan
+    store: Store
+    job: SweepJob
+    part: range
+    """Chunks that are asked for."""
+    backend: AbstractBackend
+
+    def run(self, tell: Tell | None = None) -> Progress:
+        """Make the chunks that are missing; `tell` is called after each.
+
+        Raises:
+            StoppedError: it cannot go on, or was interrupted; what was made is kept.
+        """
+        return run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+
+
+def begin(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Begun:
+    """Plan a sweep, and make its store or open it.
+
+    Nothing is removed or written before all that is asked for has been found to be right.
+
+    Raises:
+        InputError: an axis, an option or the store is wrong.
+    """
+    how.made(0, wanted.runtime)
+    if how.force and how.part:
+        raise InputError("`--force` would remove what other parts have made; leave it out.")
+    share_of(1 << 30, how.part)
+    old = Store(path) if path.exists() else None
+    if old:
+        known = old.spec  # nothing but a sweep is opened, or removed
+        wanted = wanted if how.force else _as_before(wanted, known)
+    plan, wanted = prepared(scenario, wanted)
+    spec = spec_of(scenario, wanted, how.modules)
+    if old and how.force:
+        shutil.rmtree(path)
+    store = create(path, plan, spec)
+    job, part = SweepJob(path.resolve(), json.dumps(spec)), share_of(plan.chunks, how.part)
+    backend = how.made(len(set(part) - store.made()), wanted.runtime)
+    return Begun(plan, store, job, part, backend)
+
+
+def _as_before(wanted: Wanted, known: dict[str, Any]) -> Wanted:
+    """With the step and the runtime that a store was begun with, where none are asked for."""
+    return replace(
+        wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"]
+    )
+
+
+def sweep(
+    scenario: Scenario | str | Path, *, over: Sequence[str], out: str | Path, sample: str = "grid",
+    measures: Sequence[str] = MEASURES, traces: Sequence[tuple[str, int]] = (), seed: int = 0,
+    step: float | str | None = None, runtime: str | None = None, precision: str = "float64",
+    chunk: int = CHUNK, backend: str | None = None, workers: int = 0, scheduler: str | None = None,
+    part: str | None = None, modules: Sequence[str] = (), force: bool = False,
+    tell: Tell | None = None,
+) -> xarray.Dataset:  # fmt: skip
+    """Run many variants of a scenario into a Zarr store, and open it.
+
+    Called again, it goes on where it was stopped, and returns at once when all is there.
+
+    Args:
+        scenario: as `load` returns it, or a file.
+        over: what is varied, such as `diameter=0.1..0.5 mm:9` or `length=250 mm +- 2 %`.
+        out: the store, a folder.
+        sample: grid, or a design with a number of runs, such as `sobol:1024`.
+        measures: one number each per run, such as `stroke` or `max(stress)`.
+        traces: outputs that are kept over time, each with a number of samples.
+        seed: of the sample.
+        step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
+            each with an error control of its own, and the store says what accuracy each has.
+        runtime: c, jax or floats; by default c, if there is a compiler.
+        precision: float64, or float32 on JAX.
+        chunk: runs that are made and written together.
+        backend: who runs the chunks: processes, serial or dask; by default this process alone
+            for a few chunks or on JAX, else several. A script that takes another than serial must
+            do so under `if __name__ == "__main__":`.
+        workers: how many processes; 0 for one per core.
+        scheduler: address of a Dask scheduler.
+        part: part I of N of the chunks, `I/N`, for job arrays.
+        modules: modules or .py files that register parts of your own.
+        force: replace an existing store.
+        tell: called with the `Progress` after every chunk.
+
+    Returns:
+        What `open_sweep` returns: all runs, those that are missing or failed as NaN.
+
+    Raises:
+        InputError: something that was asked for is wrong.
+        StoppedError: it stopped on the way; what was made is kept.
+    """
+    from martensite.design.sweep.dataset import open_sweep
+
+    import_modules(modules)
+    found = scenario if isinstance(scenario, Scenario) else load(scenario)
+    length = units.parse(step, "s") if isinstance(step, str) else step
+    wanted = Wanted(
+        tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision
+    )
+    how = How(backend, workers, scheduler, part, tuple(modules), force)
+    begin(found, wanted, Path(out), how).run(tell)
+    return open_sweep(out)

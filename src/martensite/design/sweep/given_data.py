@@ -1,0 +1,181 @@
+"""Sensitivity from any sample: what can be said without a design made for it.
+
+    first       variance of the means of classes of a number, over the variance
+    delta       how far the distribution of the measure moves, on average, if the number is known,
+                from 0 to 1; needs no variance (Borgonovo (2007), Reliab. Eng. Syst. Saf. 92)
+    slope, rank slope
+                standardised regression coefficients of the numbers, and of their ranks; they have
+                a sign (Saltelli et al. (2008), Global Sensitivity Analysis, ch. 1)
+
+Classes have equally many runs, as in SALib; delta is equation 26 of Plischke, Borgonovo and Smith
+(2013), Eur. J. Oper. Res. 226, with Gaussian kernels of Silverman's width. Delta and first order
+have their bias reduced, and intervals of 95 %, by bootstrap (there, equation 30). Few runs make few
+classes, and first orders that are too small where a measure goes up and down. Slopes see what is
+linear, or monotonic; a measure that turns back hides from them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.design.sweep.axes import Numbers
+
+MOST_DELTA, MOST_FIRST = 1000, 20_000
+"""Runs that an index is estimated from at most, drawn at random from all."""
+DRAWS = 24
+"""Bootstrap samples."""
+GRID = 100
+NORMAL_95 = 1.959963984540054
+SAME = 1e-12
+"""Relative spread below which numbers count as one."""
+LINEAR = 0.7
+"""Share of the variance below which a regression is remarked upon."""
+
+
+@dataclass(frozen=True, eq=False)
+class Index:
+    """A number per axis that says how important it is."""
+
+    values: Numbers
+    wide: Numbers
+    """Half of its interval of 95 %; NaN where none is known."""
+
+    @classmethod
+    def unknown(cls, width: int) -> Index:
+        """Where nothing varies."""
+        return cls(np.full(width, np.nan), np.full(width, np.nan))
+
+    def words(self, place: int) -> str:
+        """One of its numbers with half of its interval."""
+        value, wide = float(self.values[place]), float(self.wide[place])
+        number = "none" if math.isnan(value) else f"{value:.3f}"
+        return number if math.isnan(wide) else f"{number} ± {wide:.3f}"
+
+
+def spread(values: Numbers) -> bool:
+    """Whether numbers differ by more than rounding."""
+    return bool(np.ptp(values) > SAME * np.max(np.abs(values), initial=0.0))
+
+
+def given_data(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, Index], list[str]]:
+    """Indices of a measure, and sentences on them.
+
+    Args:
+        x: varied numbers, (runs, axes).
+        y: the measure, (runs,).
+        seed: of the bootstrap.
+    """
+    width = x.shape[1]
+    names = ("delta", "first", "rank slope", "slope")
+    if not spread(y):
+        return {name: Index.unknown(width) for name in names}, []
+    rng = np.random.default_rng(seed)
+    x, y = _shuffled(x, y, rng)
+    rank_slope, monotonic = slopes(ranks(x), ranks(y))
+    slope, linear = slopes(x, y)
+    found = {
+        "delta": _by_axis(moved, x[:MOST_DELTA], y[:MOST_DELTA], rng),
+        "first": _by_axis(first_order, x[:MOST_FIRST], y[:MOST_FIRST], rng),
+        "rank slope": rank_slope,
+        "slope": slope,
+    }
+    share = max(monotonic, linear)
+    if share >= LINEAR:
+        return found, []
+    return found, [
+        f"Slopes explain {100.0 * share:.0f} % of the variance: do not judge by them alone."
+    ]
+
+
+def _shuffled(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
+    """In random order: what is equal falls into classes by chance, not by its place."""
+    order = rng.permutation(len(y))
+    return x[order], y[order]
+
+
+def _by_axis(
+    estimate: Callable[[Numbers, Numbers], float], x: Numbers, y: Numbers, rng: np.random.Generator
+) -> Index:
+    """An index of every number, its bias reduced, with half of its interval."""
+    found: list[tuple[float, float]] = []
+    for one in x.T:
+        if not spread(one):
+            found.append((math.nan, math.nan))
+            continue
+        draws = (rng.integers(len(y), size=len(y)) for _ in range(DRAWS))
+        drawn = np.array([estimate(one[rows], y[rows]) for rows in draws])
+        value = 2.0 * estimate(one, y) - float(np.mean(drawn))
+        found.append((value, NORMAL_95 * float(np.std(drawn, ddof=1))))
+    return Index(*np.array(found).T)
+
+
+def first_order(x: Numbers, y: Numbers) -> float:
+    """Variance of the means of classes of x, over the variance."""
+    if not spread(y):
+        return 0.0
+    means = ((float(np.mean(part)), len(part)) for part in _classes(x, y))
+    middle = float(np.mean(y))
+    return sum(n * (mean - middle) ** 2 for mean, n in means) / (len(y) * float(np.var(y)))
+
+
+def moved(x: Numbers, y: Numbers) -> float:
+    """Delta: half the area between the densities of y and of its classes, on average."""
+    if not spread(y):
+        return 0.0
+    seen = np.linspace(float(np.min(y)), float(np.max(y)), GRID)
+    whole = _density(y, seen)
+
+    def area(part: Numbers) -> float:
+        if not spread(part):  # a peak without width, of which there may be one in the whole
+            return 2.0 * float(np.mean(y != part[0]))
+        return float(np.trapezoid(np.abs(whole - _density(part, seen)), seen))
+
+    return sum(len(part) * area(part) for part in _classes(x, y)) / (2 * len(y))
+
+
+def _density(y: Numbers, seen: Numbers) -> Numbers:
+    """Density by Gaussian kernels, (GRID,)."""
+    wide = float(np.std(y, ddof=1)) * (0.75 * len(y)) ** -0.2
+    kernels = np.exp(-0.5 * ((seen - y[:, None]) / wide) ** 2)
+    return np.mean(kernels, axis=0) / (wide * math.sqrt(2.0 * math.pi))
+
+
+def _classes(x: Numbers, y: Numbers) -> list[Numbers]:
+    """y in classes of x of equal size, as many as SALib makes of that many runs."""
+    count = len(y)
+    power = 2.0 / (7.0 + math.tanh((1500.0 - count) / 500.0))
+    ends = np.linspace(0.0, count, round(min(math.ceil(count**power), 48)) + 1)
+    return np.split(y[np.argsort(x, kind="stable")], ends[1:-1].astype(int))
+
+
+# ---------------------------------------------------------------- regression
+
+
+def ranks(values: Numbers) -> Numbers:
+    """Places in the order of size, of every column; equal ones share the mean of theirs."""
+    if values.ndim > 1:
+        return np.stack([ranks(one) for one in values.T], axis=1)
+    _, places, counts = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(counts) - 0.5 * (counts - 1))[places]
+
+
+def slopes(x: Numbers, y: Numbers) -> tuple[Index, float]:
+    """Standardised coefficients of a linear regression, and the share of the variance explained.
+
+    Args:
+        x: (runs, axes).
+        y: (runs,).
+    """
+    wide = np.std(x, axis=0)
+    a = (x - np.mean(x, axis=0)) / np.where(wide > 0.0, wide, 1.0)
+    b = (y - np.mean(y)) / np.std(y)
+    found = np.linalg.lstsq(a, b, rcond=None)[0]
+    rest = b - a @ found
+    share = 1.0 - float(rest @ rest) / len(b)
+    free = max(len(b) - len(found) - 1, 1)
+    errors = np.sqrt(np.diag(np.linalg.pinv(a.T @ a)) * float(rest @ rest) / free)
+    return Index(found, NORMAL_95 * errors), share

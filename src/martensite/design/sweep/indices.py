@@ -1,0 +1,197 @@
+"""Sensitivity: how much of the variance of a measure every varied number explains.
+
+First order: the share of the variance that vanishes on average if the number is known. Total: the
+share that remains if all others are known; total minus first is what comes of acting together.
+Which estimate is made follows from the design:
+
+    saltelli       SALib's estimators (Saltelli et al. (2010)) with bootstrap intervals
+    whole grid     sums of squares over its levels, which count as equally likely; no interval
+    other samples  `martensite.design.sweep.given_data`
+
+Varied numbers count as independent, with the distributions that the design gave them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import DataError
+from martensite.design.sampling.saltelli import block_size
+from martensite.design.sweep.axes import Numbers
+from martensite.design.sweep.extras import extra
+from martensite.design.sweep.given_data import Index, given_data, spread
+from martensite.design.sweep.table import Column, SweepTable
+
+LEAST_BLOCKS = 8
+LEAST_RUNS = 32
+BOOTSTRAP = 20_000_000
+"""Numbers drawn for the intervals at most."""
+WIDE = 0.1
+"""Half an interval that is remarked upon."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """What one measure of a sweep depends on."""
+
+    measure: str
+    unit: str
+    """SI unit of the measure."""
+    method: str
+    """saltelli, grid or given data."""
+    names: tuple[str, ...]
+    """Paths of the varied numbers."""
+    indices: dict[str, Index]
+    """By kind, such as `first` and `total`; each has one number per varied number."""
+    mean: float
+    deviation: float
+    used: int
+    """Number of runs."""
+    remarks: list[str] = field(default_factory=list[str])
+
+    @property
+    def order(self) -> list[int]:
+        """Places of the varied numbers, the most important first: by total order, or delta."""
+        leading = next(self.indices[k] for k in ("total", "delta", "first") if k in self.indices)
+        return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
+
+
+def sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[Sensitivity]:
+    """What the measures of a sweep depend on.
+
+    Args:
+        found: the runs.
+        measures: some of them, by their words; by default all.
+
+    Raises:
+        UnknownNameError: there is no such measure.
+        DataError: too few runs are there.
+        InputError: SALib is needed and not installed.
+    """
+    return [_of(found, one) for one in found.chosen(None if measures is None else list(measures))]
+
+
+def _of(found: SweepTable, one: Column) -> Sensitivity:
+    usable = found.good & np.isfinite(one.values)
+    if found.design == "saltelli":
+        return _blocks(found, one, usable)
+    if found.shape is not None and usable.all():
+        return _whole_grid(found, one, found.shape)
+    remarks = _left_out(found, one, usable)
+    if found.shape is not None:
+        remarks.append("The grid is not whole: its runs are taken as a sample.")
+    least = max(LEAST_RUNS, 4 * len(found.varied))
+    if usable.sum() < least:
+        raise DataError(
+            f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed."
+        )
+    x, y = found.inputs[usable], one.values[usable]
+    indices, more = given_data(x, y)
+    return _result(found, one, "given data", indices, y, remarks + more)
+
+
+def _result(
+    found: SweepTable,
+    one: Column,
+    method: str,
+    indices: dict[str, Index],
+    y: Numbers,
+    more: list[str],
+) -> Sensitivity:
+    varies = spread(y)
+    constant = [] if varies else ["It is the same in all runs: nothing to be explained."]
+    return Sensitivity(
+        one.name, one.unit, method, tuple(found.varied), indices, float(np.mean(y)),
+        float(np.std(y)) if varies else 0.0, y.size, [*more, *constant],
+    )  # fmt: skip
+
+
+def _left_out(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> list[str]:
+    """Sentences on runs without a number."""
+    never = int(np.sum(found.good & ~usable))
+    counts = (
+        (found.missing, "not made yet"),
+        (found.failed, "failed"),
+        (never, f"without `{one.name}`, as it never happened in them"),
+    )
+    return [f"{count:,} runs are left out: {why}." for count, why in counts if count]
+
+
+# ---------------------------------------------------------------- blocks
+
+
+def _blocks(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> Sensitivity:
+    """From the blocks of a design `saltelli`; one without a number is left out as a whole."""
+    size = block_size(len(found.varied))
+    whole = usable.reshape(-1, size).all(axis=1)
+    remarks = _left_out(found, one, usable)
+    if not whole.all():
+        count = int(np.sum(~whole))
+        remarks.append(
+            f"{count:,} of {whole.size:,} blocks are left out, as one of their runs is: the "
+            "indices hold for what is left, and shift if those runs were alike."
+        )
+    if whole.sum() < LEAST_BLOCKS:
+        raise DataError(
+            f"`{one.name}` is known of {whole.sum()} whole blocks; at least {LEAST_BLOCKS} are "
+            "needed. Ask for more, such as `--sample saltelli:1024`."
+        )
+    y = one.values.reshape(-1, size)[whole].ravel()
+    indices = blocks(y, len(found.varied))
+    widest = max(float(np.nanmax(i.wide, initial=0.0)) for i in indices.values())
+    if widest > WIDE:
+        remarks.append(f"Intervals reach ± {widest:.2g}: more base samples would narrow them.")
+    return _result(found, one, "saltelli", indices, y, remarks)
+
+
+def blocks(y: Numbers, width: int, seed: int = 0) -> dict[str, Index]:
+    """First and total order from blocks of runs, with intervals of 95 %.
+
+    Args:
+        y: a measure of all runs in the order of the design, (blocks (width + 2),).
+        width: number of axes.
+        seed: of the bootstrap.
+
+    Raises:
+        InputError: SALib is not installed.
+    """
+    sobol = extra("SALib.analyze.sobol")
+    if not spread(y):
+        return {name: Index.unknown(width) for name in ("first", "total")}
+    problem = {"num_vars": width, "names": [f"x{k}" for k in range(width)]}
+    draws = int(np.clip(BOOTSTRAP * block_size(width) // y.size, 20, 200))
+    made = sobol.analyze(
+        problem, y, calc_second_order=False, num_resamples=draws,
+        seed=seed + 1,  # 0 would be none
+    )  # fmt: skip
+    return {
+        name: Index(np.asarray(made[key], float), np.asarray(made[f"{key}_conf"], float))
+        for name, key in (("first", "S1"), ("total", "ST"))
+    }
+
+
+# ---------------------------------------------------------------- grid
+
+
+def _whole_grid(found: SweepTable, one: Column, shape: tuple[int, ...]) -> Sensitivity:
+    return _result(found, one, "grid", whole_grid(one.values.reshape(shape)), one.values, [])
+
+
+def whole_grid(y: Numbers) -> dict[str, Index]:
+    """First and total order of a grid whose levels are equally likely: sums of squares.
+
+    Args:
+        y: a measure on the grid, one dimension per axis.
+    """
+    if not spread(y):
+        return {name: Index.unknown(y.ndim) for name in ("first", "total")}
+    every, variance = range(y.ndim), float(np.var(y))
+    others = [tuple(j for j in every if j != k) for k in every]
+    first = [float(np.var(np.mean(y, axis=axes))) / variance for axes in others]
+    total = [1.0 - float(np.var(np.mean(y, axis=k))) / variance for k in every]
+    none = np.full(y.ndim, np.nan)
+    return {"first": Index(np.array(first), none), "total": Index(np.array(total), none)}

@@ -1,0 +1,207 @@
+"""The plan of a sweep: what is run, in which chunks, and what is kept of every run.
+
+A chunk is a stretch of runs. It depends on the plan and its number only, and so can be made
+anywhere, in any order, and again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.base.parameters import Parametrised, structure
+from martensite.base.status import Status
+from martensite.design.sampling.base import AbstractDesign
+from martensite.design.sweep.axes import Axis
+from martensite.simulate.measures.base import AbstractMeasure, judged, needed
+from martensite.simulate.measures.means import Integral, RootMeanSquare
+from martensite.simulate.variants import Course, Numbers, Ran
+
+Kind = TypeVar("Kind")
+ENDED, ACCURACY = "ended", "accuracy"
+DETAILS = {
+    ENDED: ("s", "time at which a run ended"),
+    ACCURACY: ("1", "how far what is judged may be off, as a share of its range"),
+}
+"""What is said of every run beside its status: unit and meaning."""
+CHUNK = 512
+"""Runs in a chunk, unless chosen: about a second of work, and one file per column."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A column that is kept over time, at fewer samples."""
+
+    output: str
+    samples: int
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """What is kept of some runs."""
+
+    values: Numbers
+    """Varied numbers, (runs, axes), in SI."""
+    scalars: dict[str, Numbers]
+    """One number per run: by the words of a measure, or as one of `DETAILS`."""
+    traces: dict[str, Numbers]
+    """(runs, samples) by output."""
+    status: np.ndarray
+    """(runs,)"""
+
+    @staticmethod
+    def joined(pieces: Sequence[Piece]) -> Piece:
+        """Some after others."""
+        first = pieces[0]
+        return Piece(
+            np.concatenate([p.values for p in pieces]),
+            {n: np.concatenate([p.scalars[n] for p in pieces]) for n in first.scalars},
+            {n: np.concatenate([p.traces[n] for p in pieces]) for n in first.traces},
+            np.concatenate([p.status for p in pieces]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A sweep, ready to run."""
+
+    course: Course
+    """System, waveforms, length and step; which outputs it has is decided here."""
+    axes: tuple[Axis, ...]
+    design: AbstractDesign
+    measures: Mapping[str, AbstractMeasure]
+    """By the words that name them."""
+    traces: tuple[Trace, ...] = ()
+    chunk: int = CHUNK
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` where the plan cannot be run."""
+        if not self.axes:
+            raise ParameterError("A sweep varies something; say what by `--over`.")
+        names = [one.target.name for one in self.axes]
+        twice = next((n for n in names if names.count(n) > 1), None)
+        if twice:
+            raise ParameterError(f"`{twice}` is varied twice.")
+        if not (self.measures or self.traces):
+            raise ParameterError("A sweep keeps something of every run; name an output.")
+        if self.chunk < 1:
+            raise ParameterError(f"A chunk must have at least one run, not {self.chunk}.")
+        self._check_axes()
+
+    def _check_axes(self) -> None:
+        """Raise where an end of an axis is not allowed, or decides how large the program is."""
+        system = self.course.system
+        for one in self.axes:
+            part = system if one.target.drive is None else self.course.waveforms[one.target.drive]
+            leaf = next(leaf for leaf in part.leaves() if leaf.path == one.target.path)
+            for number in one.extremes():
+                leaf.declared.convert(leaf.owner, one.target.name, number)
+                if _size_of(part, one.target.path, number) != structure(part):
+                    raise ParameterError(
+                        f"`{one.target.name}` decides how large the program is and cannot be "
+                        "varied; run one sweep for each value."
+                    )
+
+    @cached_property
+    def size(self) -> int:
+        """Number of runs."""
+        return self.design.size(self.axes)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return -(-self.size // self.chunk)
+
+    def rows(self, chunk: int) -> range:
+        """The runs of a chunk."""
+        return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
+
+    def cautions(self) -> list[str]:
+        """Sentences about what is allowed but probably not meant."""
+        sums = Integral, RootMeanSquare
+        integrals = [words for words, one in self.measures.items() if isinstance(one, sums)]
+        waves = self.course.waveforms.values()
+        edges = max((len(wave.edges(self.course.duration)) for wave in waves), default=0)
+        if not integrals or 4 * edges <= self.course.samples:
+            return []
+        return [
+            f"The signal has {edges:,} jumps or bends in {self.course.samples:,} samples, of which "
+            f"`{integrals[0]}` is made; it may be far off. Ask for more samples (run.samples)."
+        ]
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        """Every output that something is made of, once."""
+        shown = (trace.output for trace in self.traces)
+        return tuple(dict.fromkeys((*needed(self.measures.values(), self.course.system), *shown)))
+
+    @cached_property
+    def times(self) -> Numbers:
+        """Sample times of every run [s]."""
+        return np.array(self._ready.times)
+
+    def trace_times(self, trace: Trace) -> Numbers:
+        """Sample times of a trace [s]."""
+        return self.times[self._places(trace)]
+
+    def compute(self, rows: range) -> Piece:
+        """Run some runs."""
+        values = self.values(rows)
+        system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
+        return self._kept(values, self._ready.run(system, signals))
+
+    def values(self, rows: range) -> Numbers:
+        """Varied numbers of some runs, (runs, axes), in SI."""
+        return self.design.values(self.axes, rows.start, len(rows))
+
+    def by_owner(
+        self, columns: Sequence[Kind]
+    ) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
+        """What belongs to each axis, by path in the system, and by drive and path in waveforms."""
+        system: dict[str, Kind] = {}
+        signals: dict[str, dict[str, Kind]] = {}
+        for one, column in zip(self.axes, columns, strict=True):
+            drive = one.target.drive
+            table = system if drive is None else signals.setdefault(drive, {})
+            table[one.target.path] = column
+        return system, signals
+
+    def lost(self, rows: range) -> Piece:
+        """What is kept of runs that cannot be made."""
+        lost = Ran.empty(self.outputs, len(rows), len(self.times), Status.LOST)
+        return self._kept(self.values(rows), lost)
+
+    @cached_property
+    def _ready(self) -> Course:
+        return replace(self.course, outputs=self.outputs)
+
+    def _kept(self, values: Numbers, ran: Ran) -> Piece:
+        """Measures and traces; a run that failed has no measures."""
+        bad = ran.status >= Status.UNSOLVED
+        with np.errstate(all="ignore"):  # of failed runs
+            found = {
+                words: judged(one, self._ready.system, self.times, ran.columns)
+                for words, one in self.measures.items()
+            }
+        scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
+        scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
+        traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
+        return Piece(values, scalars, traces, ran.status)
+
+    def _places(self, trace: Trace) -> np.ndarray:
+        """Samples that a trace keeps: both ends, and evenly between them."""
+        last = len(self.times) - 1
+        return np.unique(np.round(np.linspace(0, last, min(trace.samples, last + 1))).astype(int))
+
+
+def _size_of(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
+    """The structure with another number; that of the nominal one where a check refuses it."""
+    try:
+        return structure(part.with_values({path: number}))
+    except MartensiteError:  # a refused run is a row of the sweep
+        return structure(part)

@@ -1,0 +1,71 @@
+"""Runs that break what runs them: a chunk is halved until they are found, and the others are kept.
+
+A run may raise an error that nobody has thought of, or take its process with it. Those are reported
+as lost. So many in a chunk are no matter of some numbers, and stop the sweep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from martensite.base.errors import MartensiteError
+from martensite.design.backends.base import Job, StoppedError
+from martensite.design.sweep.plan import Piece
+
+MOST = 32
+"""Lost runs from which on it is given up."""
+NAMED = 5
+
+
+def kept(
+    job: Job, chunk: int, attempt: Callable[[range], Piece], begin: str = ""
+) -> tuple[Piece, tuple[str, ...]]:
+    """What can be kept of a chunk, and sentences on what cannot.
+
+    Args:
+        job: says what stands for a lost run.
+        chunk: its number.
+        attempt: makes some runs, or raises.
+        begin: what happened before; a sentence that is said in any case.
+
+    Raises:
+        StoppedError: too many runs are lost.
+        MartensiteError: raised on purpose by an attempt, and passed on.
+    """
+    lost: dict[int, str] = {}
+
+    def halved(rows: range) -> list[Piece]:
+        try:
+            return [attempt(rows)]
+        except MartensiteError:
+            raise
+        except Exception as error:
+            if len(rows) == 1:
+                lost[rows.start] = f"{type(error).__name__}: {error}"
+                _give_up(chunk, lost)
+                return [job.lost(rows)]
+        middle = (rows.start + rows.stop) // 2
+        return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
+
+    pieces = halved(job.rows(chunk))
+    remarks = begin, _told(lost) if lost else ""
+    return Piece.joined(pieces), tuple(filter(None, remarks))
+
+
+def _told(lost: dict[int, str]) -> str:
+    """Which runs are lost, and why the first of them is."""
+    reason = next(iter(lost.values())).rstrip(".")
+    return f"Lost: run {_named(lost)} ({reason}). The others of its chunk were made."
+
+
+def _named(lost: dict[int, str]) -> str:
+    return ", ".join(map(str, list(lost)[:NAMED])) + (" …" if len(lost) > NAMED else "")
+
+
+def _give_up(chunk: int, lost: dict[int, str]) -> None:
+    if len(lost) >= MOST:
+        raise StoppedError(
+            f"{MOST} runs of chunk {chunk} are lost (run {_named(lost)}), the first by "
+            f"{next(iter(lost.values())).rstrip('.')}. That is no matter of some numbers: try one "
+            "alone by `martensite run`. Chunks that were made are kept."
+        )

@@ -1,0 +1,182 @@
+"""The store of a sweep: a Zarr group (format 3) that xarray opens, with everything inside.
+
+    run                       one entry per run
+    PATH of a varied number   its value in SI, (run,)
+    words of a measure        its number in SI, (run,); NaN where the run failed
+    OUTPUT                    a trace, (run, time of OUTPUT)
+    status                    how the run ended (`martensite.base.status`), (run,)
+    ended                     when it ended [s], (run,); NaN where that is not known
+    accuracy                  how far it may be off, a share of ranges, (run,); NaN on equal steps
+    made                      whether a chunk is there, (chunk,)
+
+All arrays are cut at the same runs: a chunk of the sweep is a region of its own, which exactly one
+writer writes. It counts as made when all of it is written. What was asked for, the scenario
+included, is in the attributes; with it a sweep that was stopped goes on.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, MartensiteError
+from martensite.base.status import Status
+from martensite.design.backends.base import StoppedError
+from martensite.design.sweep.differing import differing
+from martensite.design.sweep.extras import extra
+from martensite.design.sweep.plan import DETAILS, Piece, Plan
+
+RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
+TIME = "time of {}"
+SPEC = "martensite_sweep"
+NUMBER = "f8"
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Numbers of the errors that say that there is no room left."""
+STRETCH = 1 << 20
+"""Runs that are read at a time where all are looked at."""
+
+
+def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
+    """Make a store, or open the one that is there if it holds the same sweep.
+
+    The group appears whole or not at all, so that several processes may do this at a time.
+
+    Raises:
+        DataError: something else is there, or the folder cannot be written.
+        StoppedError: the disk is full.
+    """
+    if not path.exists():
+        part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
+        try:
+            _make(part, plan, spec)
+            part.rename(path)
+        except OSError as error:
+            if not path.exists():  # nobody else was faster
+                raise _refusal(f"`{path}` could not be made: {_reason(error)}.", error) from None
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    store = Store(path)
+    apart = differing(store.spec, spec)
+    if apart:
+        raise DataError(
+            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace "
+            "it by --force."
+        )
+    return store
+
+
+def _reason(error: OSError) -> str:
+    """Why something could not be written."""
+    return "the disk is full" if error.errno in FULL else error.strerror or str(error)
+
+
+def _refusal(sentence: str, error: OSError) -> MartensiteError:
+    """Bad input, or a disk that is full."""
+    return StoppedError(sentence) if error.errno in FULL else DataError(sentence)
+
+
+def _make(path: Path, plan: Plan, spec: Mapping[str, Any]) -> None:
+    """An empty group for a plan."""
+    group = extra("zarr").create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    for name, (kind, dims, sizes, attributes) in _layout(plan).items():
+        shape, chunks = zip(*sizes, strict=True)
+        group.create_array(
+            name, shape=shape, chunks=chunks, dtype=kind, dimension_names=dims,
+            fill_value=np.nan if kind == NUMBER else 0, attributes=attributes,
+        )  # fmt: skip
+    for trace in plan.traces:
+        group[TIME.format(trace.output)][:] = plan.trace_times(trace)
+
+
+def _layout(plan: Plan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
+    """Every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
+    runs, system = (plan.size, plan.chunk), plan.course.system
+    found: dict[str, Any] = {}
+    for axis in plan.axes:
+        told = {"units": axis.target.unit, "long_name": axis.target.doc, "role": "varied"}
+        found[axis.target.name] = NUMBER, (RUN,), [runs], told
+    for words, one in plan.measures.items():
+        told = {"units": one.unit_in(system), "long_name": words, "role": "measure"}
+        found[words] = NUMBER, (RUN,), [runs], told
+    for trace in plan.traces:
+        along, count = TIME.format(trace.output), len(plan.trace_times(trace))
+        found[along] = NUMBER, (along,), [(count, count)], {"units": "s", "role": "time"}
+        output = system.outputs()[trace.output]
+        told = {"units": output.unit, "long_name": output.long_name, "role": "trace"}
+        found[trace.output] = NUMBER, (RUN, along), [runs, (count, count)], told
+    for name, (unit, words) in DETAILS.items():
+        told = {"units": unit, "long_name": words, "role": "detail"}
+        found[name] = NUMBER, (RUN,), [runs], told
+    meanings = " ".join(one.name.lower() for one in Status)
+    flags = {"flag_values": [int(one) for one in Status], "flag_meanings": meanings}
+    found[STATUS] = "i1", (RUN,), [runs], {"role": "status", **flags}
+    found[MADE] = "u1", (CHUNK,), [(plan.chunks, 1)], {"role": "made"}
+    return found
+
+
+@dataclass(frozen=True)
+class Store:
+    """A sweep on disk."""
+
+    path: Path
+
+    @cached_property
+    def group(self) -> Any:
+        """The Zarr group.
+
+        Raises:
+            DataError: there is none.
+        """
+        try:
+            found = extra("zarr").open_group(str(self.path), mode="r+")
+            json.loads(found.attrs[SPEC])
+        except (OSError, KeyError, ValueError) as error:
+            raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
+        return found
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """What was asked for."""
+        return json.loads(self.group.attrs[SPEC])
+
+    def made(self) -> set[int]:
+        """Numbers of the chunks that are there."""
+        return set(np.flatnonzero(self.group[MADE][:]).tolist())
+
+    def write(self, chunk: int, rows: range, piece: Piece, names: list[str]) -> None:
+        """Put a chunk into its region.
+
+        Raises:
+            StoppedError: it could not be written; the sentence says what to do.
+        """
+        region = slice(rows.start, rows.stop)
+        columns = dict(zip(names, piece.values.T, strict=True)) | piece.scalars | piece.traces
+        try:
+            for name, values in (columns | {STATUS: piece.status}).items():
+                self.group[name][region] = values
+            self.group[MADE][chunk] = 1
+        except OSError as error:
+            raise StoppedError(
+                f"Chunk {chunk} of `{self.path}` could not be written: {_reason(error)}. What was "
+                "written before is kept; mend this and give the same command again: it goes on "
+                "from there."
+            ) from None
+
+    def stretches(self) -> Iterator[tuple[slice, np.ndarray]]:
+        """Stretches of runs, and which of them are there: so that a column need not fit."""
+        status = self.group[STATUS]
+        size, chunk = status.shape[0], status.chunks[0]
+        made, stride = self.group[MADE][:] > 0, max(STRETCH // chunk, 1)
+        for first in range(0, len(made), stride):
+            there = np.repeat(made[first : first + stride], chunk)
+            stop = min(first * chunk + len(there), size)
+            yield slice(first * chunk, stop), there[: stop - first * chunk]

@@ -1,0 +1,113 @@
+"""What of a scenario can be varied, and what all of its variants have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import InputError
+from martensite.design.sweep.axes import Target
+from martensite.kernels.c99 import compiler
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.scales import Scales
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.driven import by_name
+from martensite.simulate.variants import Course
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+
+
+def course_of(
+    scenario: Scenario, step: float | None = None, runtime: str | None = None,
+    precision: str = "float64",
+) -> Course:  # fmt: skip
+    """What all variants of a scenario have in common.
+
+    Args:
+        scenario: the nominal one.
+        step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
+            tolerance.
+        runtime: c, jax or floats; by default c if there is a compiler.
+        precision: float64, or float32 on JAX.
+
+    Raises:
+        InputError: a controller of the scenario runs outside of the kernel, or runs on JAX have no
+            step.
+    """
+    if scenario.outside:
+        raise InputError(
+            f"The controller of `{next(iter(scenario.outside))}` is no kernel and cannot be swept; "
+            "take one that is, such as `pid`."
+        )
+    system, samples = scenario.whole, scenario.samples
+    interval = system.sample_time()
+    if interval:
+        samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
+    chosen = runtime or ("c" if compiler() is not None else "floats")
+    found = interval or step or scenario.step
+    if chosen == "jax" and found is None:
+        raise InputError(
+            "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or "
+            "take the runtime `c`."
+        )
+    return Course(
+        system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision,
+        tolerance=scenario.tolerance,
+    )  # fmt: skip
+
+
+def waveforms_of(scenario: Scenario) -> dict[str, AbstractWaveform]:
+    """All that drives a scenario, by name; references and noise of a bench among it."""
+    played = dict(by_name(scenario.system, scenario.waveform))
+    if scenario.bench is None:
+        return played
+    from martensite.control.loop.run import noise_waveforms, reference_waveforms
+
+    played |= reference_waveforms(scenario.bench)
+    return played | noise_waveforms(scenario.bench, scenario.duration, scenario.seed)
+
+
+def targets_of(scenario: Scenario) -> dict[str, Target]:
+    """Every number of a scenario that can be varied, by its path in the scenario."""
+    references = _references(scenario.bench) if scenario.bench else {}
+    found = [*_of_system(scenario, references), *_of_waveforms(scenario)]
+    return {target.name: target for target in found}
+
+
+def _of_system(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
+    """Numbers of the system or bench; those of a reference belong to its waveform."""
+    for leaf in scenario.whole.leaves():
+        name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
+        if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
+            continue
+        begin = next((b for b in references if leaf.path.startswith(b)), None)
+        drive = None if begin is None else references[begin]
+        path = leaf.path.removeprefix(begin or "")
+        yield Target(name, path, unit, float(leaf.value), leaf.declared.doc, drive)
+
+
+def _references(bench: Bench) -> dict[str, str]:
+    """Beginning of a path in a bench -> the name under which its waveform is played."""
+    from martensite.control.loop.names import references
+
+    members = bench.controllers.members()
+    return {
+        f"controllers.{member}.reference.": name
+        for member, name in zip(members, references(bench), strict=True)
+    }
+
+
+def _of_waveforms(scenario: Scenario) -> Iterator[Target]:
+    """Numbers of the waveforms of a scenario."""
+    signals = {drive.name: drive.unit for drive in scenario.system.drives()}
+    played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
+    for name, waveform in played.items():
+        begin = waveform_path(scenario.system, name, scenario.places.drive)
+        for leaf in waveform.leaves():
+            if math.isfinite(leaf.value):
+                unit = Scales(signals[name]).unit(leaf.declared)
+                words = leaf.declared.doc
+                yield Target(begin + leaf.path, leaf.path, unit, float(leaf.value), words, name)

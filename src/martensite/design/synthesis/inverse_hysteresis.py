@@ -1,0 +1,109 @@
+"""The hysteresis that `inverse-play` inverts, identified from a slow record.
+
+Plays and a curve behind them are estimated together by the library's own identification
+(`prandtl-ishlinskii | piecewise-linear`). The curve is then fitted once more to the same knots so
+that it never turns back: a flat piece, such as that before anything transforms, has no inverse.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from martensite.base.errors import InputError
+from martensite.control.controllers.inverse_play import InversePlay
+from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
+from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
+from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.operators.play import PlaySum
+from martensite.signals.sampling.sampled import Numbers, Sampled
+
+FLATTEST = 1e-3
+"""Least slope of an identified curve, over its mean slope."""
+
+
+class IdentifiedHysteresis(NamedTuple):
+    """A hysteresis and a curve, as they were found in a record."""
+
+    operator: PlaySum
+    knots: tuple[float, ...]
+    outputs: tuple[float, ...]
+    estimate: Estimate
+    """How they were found."""
+
+    def controller(self, **others: Any) -> InversePlay:
+        """The controller that inverts them.
+
+        Args:
+            others: `measured`, `reference` and `feedback` of the controller.
+        """
+        return InversePlay(
+            thresholds=self.operator.thresholds, weights=self.operator.weights, knots=self.knots,
+            outputs=self.outputs, **others,
+        )  # fmt: skip
+
+    def simulate(self, signals: Numbers) -> Numbers:
+        """Outputs of the hysteresis for signals from rest, both of shape (samples,)."""
+        x, y = np.array(self.knots), np.array(self.outputs)
+        w = self.operator.simulate(signals)
+        low = y[0] + (w - x[0]) * (y[1] - y[0]) / (x[1] - x[0])
+        high = y[-1] + (w - x[-1]) * (y[-1] - y[-2]) / (x[-1] - x[-2])
+        return np.where(w < x[0], low, np.where(w > x[-1], high, np.interp(w, x, y)))
+
+
+def identify_hysteresis(
+    record: Sampled, *, plays: int = 8, knots: int = 8, options: Options | None = None
+) -> IdentifiedHysteresis:
+    """Plays and a curve that give the output of a slow record from its signal.
+
+    The record begins at rest and covers the range of signals that will be used, up and down, so
+    slowly that a run at half the rate would show the same loop.
+
+    Args:
+        record: one input, the signal, and one output, in SI.
+        plays: how many.
+        knots: of the curve.
+        options: of the search; by default few starts, for a loop has few numbers.
+
+    Raises:
+        InputError: the record has several inputs or outputs.
+        DataError: the record is too short, or its signal does not move.
+    """
+    if record.inputs.shape[1] != 1 or record.outputs.shape[1] != 1:
+        raise InputError(
+            "An inverse hysteresis is identified from a record of one input and one output, but "
+            f"`{record.name}` has {record.inputs.shape[1]} and {record.outputs.shape[1]}."
+        )
+    blocks = (PrandtlIshlinskii(plays=float(plays)), PiecewiseLinear(knots=float(knots)))
+    found = estimate(blocks, record, options or Options(starts=4, refined=1))
+    (hysteresis, curve), (own, heights) = found.chain.blocks, found.chain.split()
+    if not isinstance(hysteresis, PrandtlIshlinskii):
+        raise InputError(f"The chain that was found has no plays: {found.chain.text()}.")
+    operator = hysteresis.operator(own)
+    places = np.array([value for _, value, _ in curve.shown(heights)][::2])
+    levels = operator.simulate(record.inputs[:, 0])
+    values = rising_curve(places, levels, record.outputs[:, 0])
+    return IdentifiedHysteresis(operator, tuple(places.tolist()), tuple(values.tolist()), found)
+
+
+def rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
+    """Values at knots of the lines that come nearest to outputs and never turn back.
+
+    Least squares with rises of one sign, that of the whole, and of a least size: a flat piece
+    has no inverse.
+
+    Args:
+        knots: rising, shape (knots,).
+        levels: where outputs are known, shape (samples,).
+        outputs: shape (samples,); missing ones are NaN.
+    """
+    known = np.isfinite(outputs)
+    x, y = np.clip(levels[known], knots[0], knots[-1]), outputs[known]
+    way = 1.0 if np.polyfit(x, y, 1)[0] >= 0.0 else -1.0
+    shares = np.clip((x[:, None] - knots[:-1]) / np.diff(knots), 0.0, 1.0)
+    least = FLATTEST * np.ptp(y) * np.diff(knots) / (knots[-1] - knots[0])
+    columns = np.column_stack([np.ones(len(x)), -np.ones(len(x)), shares])
+    sizes, _ = nnls(columns, way * y - shares @ least)
+    return way * (sizes[0] - sizes[1] + np.concatenate([[0.0], np.cumsum(sizes[2:] + least)]))

@@ -1,0 +1,167 @@
+"""The linear system of a plant around an operating point, exact and in discrete time.
+
+    x_k+1 = A x_k + B u_k,    y_k = C x_k + D u_k
+
+for deviations from rest, with signals held for a period. The derivatives are those of the step
+itself, by dual numbers, and hold for the direction in which the plant got where it rests: on the
+heating branch under a signal a little higher, on the cooling branch under one a little lower. In
+the other direction it leaves the branch, at first with hardly any transformation: no linear
+system holds for both. What a controller designed here does there, a run must show.
+
+The flat state of a plant holds much that is no state of its small motions: where the law last
+turned, the stress of the step before. `in_readings` says it in what can be measured or estimated
+instead: with z = C_z x for chosen outputs, A_z is the least-squares solution of
+
+    C_z A v = A_z C_z v    for all v that signals reach,    v = B, A B, A² B, …
+
+and what is left over, the residual, is 0 if the chosen outputs say all that matters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem, advanced
+from martensite.base.errors import InputError, suggestion
+from martensite.design.synthesis.operating_point import OperatingPoint
+from martensite.identify.chains.linear_system import Linear
+from martensite.kernels import floats
+from martensite.kernels.dual import jacobian
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import Shape, flatten
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.api import steps_in
+
+PUSH = 1e-3
+"""Change of the signal that says where it goes, over the signal."""
+REACHED = 400
+"""Samples after an impulse of which the reached states are taken."""
+NOISE = 1e-9
+"""Singular values below this share of the largest are rounding."""
+
+
+def linearised(
+    point: OperatingPoint, period: float | None = None, *, inputs: Sequence[str] | None = None,
+    push: float = PUSH,
+) -> Linear:  # fmt: skip
+    """The linear system around an operating point, with the flat state of the plant.
+
+    Args:
+        point: where the plant rests, and on which branch.
+        period: time for which signals are held [s]; of a system in discrete time its own.
+        inputs: names of drives; the one that is varied if none are given.
+        push: by how much of itself the signal is raised (heating) or lowered (cooling).
+
+    Raises:
+        InputError: a name does not fit, or no period is given.
+    """
+    system = point.system
+    names = [drive.name for drive in system.drives()]
+    chosen = list(inputs or (point.drive,))
+    for name in chosen:
+        if name not in names:
+            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+    interval = system.sample_time() or period
+    if not interval or interval <= 0.0:
+        raise InputError("A plant in continuous time is linearised for a period above 0 s.")
+    way = 1.0 if point.direction == "heating" else -1.0
+    signals = list(point.signals)
+    signals[names.index(point.drive)] += way * push * max(abs(point.signal), 1e-3)
+    size = len(point.state)
+    rows = np.array(_slopes(system, [*point.state.tolist(), *signals], size, interval))
+    columns = [size + names.index(name) for name in chosen]
+    return Linear(
+        rows[:size, :size], rows[:size, columns], rows[size:, :size], rows[size:, columns],
+        interval, np.array([point.signals[c - size] for c in columns]), point.state,
+        np.array(list(point.outputs.values())[: len(rows) - size]), tuple(chosen),
+        tuple(system.outputs()),
+    )  # fmt: skip
+
+
+def _slopes(
+    system: AbstractSystem, at: list[float], size: int, interval: float
+) -> list[list[Scalar]]:
+    """Derivatives of the next state and of the outputs now, by state and signals."""
+    shape = Shape(system.init(floats, *at[size:]))
+    turns = 1 if system.sample_time() else steps_in(system, interval)
+
+    def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
+        state, drives = shape.rebuild(numbers[:size]), numbers[size:]
+        after, _ = advanced(xp, system, state, [(drives, interval / turns)], turns)
+        return [*flatten(after), *system.observe(xp, state, *drives)]
+
+    return jacobian(floats, period, at)[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """A plant for small signals, in what can be read of it."""
+
+    linear: Linear
+    """With the readings as states and as outputs."""
+    residual: float
+    """Share of their motion that these readings do not explain; 0 if they say all."""
+
+
+def in_readings(linear: Linear, states: Sequence[str]) -> Readings:
+    """A linear system whose states are some of its outputs.
+
+    Args:
+        linear: from `linearised`.
+        states: names of outputs. Such as only repeat each other do no harm.
+
+    Raises:
+        InputError: there is no such output, or it jumps with the signal.
+    """
+    places = [_output(linear, name) for name in states]
+    seen, direct = linear.c[places], linear.d[places]
+    reached = _reached(linear, seen)
+    sizes = np.maximum(np.abs(reached).max(axis=(0, 2)), 1e-300)
+    if np.any(np.abs(direct) > NOISE * sizes[:, None]):
+        name = states[int(np.argmax(np.abs(direct).max(axis=1) / sizes))]
+        raise InputError(f"`{name}` jumps with the signal, so that it is no state.")
+    scaled = reached / sizes[:, None]
+    now, then = (np.concatenate(list(part), axis=1) for part in (scaled[:-1], scaled[1:]))
+    a = cast("Numbers", np.linalg.lstsq(now.T, then.T, rcond=NOISE)[0].T)
+    left = float(np.linalg.norm(then - a @ now) / max(float(np.linalg.norm(then)), 1e-300))
+    a, count = a * sizes[:, None] / sizes, len(places)
+    inner = Linear(
+        a, seen @ linear.b, np.eye(count), np.zeros((count, linear.b.shape[1])), linear.interval,
+        linear.inputs, linear.outputs[places], linear.outputs[places], linear.input_names,
+        tuple(states),
+    )  # fmt: skip
+    return Readings(inner, left)
+
+
+def _reached(linear: Linear, seen: Numbers) -> Numbers:
+    """C_z Aᵏ B for all k, shape (samples, states, inputs)."""
+    kept, found = linear.b, np.empty((REACHED, len(seen), linear.b.shape[1]))
+    for k in range(REACHED):
+        found[k] = seen @ kept
+        kept = linear.a @ kept
+    return found
+
+
+def _output(linear: Linear, name: str) -> int:
+    if name not in linear.output_names:
+        raise InputError(f"There is no output `{name}`. {suggestion(name, linear.output_names)}")
+    return linear.output_names.index(name)
+
+
+def mean_of(parts: Sequence[Readings]) -> Readings:
+    """The mean of linear systems with the same states, such as those of both branches."""
+    each = [part.linear for part in parts]
+
+    def mean(name: str) -> Any:
+        return np.mean([getattr(one, name) for one in each], axis=0)
+
+    first = each[0]
+    linear = Linear(
+        mean("a"), mean("b"), first.c, first.d, first.interval, mean("inputs"), mean("state"),
+        mean("outputs"), first.input_names, first.output_names,
+    )  # fmt: skip
+    return Readings(linear, max(part.residual for part in parts))

@@ -1,0 +1,200 @@
+"""Where a plant rests under constant signals, on the branch by which it got there.
+
+With hysteresis one signal has two positions of rest, and all between them: what was before
+decides. `heating` comes from rest without any signal, `cooling` from having rested under the
+highest one. On a branch the plant goes on along it only in the same direction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, cast
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, ParameterError, SolveError, suggestion
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.api import longest_step
+from martensite.simulate.lanes import Lanes
+
+Direction: TypeAlias = Literal["heating", "cooling"]
+DIRECTIONS = ("heating", "cooling")
+SIGNALS, ROUNDS = 25, 4
+"""Signals tried side by side, and how often between the two that enclose the level."""
+SETTLED = 1e-9
+"""Change of a judged output in one more stretch, over the least range that counts."""
+STRETCH, DOUBLINGS = 128, 12
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingPoint:
+    """A plant at rest."""
+
+    system: AbstractSystem
+    signals: tuple[float, ...]
+    """Of all drives."""
+    drive: str
+    """The one that is varied."""
+    state: Numbers
+    """All state variables, flat."""
+    outputs: dict[str, float]
+    direction: Direction
+
+    @property
+    def signal(self) -> float:
+        """Of the drive that is varied."""
+        return self.signals[_place(self.system, self.drive)]
+
+
+def operating_point(
+    system: AbstractSystem, signal: float, *, direction: Direction = "heating",
+    high: float | None = None, drive: str | None = None, others: Mapping[str, float] | None = None,
+) -> OperatingPoint:  # fmt: skip
+    """Where a system rests under a constant signal.
+
+    Args:
+        system: a plant, or a bench without a controller.
+        signal: of its drive, in the unit of its source.
+        direction: by which branch it gets there.
+        high: signal under which it rested before; needed for `cooling`.
+        drive: which one; the first if not named.
+        others: constant signals of other drives; what is not named gets 0.
+
+    Raises:
+        InputError: a name does not fit, or `high` is missing.
+        SolveError: the system does not come to rest.
+    """
+    name, base = _begun(system, drive, others)
+    row = np.array([float(signal)])
+    lanes = _rested(system, base, name, row, _before(direction, high))
+    return _point(lanes, base, name, row, 0, direction)
+
+
+def operating_point_at(
+    system: AbstractSystem, level: float, output: str, low: float, high: float, *,
+    direction: Direction = "heating", drive: str | None = None,
+    others: Mapping[str, float] | None = None,
+) -> OperatingPoint:  # fmt: skip
+    """Where an output of a system rests at a level, on a branch between two signals.
+
+    Args:
+        system: a plant, or a bench without a controller.
+        level: of the output, in SI.
+        output: which one.
+        low: least signal.
+        high: largest signal, under which it has rested before for `cooling`.
+        direction: by which branch it gets there.
+        drive: which one; the first if not named.
+        others: constant signals of other drives; what is not named gets 0.
+
+    Raises:
+        InputError: a name does not fit.
+        ParameterError: no signal between the two leads there.
+        SolveError: the system does not come to rest.
+    """
+    name, base = _begun(system, drive, others)
+    known = list(system.outputs())
+    if output not in known:
+        raise InputError(f"There is no output `{output}`. {suggestion(output, known)}")
+    place, ends = known.index(output), (low, high)
+    for number in range(ROUNDS):
+        row = np.linspace(*ends, SIGNALS)
+        lanes = _rested(system, base, name, row, _before(direction, high))
+        beyond = lanes.observe(_signals(system, base, name, row))[place] - level
+        turns = np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0)
+        if not len(turns):
+            reached = beyond + level
+            raise ParameterError(
+                f"`{output}` rests between {reached.min():.6g} and {reached.max():.6g} under "
+                f"signals from {low:g} to {high:g}, and never at {level:.6g}."
+            )
+        k = int(turns[0])
+        if number == ROUNDS - 1:
+            nearest = k if abs(beyond[k]) < abs(beyond[k + 1]) else k + 1
+            return _point(lanes, base, name, row, nearest, direction)
+        ends = (float(row[k]), float(row[k + 1]))
+    raise SolveError(f"No signal was found at which `{output}` rests at {level:.6g}.")
+
+
+def _before(direction: str, high: float | None) -> float | None:
+    if direction not in DIRECTIONS:
+        raise InputError(f"Direction is `{direction}`. {suggestion(direction, DIRECTIONS)}")
+    if direction == "heating":
+        return None
+    if high is None:
+        raise InputError("The cooling branch needs `high`, the signal under which it begins.")
+    return high
+
+
+def _begun(
+    system: AbstractSystem, drive: str | None, others: Mapping[str, float] | None
+) -> tuple[str, Numbers]:
+    """The drive that is varied, and the signals of all."""
+    names = [one.name for one in system.drives()]
+    if not names:
+        raise InputError("A system without drives has no operating point to choose.")
+    chosen = drive or names[0]
+    for name in (chosen, *(others or {})):
+        if name not in names:
+            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+    return chosen, np.array([float((others or {}).get(name, 0.0)) for name in names])
+
+
+def _place(system: AbstractSystem, drive: str) -> int:
+    return [one.name for one in system.drives()].index(drive)
+
+
+def _signals(system: AbstractSystem, base: Numbers, drive: str, row: Numbers) -> Numbers:
+    """Signals of all drives in all lanes, shape (drives, lanes)."""
+    table = np.repeat(base[:, None], len(row), axis=1)
+    table[_place(system, drive)] = row
+    return table
+
+
+def _rested(
+    system: AbstractSystem, base: Numbers, drive: str, row: Numbers, before: float | None
+) -> Lanes:
+    """Lanes at rest under the signals of a row."""
+    lanes = Lanes(system, len(row))
+    lanes.reset(base[:, None])
+    if before is not None:
+        _settle(lanes, _signals(system, base, drive, np.full(len(row), before)))
+    _settle(lanes, _signals(system, base, drive, row))
+    return lanes
+
+
+def _settle(lanes: Lanes, signals: Numbers) -> None:
+    """Hold signals until nothing that is judged changes."""
+    system, names = lanes.system, lanes.names
+    judged = system.judged()
+    places = [names.index(name) for name in judged]
+    sizes = np.array(list(judged.values()))[:, None]
+    dt = system.sample_time() or longest_step(system)
+    last, stretch = lanes.observe(signals)[places], STRETCH
+    for _ in range(DOUBLINGS):
+        held = np.broadcast_to(signals, (stretch, *signals.shape))
+        lanes.advance(held, dt, shown=False)
+        now = lanes.observe(signals)[places]
+        if np.max(np.abs(now - last) / sizes, initial=0.0) <= SETTLED:
+            return
+        last, stretch = now, stretch * 2
+    raise SolveError(
+        f"The plant does not come to rest within {stretch * dt:.3g} s under constant signals."
+    )
+
+
+def _point(
+    lanes: Lanes, base: Numbers, drive: str, row: Numbers, lane: int, direction: Direction
+) -> OperatingPoint:
+    """What one lane has come to."""
+    failed = lanes.status[lane]
+    if failed.failed:
+        raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")
+    signals = _signals(lanes.system, base, drive, row)
+    seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
+    return OperatingPoint(
+        lanes.system, tuple(signals[:, lane].tolist()), drive, lanes.state[:, lane].copy(),
+        dict(zip(lanes.names, seen, strict=True)), direction,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Tuning: gains of controllers from rules and by search."""

@@ -1,0 +1,141 @@
+"""What averaging leaves out: a run under a duty beside the run that makes every pulse.
+
+With the power P_on in the element while the switch is closed, a pulse of the share D of a
+period 1/f lifts the temperature by
+
+    ΔT ≈ P_on D (1 - D)/(f C)
+
+above its slow course: the heat of the pulse less what leaves meanwhile, over the heat capacity
+C. That holds for periods short beside the thermal time constant, and without transformation;
+latent heat makes it smaller. The mean temperature differs as well, in proportion to 1/f, since
+the pulse comes first in its period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from martensite.actuators.assembly import System
+from martensite.base.errors import InputError
+from martensite.control.controllers.constant_power import ConstantPower
+from martensite.physics.electrical.power_pwm import PowerPwm
+from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.signals.base import AbstractDrive, AbstractWaveform
+from martensite.simulate.api import first_step, simulate
+from martensite.simulate.closed_loop import Loop, simulate_loop
+from martensite.simulate.result import Result
+
+COMPARED = ("temperature", "position", "power")
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Means over the periods of the pulses, less the averaged run in their middle, in SI."""
+
+    largest: float
+    """Largest absolute difference."""
+    rms: float
+    """Root of the mean of the squares."""
+
+
+@dataclass(frozen=True)
+class Averaging:
+    """An averaged run beside its pulses."""
+
+    frequency: float
+    """[Hz]"""
+    differences: dict[str, Difference]
+    """Of temperature, position and power."""
+    ripple: float
+    """Largest rise of temperature in a pulse above the straight line through its period [K]."""
+    estimate: float
+    """Largest P_on D (1 - D)/(f C) [K]."""
+    average: Result
+    pulsed: Loop
+
+
+def compare_averaging(
+    system: System, waveform: AbstractWaveform, duration: float, frequency: float, *,
+    shortest: float = 0.0, step: float | None = None,
+) -> Averaging:  # fmt: skip
+    """Run a switched drive averaged and pulse by pulse, and compare the two.
+
+    Args:
+        system: with the drive `pwm-voltage`, or `power-pwm` (then the pulses come from the
+            constant-power loop, which measures and computes the duty in every period).
+        waveform: duty, or demanded power [W].
+        duration: length of the runs [s]; whole periods of it are compared.
+        frequency: of the pulses [Hz].
+        shortest: shortest pulse or gap that the switch can make [s].
+        step: longest step [s]; by default a tenth of the thermal time constant.
+
+    Raises:
+        InputError: the drive is no switch, or an argument is out of range.
+        SolveError: one of the runs failed.
+    """
+    switched, drive = with_pulses(system, waveform)
+    if not (0.0 < frequency < math.inf and duration * frequency >= 1.0 - 1e-9):
+        raise InputError(
+            f"The carrier must make at least one period in {duration:.6g} s, "
+            f"but its frequency is {frequency:.6g} Hz."
+        )
+    periods, period = int(duration * frequency + 1e-9), 1.0 / frequency
+    step = step or min(first_step(system, duration, 2), 0.5 * period)
+    average = simulate(system, waveform, periods * period, step=step, samples=2 * periods + 1)
+    pulsed = simulate_loop(
+        switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step
+    )
+    for run in (average, pulsed.result):
+        run.require()
+    differences = {
+        name: _difference(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED
+    }
+    capacity = system.element.heat_capacity_total()
+    estimate = max(
+        power * (1.0 - duty) * period / capacity
+        for power, duty in zip(pulsed.means["power"], pulsed.means["drive"], strict=True)
+    )
+    return Averaging(frequency, differences, max(ripples(pulsed)), estimate, average, pulsed)
+
+
+def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
+    """The system with a bare switch, and the drive that makes its duty.
+
+    Raises:
+        InputError: the source is no switch.
+    """
+    source = system.source
+    if isinstance(source, PwmVoltage):
+        return system, waveform
+    if not isinstance(source, PowerPwm):
+        raise InputError(
+            f"Pulses need the drive `pwm-voltage` or `power-pwm`, but it is "
+            f"`{source.registered_name}`."
+        )
+    switch = PwmVoltage(
+        supply=source.supply,
+        series_resistance=source.series_resistance,
+        current_limit=source.current_limit,
+    )
+    once = source.measured == "once"
+    largest = source.reach(source.reference_resistance).most if once else 0.0
+    drive = ConstantPower(reference=waveform, updated=source.measured, largest=largest)
+    return system.with_parts(source=switch), drive
+
+
+def ripples(pulsed: Loop) -> list[float]:
+    """Rise of temperature in each pulse above the straight line through its period [K]."""
+    starts, ends = pulsed.result["temperature"], pulsed.ends["temperature"]
+    shares = pulsed.means["drive"]
+    return [
+        end - (begin + share * (after - begin))
+        for begin, end, after, share in zip(starts, ends, starts[1:], shares, strict=False)
+    ]
+
+
+def _difference(pulsed: Sequence[float], average: Sequence[float]) -> Difference:
+    apart = [p - a for p, a in zip(pulsed, average, strict=True)]
+    mean_square = sum(d * d for d in apart) / len(apart)
+    return Difference(max(map(abs, apart)), math.sqrt(mean_square))

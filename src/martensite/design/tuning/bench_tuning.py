@@ -1,0 +1,160 @@
+"""Tuning on the bench itself: parameters of controllers of least cost, over a batch of plants.
+
+The cost is that of `martensite.design.tuning.goals`, the search that of
+`martensite.design.tuning.gain_search`, with exact derivatives through the loop. Starts are the
+numbers of the bench and those that are given, such as gains by rules.
+
+Sensors, observers and controllers are those of the bench in every run; what is drawn are plants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from martensite.base.errors import SolveError
+from martensite.control.loop.bench import Bench
+from martensite.design.tuning.free_gains import Bounds, FreeGain, free_gains, values_at
+from martensite.design.tuning.gain_search import Hunt, Search, Tell
+from martensite.design.tuning.goals import Cost, Course, Goal, Numbers
+from martensite.design.tuning.loop_runs import LoopRuns, Seen
+from martensite.design.tuning.measures import Measures, measures
+from martensite.design.tuning.perturbed import Plants
+from martensite.signals.base import AbstractWaveform
+
+
+@dataclass(frozen=True, eq=False)
+class TunedBench:
+    """Parameters that were found, and what the loop does with them."""
+
+    bench: Bench
+    """The bench with them."""
+    before: dict[str, float]
+    """By path."""
+    after: dict[str, float]
+    cost_before: float
+    cost: float
+    measured_before: Measures
+    """On the nominal plant."""
+    measured: Measures
+    seen_before: Seen
+    seen: Seen
+    """The run on the nominal plant, sample by sample."""
+    times: Numbers
+    evaluations: int
+    """Runs, one per plant."""
+    gradients: int
+    """Runs with derivatives."""
+    ends: tuple[float, ...]
+    """Costs at which searches ended, best first."""
+    notes: list[str] = field(default_factory=list[str])
+    """Sentences on bounds that were hit."""
+
+    def rows(self) -> list[tuple[str, float, float]]:
+        """Name, and number before and after, of everything, for people to read; SI."""
+        found = [(path, self.before[path], value) for path, value in self.after.items()]
+        found.append(("cost", self.cost_before, self.cost))
+        after = self.measured.to_dict()
+        return found + [(n, v, after[n]) for n, v in self.measured_before.to_dict().items()]
+
+
+def tune_bench(
+    bench: Bench, duration: float, free: Sequence[str] = ("Kp", "Ki", "Kd"), *,
+    goal: Goal | None = None, plants: Plants | None = None,
+    starts: Sequence[Mapping[str, float]] = (), bounds: Bounds | None = None,
+    drive: str | None = None, search: Search | None = None, noise_seed: int | None = 0,
+    waveforms: Mapping[str, AbstractWaveform] | None = None, watch: Tell | None = None,
+    native: bool | None = None,
+) -> TunedBench:  # fmt: skip
+    """Parameters of controllers of least cost.
+
+    Args:
+        bench: with controllers, whose references are what shall be followed.
+        duration: length of every run [s].
+        free: paths, or unique endings, of parameters of controllers.
+        goal: what a loop shall do.
+        plants: those it shall do it on; the nominal one alone if None.
+        starts: numbers by path where searches begin, beside those of the bench.
+        bounds: least and largest number by a name in `free`.
+        drive: whose loop is judged; needed if there are several.
+        search: how to search.
+        noise_seed: of the noise of the sensors, the same in every run; None for none.
+        waveforms: of drives of the plant that no controller has.
+        watch: called with a sentence and the share that is done.
+        native: whether to run in C; by default if there is a compiler.
+
+    Raises:
+        ParameterError: an unknown name, a parameter that cannot be searched, no reference.
+        SolveError: no start can be run.
+    """
+    runs = LoopRuns(
+        bench, duration, drive=drive, seed=noise_seed, waveforms=waveforms, native=native
+    )
+    own = {path: float(value) for path, value in zip(runs.paths, runs.base, strict=True)}
+    freed = free_gains(bench, free, starts, bounds)
+    before = {one.path: own[one.path] for one in freed}
+    first = runs.run(runs.table({}, 1))
+    course = Course(_run_of(first, 0), bench.period) if _ran(first) else _course(runs, starts)
+    hunt = Hunt(runs, Cost(goal or Goal(), course), freed, plants, search or Search(), watch)
+    cost, best, ends = hunt.best([before, *[{**before, **start} for start in starts]])
+    after = {path: float(value) for path, value in values_at(freed, best).items()}
+    found = compared(runs, after, course)
+    return replace(
+        found, cost_before=hunt.table(before), cost=cost, evaluations=hunt.evaluations,
+        gradients=hunt.gradients, ends=ends, notes=_notes(freed, best),
+    )  # fmt: skip
+
+
+def compared(
+    runs: LoopRuns, after: Mapping[str, float], course: Course | None = None
+) -> TunedBench:
+    """A loop on the nominal plant before and after a change of numbers by path.
+
+    Costs are those of the default goal; `course` says with what scales, by default those of the
+    loop before.
+
+    Raises:
+        ParameterError: the reference asks for nothing.
+    """
+    before = {path: float(runs.base[runs.place(path)]) for path in after}
+    both = runs.run(runs.table({p: [before[p], after[p]] for p in after}, 2))
+    begun, ended = _run_of(both, 0), _run_of(both, 1)
+    course = course or Course(begun, runs.bench.period)
+    costs = Cost(Goal(), course)(both)
+    return TunedBench(
+        runs.bench.with_values(after), before, dict(after), float(costs[0]), float(costs[1]),
+        measures(begun, course), measures(ended, course), begun, ended, runs.times,
+        evaluations=2, gradients=0, ends=(),
+    )  # fmt: skip
+
+
+def _ran(seen: Seen) -> bool:
+    return bool(np.isfinite(seen.output[0]).all())
+
+
+def _run_of(seen: Seen, k: int) -> Seen:
+    return Seen(*(column[k] for column in seen))
+
+
+def _course(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
+    """Scales from the first start that runs, where the bench itself does not."""
+    for start in starts:
+        found = runs.run(runs.table(start, 1))
+        if _ran(found):
+            return Course(_run_of(found, 0), runs.bench.period)
+    raise SolveError("The loop cannot be run with its own numbers, nor with those of any start.")
+
+
+def _notes(free: Sequence[FreeGain], z: Numbers) -> list[str]:
+    """Sentences on bounds that were hit."""
+    found: list[str] = []
+    for one, place in zip(free, z, strict=True):
+        bound = one.caught(float(place))
+        if bound is not None:
+            found.append(
+                f"`{one.path}` ended at its bound {bound:.4g}: a better number may be beyond it, "
+                f"or it does not matter."
+            )
+    return found

@@ -1,0 +1,188 @@
+"""The search for parameters of least cost over a batch of plants.
+
+The cost of `martensite.design.tuning.goals` is followed downhill with its exact derivatives,
+which are marched in C beside the values (`martensite.design.tuning.loop_runs`), by the method
+L-BFGS-B (Byrd, Lu, Nocedal and Zhu (1995); SciPy) on logarithms of gains, from the best of several
+starts. Starts are the numbers of the bench, those that are given, such as gains by rules, and some
+scattered around the best of them. Between its switchings a loop is smooth, over them it jumps a
+little: where a search ends on such an edge, a cloud of points around it is tried and the best gone
+on from. In a loop that swings by itself derivatives grow from swing to swing: they are shortened
+to what can be. What acts through a switch alone, such as the band of an ON/OFF controller, has no
+derivative; then scattered starts and clouds are all that searches.
+
+Without a compiler the method is that of Nelder and Mead, without derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import SolveError
+from martensite.design.tuning.free_gains import FreeGain, values_at
+from martensite.design.tuning.goals import Cost, Numbers
+from martensite.design.tuning.loop_runs import LoopRuns, Seen
+from martensite.design.tuning.perturbed import Plants
+
+Tell = Callable[[str, float], None]
+FAILED = 1e3
+"""Cost of a plant whose run fails: far above that of any loop that works."""
+STEEP = 100.0
+"""Steepest slope of a plant that is believed, in costs per unit of a logarithm."""
+CLOUD, NARROW, SCATTER = 16, 0.15, 1.0
+"""Points of a cloud around an end, their spread and that of starts, in logarithms."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """How parameters are searched."""
+
+    scattered: int = 16
+    """Starts scattered around the best one that is given."""
+    searches: int = 2
+    """Starts that are gone on from: the best."""
+    iterations: int = 40
+    """Of each search."""
+    clouds: int = 2
+    """How often the neighbourhood of the best end is tried."""
+    slopes: int = 16
+    """Plants on which a search follows derivatives: the first of those drawn. Where searches begin
+    and which end is best is judged on all of them."""
+    seed: int = 0
+
+
+class Hunt:
+    """The search of one tuning: it counts its runs."""
+
+    def __init__(
+        self, runs: LoopRuns, cost: Cost, free: Sequence[FreeGain], plants: Plants | None,
+        search: Search, watch: Tell | None,
+    ) -> None:  # fmt: skip
+        self.runs, self.cost, self.free = runs, cost, free
+        self.search, self.watch = search, watch
+        self.drawn: Mapping[str, Any] = plants.values if plants else {}
+        self.count = plants.count if plants else 1
+        self.evaluations = self.gradients = 0
+        self.low = np.array([one.low for one in free])
+        self.high = np.array([one.high for one in free])
+        self.moving = [one.path for one in free]
+        self.followed = min(max(search.slopes, 1), self.count)
+
+    def best(
+        self, starts: Sequence[Mapping[str, float]]
+    ) -> tuple[float, Numbers, tuple[float, ...]]:
+        """Least cost, where it is (the first start if none is less), and where searches ended."""
+        rng = np.random.default_rng(self.search.seed)
+        begun = self._begun(starts, rng)
+        total = len(begun) + self.search.clouds
+        ends = [self._descend(z, k, total) for k, (_, z) in enumerate(begun)]
+        for k in range(self.search.clouds):
+            least, z = min(ends, key=lambda end: end[0])
+            cloud = self._around(z, CLOUD, NARROW, rng)
+            costs = self.values(cloud)
+            if costs.min() >= least:
+                break
+            ends.append(self._descend(cloud[int(costs.argmin())], len(begun) + k, total))
+        own = np.array([one.place(starts[0][one.path]) for one in self.free])
+        kept = float(self.values(own[None, :])[0]), own
+        least, z = min([kept, *ends], key=lambda end: end[0])
+        return least, z, tuple(sorted(end[0] for end in ends))
+
+    def _begun(
+        self, starts: Sequence[Mapping[str, float]], rng: np.random.Generator
+    ) -> list[tuple[float, Numbers]]:
+        """Starts that are gone on from, best first.
+
+        Raises:
+            SolveError: none can be run.
+        """
+        places = np.array([[one.place(start[one.path]) for one in self.free] for start in starts])
+        costs = self.values(places)
+        if not (costs < FAILED).any():
+            raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")
+        more = self._around(places[int(costs.argmin())], self.search.scattered, SCATTER, rng)
+        places = np.concatenate([places, more])
+        costs = np.concatenate([costs, self.values(more)])
+        order = np.argsort(costs, kind="stable")[: max(self.search.searches, 1)]
+        return [(float(costs[k]), places[k]) for k in order]
+
+    def _around(self, z: Numbers, count: int, wide: float, rng: np.random.Generator) -> Numbers:
+        """Points around one; linear numbers are moved by shares of their range."""
+        scale = np.where([one.sign != 0.0 for one in self.free], 1.0, 0.2 * (self.high - self.low))
+        moved = z + wide * scale * rng.standard_normal((count, len(self.free)))
+        return np.clip(moved, self.low, self.high)
+
+    def table(self, values: Mapping[str, float]) -> float:
+        """Cost of numbers by path."""
+        numbers = {path: [value] for path, value in values.items()}
+        return float(self._costs(numbers, 1)[0])
+
+    def values(self, places: Numbers) -> Numbers:
+        """Costs of points, shape (points, free) -> (points,)."""
+        if not len(places):
+            return np.zeros(0)
+        return self._costs(values_at(self.free, places), len(places))
+
+    def _costs(self, numbers: Mapping[str, Any], points: int) -> Numbers:
+        """Costs of points on all plants, run together."""
+        spread = {path: np.repeat(column, self.count) for path, column in numbers.items()}
+        drawn = {path: np.tile(column, points) for path, column in self.drawn.items()}
+        seen = self.runs.run(self.runs.table({**drawn, **spread}, points * self.count))
+        self.evaluations += points * self.count
+        costs = np.minimum(self.cost(seen), FAILED).reshape(points, self.count)
+        return np.array([self.cost.goal.over_plants(row)[0] for row in costs])
+
+    def gradient(self, z: Numbers) -> tuple[float, Numbers]:
+        """Cost at a point and its derivatives, over the plants that are followed."""
+        drawn = {path: column[: self.followed] for path, column in self.drawn.items()}
+        table = self.runs.table({**drawn, **values_at(self.free, z)}, self.followed)
+        costs, slopes = np.zeros(len(table)), np.zeros((len(table), len(z)))
+        inner = np.array([one.slope(float(p)) for one, p in zip(self.free, z, strict=True)])
+        for k, row in enumerate(table):
+            found = self.runs.slopes(row, self.moving)
+            if found is None:
+                costs[k] = FAILED
+                continue
+            seen, changes = found
+            costs[k] = min(float(self.cost(Seen(*(c[None, :] for c in seen)))[0]), FAILED)
+            slopes[k] = self.cost.slope(seen, changes) * inner
+            size = float(np.linalg.norm(slopes[k]))
+            slopes[k] *= min(1.0, STEEP * costs[k] / size) if size > 0.0 else 1.0
+        self.gradients += len(table)
+        least, weights = self.cost.goal.over_plants(costs)
+        return least, weights @ slopes
+
+    def _descend(self, begin: Numbers, k: int, total: int) -> tuple[float, Numbers]:
+        """One search from a point."""
+        self.tell(f"search {k + 1}", k, total)
+        optimize = import_module("scipy.optimize")
+        bounds = list(zip(self.low, self.high, strict=True))
+        steps = 0
+
+        def told(_: Any) -> None:
+            nonlocal steps
+            steps += 1
+            self.tell(f"search {k + 1}", k + steps / self.search.iterations, total)
+
+        if self.runs.native:
+            found = optimize.minimize(
+                self.gradient, begin, jac=True, method="L-BFGS-B", bounds=bounds, callback=told,
+                options={"maxiter": self.search.iterations, "ftol": 1e-6, "maxls": 12},
+            )  # fmt: skip
+        else:
+            found = optimize.minimize(
+                lambda z: float(self.values(z[None, :])[0]), begin, method="Nelder-Mead",
+                bounds=bounds, callback=told,
+                options={"maxiter": self.search.iterations, "xatol": 1e-2, "fatol": 1e-6},
+            )  # fmt: skip
+        end = np.asarray(found.x)
+        return float(self.values(end[None, :])[0]), end
+
+    def tell(self, text: str, done: float, total: int) -> None:
+        """Say how far it is."""
+        if self.watch is not None:
+            self.watch(text, min(done / max(total, 1), 1.0))

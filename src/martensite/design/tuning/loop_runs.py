@@ -1,0 +1,186 @@
+"""Runs of a bench for many sets of numbers: outputs of batches, and exact derivatives.
+
+A bench is traced whole, so gains and numbers of the plant are parameters of one program: in C
+batches go side by side, and derivatives with respect to any of them are marched beside the values
+(`martensite.simulate.native_slopes`). Without a compiler every run is made on plain floats, and
+there are no derivatives.
+
+Derivatives are those between switchings: where another gain makes a limit or an anti-windup act a
+sample earlier, the run itself jumps a little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError, suggestion
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, references
+from martensite.control.loop.run import noise_waveforms, reference_waveforms
+from martensite.control.observers.base import ESTIMATED
+from martensite.kernels.c99 import compiler
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
+from martensite.simulate.driven import grid_of
+from martensite.simulate.march import SOLVED, march_floats
+
+Numbers = NDArray[np.float64]
+LANES = 16
+"""Runs that are marched together."""
+
+
+class Seen(NamedTuple):
+    """What is judged of runs; one axis of runs before that of samples, if there are many."""
+
+    output: Numbers
+    """What shall follow the reference, true where it is an output of the plant."""
+    reference: Numbers
+    signal: Numbers
+    """What the controller wants, within its limits."""
+    power: Numbers
+    """Electrical power of all elements [W]."""
+    hottest: Numbers
+    """Highest temperature of any element [K]."""
+
+
+class LoopRuns:
+    """A bench, ready to be run with any numbers."""
+
+    def __init__(
+        self, bench: Bench, duration: float, *, drive: str | None = None, seed: int | None = 0,
+        waveforms: Mapping[str, AbstractWaveform] | None = None, native: bool | None = None,
+    ) -> None:  # fmt: skip
+        """Prepare runs of one loop of a bench.
+
+        Args:
+            bench: with controllers.
+            duration: length of every run [s].
+            drive: whose controller is looked at; needed if there are several.
+            seed: of noise and jitter, the same in every run; None for runs without.
+            waveforms: of drives of the plant that no controller has.
+            native: whether to run in C; by default if there is a compiler.
+
+        Raises:
+            ParameterError: there is no such controller.
+        """
+        self.bench, self.drive = bench, loop_of(bench, drive)
+        self.native = compiler() is not None if native is None else native
+        self.compiled: CompiledMarch = compile_march(bench)
+        self.paths = self.compiled.paths
+        self.base = np.array(self.compiled.values(bench))
+        played = {**(waveforms or {}), **reference_waveforms(bench)}
+        played |= noise_waveforms(bench, duration, seed)
+        samples = int(duration / bench.period + 1e-6) + 1
+        self.grid = grid_of(bench, played, duration, samples, bench.period)
+        self.times = np.array(self.grid.times)
+        self.output = judged_output(bench, self.drive)
+        self._groups = self._wanted()
+        self._names = list(dict.fromkeys(name for group in self._groups for name in group))
+        self._places = [self.compiled.outputs.index(name) for name in self._names]
+
+    def place(self, path: str) -> int:
+        """Where a parameter is in a row of numbers."""
+        return self.paths.index(path)
+
+    def table(self, values: Mapping[str, Any], count: int) -> Numbers:
+        """Numbers of runs, shape (count, parameters): those of the bench but for some by path."""
+        found = np.repeat(self.base[None, :], count, axis=0)
+        for path, column in values.items():
+            found[:, self.place(path)] = column
+        return found
+
+    def run(self, table: Numbers) -> Seen:
+        """Runs of a table of numbers, shape (runs, samples); NaN where a run fails."""
+        if self.native:
+            pieces = [self._lanes(table[k : k + LANES]) for k in range(0, len(table), LANES)]
+            rows = np.concatenate(pieces)
+        else:
+            rows = np.stack([self._floats(values) for values in table])
+        return self._sorted(rows)
+
+    def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
+        """One run, and its derivatives with respect to parameters; None if it fails.
+
+        Derivatives have shape (samples, parameters).
+        """
+        from martensite.simulate.native_slopes import march_slopes
+
+        seeds = np.zeros((len(values), len(moving)))
+        for k, path in enumerate(moving):
+            seeds[self.place(path), k] = 1.0
+        given = self.compiled, values.tolist(), seeds, self.grid, self._places
+        found = march_slopes(*given)
+        finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
+        if not (found.residual <= SOLVED and finite):
+            return None
+        return self._sorted(found.rows), self._sorted(found.slopes, axis=1)
+
+    def _lanes(self, table: Numbers) -> Numbers:
+        from martensite.simulate.native import march_lanes
+
+        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
+        given = self.compiled, list(padded.T), self.grid, LANES, self._places
+        rows, worst = march_lanes(*given)
+        rows = np.moveaxis(rows, 2, 0)
+        rows[~(worst[0] <= SOLVED) | ~np.isfinite(rows).all(axis=(1, 2))] = np.nan
+        return rows[: len(table)]
+
+    def _floats(self, values: Numbers) -> Numbers:
+        bench = self.bench.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
+        track = march_floats(*bind_march(bench), self.grid)
+        solved = not track.status.failed and len(track.rows) == len(self.times)
+        rows = np.asarray(track.rows)[:, self._places]
+        return rows if solved else np.full((len(self.times), len(self._places)), np.nan)
+
+    def _wanted(self) -> Seen:
+        """Names of what is judged; several where they are put together."""
+        plant = self.bench.plant
+        row = list(self.bench.controllers.members()).index(self.drive)
+        reference = references(self.bench)[row]
+        ports = list(plant.actuators())
+        names: list[Any] = [
+            (self.output,), (reference,), (reference.replace(REFERENCE, WANTED),),
+            tuple(plant.label(port, "power") for port in ports),
+            tuple(plant.label(port, "hottest") for port in ports),
+        ]  # fmt: skip
+        return Seen(*names)
+
+    def _sorted(self, rows: Numbers, axis: int = -1) -> Seen:
+        """Columns by what they are, power added up and the hottest element chosen."""
+        where: Any = self._groups
+        taken = [rows.take([self._names.index(n) for n in group], axis) for group in where]
+        first: list[Any] = [one.take(0, axis) for one in taken[:3]]
+        hottest = taken[4].max(axis) if taken[4].size else np.zeros_like(first[0])
+        return Seen(first[0], first[1], first[2], taken[3].sum(axis), hottest)
+
+
+def loop_of(bench: Bench, drive: str | None) -> str:
+    """The drive whose controller is meant.
+
+    Raises:
+        ParameterError: there is no such controller, or none is named among several.
+    """
+    names = list(bench.controllers.members())
+    if drive is None and len(names) == 1:
+        return names[0]
+    if drive not in names:
+        said = "Name one of the loops of this bench" if drive is None else f"No loop `{drive}`"
+        raise ParameterError(f"{said}. {suggestion(drive or '', names)}")
+    return drive
+
+
+def judged_output(bench: Bench, drive: str) -> str:
+    """The output by which a loop is judged: the truth where there is one, else the reading."""
+    name = bench.controllers.members()[drive].measured
+    known = bench.plant.outputs()
+    mounted = bench.sensors.members().get(name)
+    if mounted is not None:
+        seen = mounted.sees()[0]
+        same = seen in known and mounted.sensor.unit in (None, known[seen].unit)
+        return seen if same else MEASURED + name
+    bare = name.removeprefix(ESTIMATED)
+    return bare if bare in known else name

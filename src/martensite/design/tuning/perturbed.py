@@ -1,0 +1,123 @@
+"""Plants that are not quite the one that a model describes: numbers drawn within declared spreads.
+
+    p = p₀ (1 + s z),       temperatures p = p₀ + s z,       z in [-1, 1]
+
+with z evenly spread: a scrambled Sobol' sequence (Owen (1998); SciPy) or a Latin hypercube, both of
+a seed. Only the plant is drawn. What a controller or an observer believes of it stays nominal.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.parameters import Leaf
+from martensite.control.loop.bench import Bench
+
+PLANT = "plant."
+METHODS = ("sobol", "latin-hypercube")
+
+
+@dataclass(frozen=True, eq=False)
+class Plants:
+    """Plants of one bench."""
+
+    values: Mapping[str, Any]
+    """Path in the bench -> one number per plant, in SI."""
+    count: int
+    seed: int
+
+    def bench(self, bench: Bench, k: int) -> Bench:
+        """The bench with plant number k; its controllers and observers do not know.
+
+        Raises:
+            ParameterError: there is no plant of this number.
+        """
+        if not 0 <= k < self.count:
+            raise ParameterError(f"There are {self.count} plants from 0 on; there is no {k}.")
+        return bench.with_values({path: float(row[k]) for path, row in self.values.items()})
+
+
+def draw_plants(
+    bench: Bench, spreads: Mapping[str, float], count: int = 64, seed: int = 0,
+    method: str = "sobol",
+) -> Plants:  # fmt: skip
+    """Draw plants around that of a bench.
+
+    Args:
+        bench: the nominal one.
+        spreads: half the width by path, or unique ending of a path, in the plant: in shares of
+            the number, in K for temperatures.
+        count: how many; a power of 2 spreads best.
+        seed: of the draw.
+        method: sobol or latin-hypercube.
+
+    Raises:
+        ParameterError: an unknown name, a spread that is none or leaves what is allowed, no plant.
+    """
+    if method not in METHODS:
+        raise ParameterError(f"No draw is named `{method}`. {suggestion(method, METHODS)}")
+    if count < 1 or not spreads:
+        raise ParameterError(
+            f"Plants need a spread and must be at least 1, but are {count} with "
+            f"{len(spreads)} spreads."
+        )
+    unit = _unit(len(spreads), count, seed, method)
+    values: dict[str, Any] = {}
+    for (name, spread), z in zip(spreads.items(), unit.T, strict=True):
+        path, column = _drawn(bench, name, spread, z)
+        values[path] = column
+    return Plants(values, count, seed)
+
+
+def _unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
+    """Numbers in [-1, 1], shape (count, width)."""
+    qmc: Any = import_module("scipy.stats.qmc")
+    if method == "sobol":
+        power = math.ceil(math.log2(count)) if count > 1 else 0
+        found = qmc.Sobol(width, seed=seed).random_base2(power)[:count]
+    else:
+        found = qmc.LatinHypercube(width, seed=seed).random(count)
+    return np.asarray(2.0 * found - 1.0, np.float64)
+
+
+def _drawn(
+    bench: Bench, name: str, spread: float, z: NDArray[np.float64]
+) -> tuple[str, NDArray[np.float64]]:
+    """Path in the bench and numbers of one parameter."""
+    leaf = plant_leaf(bench, name)
+    if not (math.isfinite(spread) and spread > 0.0):
+        raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
+    if leaf.value == 0.0 and leaf.declared.unit != "K":
+        raise ParameterError(f"`{name}` is 0, and a spread is a share of it.")
+    found = leaf.value + half_width(leaf, spread) * z
+    require_allowed(leaf, float(found.min()), float(found.max()))
+    return PLANT + leaf.path, found
+
+
+def plant_leaf(bench: Bench, name: str) -> Leaf:
+    """The number of the plant that a path, or a unique ending of one, names.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    path = bench.plant.resolve(name.removeprefix(PLANT))
+    return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+
+
+def half_width(leaf: Leaf, spread: float) -> float:
+    """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
+    return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
+
+
+def require_allowed(leaf: Leaf, *values: float) -> None:
+    """Raise `ParameterError` unless a number may have all these values."""
+    for value in values:
+        leaf.declared.convert(leaf.owner, leaf.path, value)

@@ -1,0 +1,169 @@
+"""PID gains from a model alone: the least cost of a reference made of steps.
+
+    cost = mean|e| + overshoot + 2 mean|Δu| + 10⁻⁴ K_p + 10⁻⁶ K_d
+
+with errors and overshoot in one unit of the output and changes Δu per sample in one unit of the
+signal (`Scale`). Overshoot is the largest excess over the new level of any step. Searched by
+Nelder and Mead's method over the logarithms of the gains, from several starts; nothing is taken
+from the plant itself, so that what the plant then does judges the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import minimize
+
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.pid import Gains
+from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, logs
+from martensite.design.tuning.response import StepResponse, step_responses, steps
+from martensite.signals.sampling.sampled import Numbers
+
+STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
+"""Gains that searches begin with, in the units of the cost."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Units of the cost, in SI."""
+
+    output: float = 1e-3
+    """One unit of the output, such as a millimetre."""
+    signal: float = 0.01
+    """One unit of the signal, such as a percent."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """How parts of the cost count; error and its unit are 1."""
+
+    overshoot: float = 1.0
+    activity: float = 2.0
+    proportional: float = 1e-4
+    derivative: float = 1e-6
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """How gains are searched."""
+
+    levels: tuple[tuple[float, float], ...]
+    """Reference: levels in the unit of the output, and times [s]."""
+    scale: Scale = field(default_factory=Scale)
+    weights: Weights = field(default_factory=Weights)
+    starts: Sequence[tuple[float, float, float]] = STARTS
+    evaluations: int = 600
+    """Of all starts together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tuned:
+    """Gains that were found, and what the model does with them."""
+
+    gains: Gains
+    """In signal per unit of the output, per sample."""
+    cost: float
+    trajectory: Trajectory
+    responses: tuple[StepResponse, ...]
+    costs: tuple[float, ...]
+    """Where the searches ended, best first."""
+    evaluations: int
+    scale: Scale
+
+    def shown(self) -> Gains:
+        """The gains in the units of the cost, such as percent per millimetre."""
+        return Gains(*(gain * self.scale.output / self.scale.signal for gain in self.gains))
+
+    def rows(self) -> list[tuple[str, float, str]]:
+        """Name, value and unit of everything, for people to read."""
+        found = [(name, float(gain), "1") for name, gain in self.gains._asdict().items()]
+        for k, step in enumerate(self.responses, start=1):
+            found += [
+                (f"step {k} rise", step.rise, "s"),
+                (f"step {k} settling", step.settling, "s"),
+                (f"step {k} overshoot", step.overshoot, "1"),
+                (f"step {k} error", step.error, "unit of the output"),
+            ]
+        return found
+
+
+def cost(run: Trajectory, gains: Gains, tuning: Tuning) -> float:
+    """What a run costs; infinite where it is not finite."""
+    if not np.all(np.isfinite(run.output)):
+        return np.inf
+    scale, weights = tuning.scale, tuning.weights
+    unit = scale.output / scale.signal
+    error = float(np.mean(np.abs(run.reference - run.output))) / scale.output
+    activity = float(np.mean(np.abs(np.diff(run.signal)))) / scale.signal
+    return (
+        error
+        + weights.overshoot * _excess(run) / scale.output
+        + weights.activity * activity
+        + weights.proportional * unit * abs(gains.Kp)
+        + weights.derivative * unit * abs(gains.Kd)
+    )
+
+
+def _excess(run: Trajectory) -> float:
+    """Largest excess over the new level of any step."""
+    found = step_responses(run.reference, run.output, run.interval)
+    return max((step.overshoot * abs(step.after - step.before) for step in found), default=0.0)
+
+
+def tune(
+    model: ControlledModel, tuning: Tuning, watch: Callable[[str, float], None] | None = None
+) -> Tuned:
+    """The gains of least cost on a model.
+
+    Args:
+        model: the model in its loop.
+        tuning: reference, cost and starts.
+        watch: called with a sentence and the share that is done.
+
+    Raises:
+        ParameterError: there is no start, or none of them gives a run that is finite.
+    """
+    reference = steps(tuning.levels, model.chain.interval)
+    unit = tuning.scale.signal / tuning.scale.output
+    count = 0
+
+    def value(theta: Numbers) -> float:
+        nonlocal count
+        count += 1
+        gains = _gains(theta, model)
+        return cost(model.run(gains, reference), gains, tuning)
+
+    ends: list[tuple[float, Numbers]] = []
+    for k, start in enumerate(tuning.starts):
+        begin = logs(Gains(*(unit * gain for gain in start)))
+        ends.append(_searched(value, begin, max(tuning.evaluations // len(tuning.starts), 1)))
+        if watch is not None:
+            watch(f"start {k + 1} of {len(tuning.starts)}", (k + 1) / len(tuning.starts))
+    ends.sort(key=lambda end: end[0])
+    if not ends or not np.isfinite(ends[0][0]):
+        raise ParameterError("No start of the tuning gives a run of the model that is finite.")
+    gains = _gains(ends[0][1], model)
+    run = model.run(gains, reference)
+    responses = tuple(step_responses(reference, run.output, run.interval))
+    return Tuned(gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale)
+
+
+def _gains(theta: Numbers, model: ControlledModel) -> Gains:
+    return Gains(*(model.block.sign * float(gain) for gain in np.exp(np.clip(theta, -60, 60))))
+
+
+def _searched(
+    value: Callable[[Numbers], float], begin: Numbers, evaluations: int
+) -> tuple[float, Numbers]:
+    simplex = np.vstack([begin, begin + np.eye(len(begin))])
+    with np.errstate(all="ignore"):
+        found = minimize(
+            value, begin, method="Nelder-Mead",
+            options={
+                "maxfev": evaluations, "initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-6,
+            },
+        )  # fmt: skip
+    return float(found.fun), np.asarray(found.x)

@@ -1,0 +1,138 @@
+"""`read_problem` and `fit`: from scenarios and logs to a problem, and to its solution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from martensite.base.errors import InputError
+from martensite.fit.documents import read_fit_file
+from martensite.fit.free import Wish
+from martensite.fit.logs import Log, Model, Source, check_matching
+from martensite.fit.problem import Problem
+from martensite.fit.task import Columns, LogFit, Task
+from martensite.fit.watch import Tell
+from martensite.fit.wishes import split_list
+from martensite.scenario.scenario import Scenario
+from martensite.signals.records import Record
+
+Wishes = str | Sequence[str | Wish]
+
+
+def read_problem(
+    scenario: Model | Sequence[Model],
+    logs: Source | Sequence[Source],
+    free: Wishes,
+    *,
+    each: Wishes = (),
+    hold_out: str | Sequence[str] | None = None,
+    columns: Columns | None = None,
+    noise: Mapping[str, str | float] | None = None,
+    step: float | None = None,
+    overrides: Mapping[str, Any] | None = None,
+) -> Problem:
+    """What is to be fitted to what, from files.
+
+    Args:
+        scenario: one for all logs, or one for each: files, or scenarios.
+        logs: files with headings, `data:<data set>/<file>`, or records; missing samples are NaN.
+        free: parameters common to all logs: `A_s`, `A_s=40..90 degC`, `A_s=40..90 degC@60 degC`.
+        each: what every log has for itself: such parameters, `offset`, `offset.OUTPUT`, `delay`.
+        hold_out: what is kept back from the fit: auto (if left out), none, names of records, or
+            `25 %`.
+        columns: outputs that are compared, `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`;
+            all that logs and system share if left out, but for what drives.
+        noise: output -> standard deviation of its measurement, with unit or in SI.
+        step: longest step of all runs [s]; that of the scenario, or one to its tolerance.
+        overrides: changes to the scenarios, by dotted path.
+
+    Raises:
+        InputError: something is unknown, missing, or does not fit; one sentence says what.
+        SolveError: a run at the start values fails.
+    """
+    task = task_of(scenario, logs, free).changed(
+        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        settings=overrides,
+    )  # fmt: skip
+    return task.arranged().problem
+
+
+def fit(
+    scenario: Model | Sequence[Model],
+    logs: Source | Sequence[Source] | None = None,
+    free: Wishes | None = None,
+    *,
+    each: Wishes = (),
+    hold_out: str | Sequence[str] | None = None,
+    columns: Columns | None = None,
+    noise: Mapping[str, str | float] | None = None,
+    step: float | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    method: str | None = None,
+    loss: str | None = None,
+    starts: int | None = None,
+    seed: int | None = None,
+    tell: Tell | None = None,
+    state: str | Path | None = None,
+) -> LogFit:
+    """Fit parameters of scenarios to logs.
+
+    With the path of a fit file in place of all three it does what that says, but for what is
+    given beside it; see `martensite.fit.documents`.
+
+    Args:
+        scenario: as in `read_problem`, or a fit file.
+        logs: as in `read_problem`.
+        free: as in `read_problem`.
+        each: as in `read_problem`.
+        hold_out: as in `read_problem`.
+        columns: as in `read_problem`.
+        noise: as in `read_problem`.
+        step: as in `read_problem`.
+        overrides: as in `read_problem`.
+        method: trf (if left out), coordinate, or evolution; see `solve`.
+        loss: linear (if left out), soft-l1, huber, or cauchy.
+        starts: further local searches, from the best of many points within the bounds.
+        seed: of those points.
+        tell: called after every evaluation.
+        state: a file in which the search is kept, and taken up again.
+
+    Raises:
+        InputError: something is unknown, missing, or does not fit; one sentence says what.
+        SolveError: the runs fail at the start, and at every point tried.
+    """
+    task = _of_file(scenario) if logs is None or free is None else task_of(scenario, logs, free)
+    task = task.changed(
+        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        settings=overrides,
+        search={"method": method, "loss": loss, "starts": starts, "seed": seed},
+    )  # fmt: skip
+    return task.arranged().solved(tell, None if state is None else Path(state))
+
+
+def task_of(
+    scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Wishes
+) -> Task:
+    """The task of some logs, one scenario or one for each, and free parameters.
+
+    Raises:
+        DataError: scenarios are neither one nor as many as logs.
+    """
+    sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
+    models = [scenario] if isinstance(scenario, (str, Path, Scenario)) else list(scenario)
+    pairs = zip(sources, check_matching(sources, models), strict=True)
+    return Task(tuple(Log(source, model) for source, model in pairs), _wishes(free))
+
+
+def _wishes(given: Wishes) -> list[str | Wish]:
+    """Free parameters; a text may list several with commas."""
+    if isinstance(given, str):
+        return list(split_list(given))
+    return [one for x in given for one in (split_list(x) if isinstance(x, str) else [x])]
+
+
+def _of_file(path: Model | Sequence[Model]) -> Task:
+    if not isinstance(path, (str, Path)):
+        raise InputError("A fit needs `logs` and `free`; only a fit file stands alone.")
+    return read_fit_file(path)

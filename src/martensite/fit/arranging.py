@@ -1,0 +1,125 @@
+"""From a task to a problem: what is compared, what is kept back, and with which steps.
+
+Every log gets a scenario of its own, built with it where the scenario follows a log. Then what
+drives is told from what is compared, parts are kept back, steps are chosen, and the whole is
+looked at (`checks`) before anything is searched for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from martensite.base.errors import InputError
+from martensite.fit.checks import look, silent
+from martensite.fit.compared import columns_of
+from martensite.fit.experiment import Experiment
+from martensite.fit.free import Wish
+from martensite.fit.hold_out import ALL, AUTO, NONE, held_out
+from martensite.fit.logs import Loaded, gaps, read_logs, untimed
+from martensite.fit.nuisance import DELAY, OFFSET
+from martensite.fit.problem import problem
+from martensite.fit.steps import with_step
+from martensite.fit.task import Arranged, Task
+from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
+
+
+def arranged(task: Task) -> Arranged:
+    """The problem of a task.
+
+    Raises:
+        InputError: logs, scenario and wishes do not fit each other.
+        SolveError: a run that is to show the step fails.
+    """
+    if not task.logs:
+        raise InputError("A fit needs at least one log; none given.")
+    found = read_logs(task.logs)
+    systems = [one.scenario.system for one in found]
+    free, each = read_wishes(task.free, systems), read_wishes(task.each, systems, own=True)
+    noise, wanted = read_noise(task.noise, systems), read_columns(task.columns)
+    made, notes = _experiments(found, task, wanted)
+    if not wanted:
+        made, more = _audible(made, free, each)
+        notes += more
+    stepped, more = _stepped(made, found, task.step)
+    whole = problem(stepped, free, each=each, noise=noise)
+    follows = list(dict.fromkeys(found[0].scenario.follows.values()))
+    notes += [*more, *look(whole.training, follows)]
+    models = {one.name: (one.scenario, one.log.model) for one in found}
+    return Arranged(whole, models, task.search, tuple(notes))
+
+
+def _stepped(
+    made: Sequence[Experiment], found: Sequence[Loaded], step: float | None
+) -> tuple[list[Experiment], list[str]]:
+    """Experiments with their steps: as asked for, of the scenario, or to its tolerance."""
+    stepped: list[Experiment] = []
+    notes: list[str] = []
+    for one, source in zip(made, found, strict=True):
+        given = source.scenario.step if step is None else step
+        if given is None:
+            one, more = with_step(one, source.scenario.tolerance)
+            notes += more
+        else:
+            one = replace(one, step=given)
+        stepped.append(one)
+    return stepped, notes
+
+
+def _experiments(
+    found: Sequence[Loaded], task: Task, wanted: Sequence[Compared]
+) -> tuple[list[Experiment], list[str]]:
+    """One experiment per record, without steps, and what to say of its columns."""
+    held = _held(found, task.hold_out)
+    made: list[Experiment] = []
+    notes: list[str] = []
+    for one, stretches in zip(found, held, strict=True):
+        system, follows = one.scenario.system, one.scenario.follows
+        columns, record, more = columns_of(one.record, system, wanted, follows)
+        notes += [*more, *gaps(one, columns.values())]
+        made.append(
+            Experiment(
+                one.name,
+                system,
+                one.scenario.waveform,
+                record,
+                columns,
+                held=stretches,
+                weights=dict.fromkeys(columns, one.log.weight),
+                lead=one.scenario.lead,
+            )
+        )
+    return made, [*notes, *untimed(found)]
+
+
+def _held(found: Sequence[Loaded], hold_out: str | Sequence[str]) -> list[Any]:
+    names, flags = [one.name for one in found], [one.log.held for one in found]
+    if all(flags):
+        raise InputError("All records are held out, and none is left to be fitted.")
+    rule = NONE if any(flags) and hold_out == AUTO else hold_out
+    held = held_out(rule, names, [one.record.times for one in found])
+    return [ALL if flag else one for flag, one in zip(flags, held, strict=True)]
+
+
+def _audible(
+    made: list[Experiment], free: Sequence[Wish], each: Sequence[Wish]
+) -> tuple[list[Experiment], list[str]]:
+    """Experiments without the outputs that no free parameter moves in any record."""
+    training = problem(made, free, each=_of_systems(each)).training
+    quiet = silent(training)
+    heard = {
+        output for one in training.experiments for output in one.outputs
+        if (one.name, output) not in quiet
+    }  # fmt: skip
+    lost = [name for name in dict.fromkeys(name for _, name in quiet) if name not in heard]
+    kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
+    if not lost or not all(kept):
+        return made, []
+    notes = [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]
+    return [replace(one, columns=c) for one, c in zip(made, kept, strict=True)], notes
+
+
+def _of_systems(each: Sequence[Wish]) -> list[Wish]:
+    """Those that move a system, not what is read off it."""
+    return [one for one in each if one.name != DELAY and one.name.partition(".")[0] != OFFSET]

@@ -1,0 +1,216 @@
+"""A look at a problem before it is solved: samples, parameters without effect, units.
+
+A free parameter has no effect if the derivatives of all that is compared are zero at the start,
+and at some points spread over the bounds. A column has a unit that is wrong by orders of
+magnitude if its range is more than 100 times, or less than a hundredth of, what the scenario
+gives at the start, and not much nearer at any of those points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, ParameterError
+from martensite.fit.free import Free
+from martensite.fit.multistart import sobol_points
+from martensite.fit.nuisance import is_nuisance
+from martensite.fit.problem import Evaluation, Problem
+from martensite.search.words import change, joined, listed, number, quantity
+
+POINTS = 8
+"""Points over the bounds that are tried before anything is refused."""
+FAR, NEARER = 100.0, 20.0
+"""Ratio of ranges that is doubted; and the one that acquits a column at another point."""
+NOTHING = 1e-9
+"""Derivative, per search range and as a share of range, that is none."""
+
+
+def look(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
+    """Refuse what cannot be fitted; what is doubtful comes back as sentences.
+
+    Args:
+        problem: with the records that a fit sees only.
+        follows: columns of the records that drive, to be named in sentences.
+
+    Raises:
+        DataError: too few samples, a unit that is wrong by orders of magnitude.
+        ParameterError: a free parameter without effect.
+    """
+    _enough(problem)
+    first = problem.evaluate(problem.start, slopes=True)
+    if first is None:
+        return ["The runs fail at the start of the fit; other starts are tried if asked for."]
+    idle = _idle(problem, first)
+    doubtful = _doubtful(problem, first)
+    if not idle and not doubtful:
+        return []
+    n = len(problem.free)
+    points = sobol_points([0.0] * n, [1.0] * n, POINTS)
+    found = [problem.evaluate(u, slopes=bool(idle)) for u in points]
+    others = [(u, one) for u, one in zip(points, found, strict=True) if one is not None]
+    notes = _refuse_idle(problem, idle, others, follows)
+    return notes + _refuse_units(problem, first, doubtful, others, follows)
+
+
+def silent(problem: Problem) -> list[tuple[str, str]]:
+    """Record and output of all that no free parameter moves, at the start."""
+    found = problem.evaluate(problem.start, slopes=True)
+    if found is None:
+        return []
+    own = [i for i, free in enumerate(problem.free) if not is_nuisance(free)]
+    return [
+        (one.name, output)
+        for one, fitted in zip(problem.experiments, found.fitted, strict=True)
+        for k, output in enumerate(one.outputs)
+        if not np.any(np.abs(fitted.jacobian[:, k, own]) > NOTHING)
+    ]
+
+
+def _enough(problem: Problem) -> None:
+    samples, wanted = sum(problem.lengths), len(problem.free)
+    if samples <= wanted:
+        raise DataError(
+            f"{samples} samples are too few for {wanted} free parameters; give more rows, hold "
+            "out less, or free fewer parameters."
+        )
+
+
+def _idle(problem: Problem, found: Evaluation) -> list[int]:
+    """Free parameters whose derivatives are zero in all that is compared."""
+    largest = np.max(np.abs(found.jacobian), axis=0)
+    return [i for i in range(len(problem.free)) if not largest[i] > NOTHING]
+
+
+def _refuse_idle(
+    problem: Problem, idle: Sequence[int], others: Sequence[tuple[Any, Evaluation]],
+    follows: Sequence[str],
+) -> list[str]:  # fmt: skip
+    notes: list[str] = []
+    dead: list[int] = []
+    for i in idle:
+        if any(i not in _idle(problem, one) for _, one in others):
+            notes.append(
+                f"`{problem.names[i]}` changes nothing at the start of the fit, but does "
+                "elsewhere within the bounds: start from other values, or ask for more starts."
+            )
+        else:
+            dead.append(i)
+    if not dead:
+        return notes
+    names = listed([problem.names[i] for i in dead])
+    outputs = listed(list(dict.fromkeys(n for one in problem.experiments for n in one.outputs)))
+    one = len(dead) == 1
+    raise ParameterError(
+        f"Free parameter{'' if one else 's'} {names} change{'s' if one else ''} nothing in what is "
+        f"compared ({outputs}), neither at the start nor at {len(others)} points within the "
+        f"bounds; {_remedy(problem, dead, follows)}"
+    )
+
+
+def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> str:
+    """What a parameter without effect would need."""
+    acted = _acted(problem, problem.free[dead[0]])
+    if acted:
+        it = "it moves" if len(dead) == 1 else f"`{problem.names[dead[0]]}` moves"
+        remedy = f"{it} {listed(acted)}: compare such a column, or keep the parameter fixed."
+    else:
+        remedy = "such a parameter needs a log in which it comes to bear, or is to be kept fixed."
+    ranges = _ranges(problem, follows)
+    if ranges and len(dead) == len(problem.free):
+        remedy += f" In the first record {ranges}: are columns swapped, or units wrong?"
+    return remedy
+
+
+def _acted(problem: Problem, free: Free) -> list[str]:
+    """Outputs that a parameter moves at the start, compared or not."""
+    from martensite.kernels.c99 import compiler
+    from martensite.simulate.native_slopes import march_slopes
+
+    found: list[str] = []
+    if compiler() is None or is_nuisance(free):
+        return found
+    for k, runner in enumerate(problem.runners):
+        values = runner.compiled.values(problem.system(k, problem.start))
+        seeds = np.array([[float(free.moves(path))] for path in runner.paths])
+        seeds *= free.slope(free.share(free.start))
+        names = list(runner.experiment.system.outputs())
+        marched = march_slopes(runner.compiled, values, seeds, runner.grid, range(len(names)))
+        moved = np.max(np.abs(marched.slopes[:, :, 0]), axis=0)
+        sizes = np.max(np.abs(marched.rows), axis=0)
+        found += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NOTHING * s]
+    return list(dict.fromkeys(found))
+
+
+def _ranges(problem: Problem, follows: Sequence[str]) -> str:
+    """From where to where the columns that drive go."""
+    record = problem.experiments[0].record
+    phrases: list[str] = []
+    for name in follows:
+        known = [x for x in record[name] if math.isfinite(x)]
+        low, high = (quantity(end, record.units[name]) for end in (min(known), max(known)))
+        phrases.append(f"`{name}` goes from {low} to {high}")
+    return joined(phrases)
+
+
+def _doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
+    """Experiment and output whose measured range is far from what the model gives."""
+    return [
+        (e, k)
+        for e, one in enumerate(problem.experiments)
+        for k in range(len(one.outputs))
+        if not 1.0 / FAR <= _ratio(problem, found, e, k) <= FAR
+    ]
+
+
+def _ratio(problem: Problem, found: Evaluation, e: int, k: int) -> float:
+    """Measured over modelled range of an output of an experiment."""
+    used = problem.used[e][:, k]
+    measured = np.ptp(problem.experiments[e].measured[used, k])
+    modelled = np.ptp(found.fitted[e].model[used, k])
+    return float(measured / modelled) if modelled > 0.0 else math.inf
+
+
+def _refuse_units(
+    problem: Problem, first: Evaluation, doubtful: Sequence[tuple[int, int]],
+    others: Sequence[tuple[Any, Evaluation]], follows: Sequence[str],
+) -> list[str]:  # fmt: skip
+    notes: list[str] = []
+    for e, k in doubtful:
+        one, ratio = problem.experiments[e], _ratio(problem, first, e, k)
+        output, elsewhere = one.outputs[k], [_ratio(problem, f, e, k) for _, f in others]
+        measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
+        modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
+        unit = one.system.outputs()[output].unit
+        seen = (
+            f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "
+            f"{change(measured, unit, 3)}, the scenario at its start over "
+            f"{change(modelled, unit, 3)}"
+        )
+        if any(1.0 / NEARER <= r <= NEARER for r in elsewhere):
+            notes.append(f"{seen}: the start is far off.")
+            continue
+        doubt = _doubt(ratio, 2 if unit == "1" else 3, follows)
+        raise DataError(f"{seen}, and nowhere within the bounds much nearer: {doubt}")
+    return notes
+
+
+def _doubt(ratio: float, decades: int, follows: Sequence[str]) -> str:
+    """What may be wrong with a column whose range is `ratio` times that of the model.
+
+    Units of its kind differ by multiples of so many decades: 3, or 2 for shares and per cent.
+    """
+    drive = f", and that of {listed(list(follows))}, which drives," if follows else ""
+    swapped = "Or were columns swapped?"
+    if not 0.0 < ratio < math.inf:
+        return f"is its unit{drive} right? {swapped}"
+    steps = abs(math.log10(ratio)) / decades
+    factor = number(10.0 ** (decades * max(1, round(steps))))
+    size = "large" if ratio > 1.0 else "small"
+    return (
+        f"is its unit{drive} right? It looks {factor} times too {size}: a factor of {factor} "
+        f"would fit. {swapped}"
+    )

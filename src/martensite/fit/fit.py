@@ -1,0 +1,147 @@
+"""The result of a fit: numbers, and everything that says how far to trust them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from martensite.fit.experiment import Experiment
+from martensite.fit.identifiability import Identifiability, identifiability
+from martensite.fit.losses import loss_named, robust_scale
+from martensite.fit.problem import Evaluation, Problem
+from martensite.fit.uncertainty import Uncertainty, uncertainty
+from martensite.search.scores import Score, score
+from martensite.search.whiteness import FEWEST, Whiteness, whiteness
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A record that was kept back, and what the fit predicts for it."""
+
+    experiment: Experiment
+    model: Any
+    """(rows, outputs) in SI."""
+    numbers: dict[str, float]
+    """What the record has for itself [SI], such as the zero of its sensor; fitted to it."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted parameters."""
+
+    problem: Problem
+    """With the records that the search saw."""
+    values: tuple[float, ...]
+    """Of the free parameters, as shares of their ranges."""
+    evaluation: Evaluation
+    """Residuals and Jacobian there."""
+    method: str
+    loss: str
+    reason: str
+    """Why the search ended: converged, stalled, cap, interrupted, …"""
+    simulations: int
+    """Runs of single experiments that the search took."""
+    jacobians: int
+    """Runs of single experiments with derivatives in all directions."""
+    seconds: float
+    history: tuple[tuple[int, float], ...]
+    """(runs, cost) at each improvement."""
+    kept: tuple[Kept, ...] = ()
+    """Records that the search did not see."""
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The free parameters in SI."""
+        return self.problem.numbers(self.values)
+
+    def __getitem__(self, name: str) -> float:
+        """A fitted number in SI."""
+        return self.numbers[name]
+
+    @property
+    def cost(self) -> float:
+        """Mean of the squared residuals, as shares of noise or range."""
+        return self.evaluation.cost
+
+    def system(self, record: int = 0) -> Any:
+        """The system of an experiment with the fitted numbers."""
+        return self.problem.system(record, self.values)
+
+    def at_bound(self) -> list[str]:
+        """Parameters that ended on a bound of their search."""
+        pairs = zip(self.problem.names, self.values, strict=True)
+        return [name for name, u in pairs if not 1e-6 < u < 1.0 - 1e-6]
+
+    @cached_property
+    def scores(self) -> tuple[Score, ...]:
+        """Errors per record and output, those of held-out rows apart."""
+        found: list[Score] = []
+        for one, fitted, used in self._rows():
+            found += _scores(one, fitted.model, used)
+        for kept in self.kept:
+            found += _scores(kept.experiment, kept.model, np.zeros(kept.model.shape, bool))
+        return tuple(found)
+
+    @cached_property
+    def uncertainty(self) -> Uncertainty:
+        """Errors and correlations of the parameters, from the Jacobian at the optimum."""
+        weights = self._weights
+        return uncertainty(
+            weights * self.evaluation.residuals, weights[:, None] * self.evaluation.jacobian,
+            self.problem.names, values=list(self.numbers.values()), scales=self._scales,
+            lengths=self.problem.lengths,
+        )  # fmt: skip
+
+    @property
+    def _weights(self) -> Any:
+        """(n,): roots of the weights that the loss gives to the squared residuals."""
+        residuals = self.evaluation.residuals
+        if self.loss == "linear":
+            return np.ones_like(residuals)
+        return np.sqrt(loss_named(self.loss).weights(residuals, robust_scale(residuals)))
+
+    @cached_property
+    def identifiability(self) -> Identifiability:
+        """Which combinations of the parameters the data leave open."""
+        noise = self.uncertainty.noise
+        return identifiability(
+            self.evaluation.jacobian, self.problem.names, values=list(self.numbers.values()),
+            scales=self._scales, units=[free.unit for free in self.problem.free],
+            noise=noise if noise > 0.0 else 1.0,
+        )  # fmt: skip
+
+    @cached_property
+    def whiteness(self) -> tuple[Whiteness, ...]:
+        """Whether the residuals of every record and output look like noise."""
+        return tuple(
+            whiteness(fitted.residuals[used[:, k], k], f"{one.name}, {output}")
+            for one, fitted, used in self._rows() for k, output in enumerate(one.outputs)
+            if used[:, k].sum() >= FEWEST
+        )  # fmt: skip
+
+    @property
+    def _scales(self) -> list[float]:
+        pairs = zip(self.problem.free, self.values, strict=True)
+        return [free.slope(u) for free, u in pairs]
+
+    def _rows(self) -> Any:
+        """Experiment, what was found there, and which rows the fit saw."""
+        problem = self.problem
+        return zip(problem.experiments, self.evaluation.fitted, problem.used, strict=True)
+
+
+def _scores(one: Experiment, model: Any, used: Any) -> list[Score]:
+    """Errors of a model in an experiment; `used` says what the fit saw."""
+    seen, outputs = np.isfinite(one.measured), one.system.outputs()
+    return [
+        score(
+            one.times[rows], one.measured[rows, k], model[rows, k], record=one.name,
+            output=output, part=part, unit=outputs[output].unit,
+        )
+        for k, output in enumerate(one.outputs)
+        for part, rows in (("training", used[:, k]), ("held-out", seen[:, k] & ~used[:, k]))
+        if rows.any()
+    ]  # fmt: skip

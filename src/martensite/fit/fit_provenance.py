@@ -1,0 +1,129 @@
+"""What a fit rests on, as a table that can be written to a file: records, bounds, errors.
+
+Nothing in it depends on when or where the fit was made: the same fit gives the same table.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from array import array
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from martensite.base.confidence import EVERYTHING, Interval
+from martensite.fit.fit import Fit
+from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
+from martensite.fit.fit_verdicts import amount
+from martensite.fit.free import Free
+from martensite.fit.task import LogFit
+from martensite.scenario.datasets import dataset_names, describe
+from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.scenario import Scenario
+from martensite.signals.records import Record
+
+PACKAGE = "martensite"
+NOT_DETERMINED = "not determined by the data"
+
+
+def program() -> str:
+    """This package with its version."""
+    try:
+        return f"{PACKAGE} {version(PACKAGE)}"
+    except PackageNotFoundError:  # run from a source tree that was not installed
+        return PACKAGE
+
+
+def scenario_of(fit: Fit) -> Scenario | None:
+    """The scenario that a fit carries with it, if it does."""
+    return fit.scenario if isinstance(fit, LogFit) else None
+
+
+def cautions_of(fit: Fit) -> tuple[str, ...]:
+    """What was found about the steps of its runs, if it was looked for."""
+    return fit.cautions if isinstance(fit, LogFit) else ()
+
+
+def digest(record: Record) -> dict[str, str]:
+    """The SHA-256 of the file of a record, or of its columns if there is no file.
+
+    Returns:
+        `{"file": name, "sha256": …}`; else `{"sha256_of_columns": …}`, over the name of each
+        column and its numbers as little-endian doubles, in the order of the record.
+    """
+    if record.source is not None and record.source.is_file():
+        found = hashlib.sha256(record.source.read_bytes()).hexdigest()
+        return {"file": record.source.name, "sha256": found}
+    total = hashlib.sha256()
+    for name, column in record.columns.items():
+        numbers = array("d", column)
+        if array("H", [1]).tobytes() != b"\1\0":
+            numbers.byteswap()
+        total.update(name.encode() + b"\0" + numbers.tobytes())
+    return {"sha256_of_columns": total.hexdigest()}
+
+
+def published(fit: Fit) -> list[str]:
+    """Bibliography keys of the published data sets that the records of a fit come from."""
+    known = dataset_names()
+    sets = (one.experiment.record.name.partition("/")[0] for one in compared(fit))
+    return list(dict.fromkeys(describe(name).cite for name in sets if name in known))
+
+
+def provenance(fit: Fit) -> dict[str, Any]:
+    """The whole table: how it was searched, what was free, and which records it was fitted to."""
+    return {
+        "by": program(),
+        "method": fit.method,
+        "loss": fit.loss,
+        "ended": fit.reason,
+        "cost": fit.cost,
+        "simulations": fit.simulations,
+        "jacobians": fit.jacobians,
+        "free": {free.name: _free(fit, free) for free in fit.problem.free},
+        "records": list(_records(fit)),
+    }
+
+
+def interval_words(interval: Interval, unit: str) -> str:
+    """`62.5 to 63.9 degC`, or that there is none."""
+    return NOT_DETERMINED if interval == EVERYTHING else shown_range(interval, unit)
+
+
+def _free(fit: Fit, free: Free) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "value": exact_text(fit[free.name], free.unit),
+        "interval": interval_words(fit.uncertainty.interval(free.name), free.unit),
+        "widened": interval_words(fit.uncertainty.widened(free.name), free.unit),
+        "start": shown(free.start, free.unit),
+        "low": shown(free.low, free.unit),
+        "high": shown(free.high, free.unit),
+    }
+    return found | ({"at_bound": True} if free.name in fit.at_bound() else {})
+
+
+def _records(fit: Fit) -> Iterator[dict[str, Any]]:
+    """One table per record, those kept back last."""
+    rows = compared(fit)
+    own = {kept.experiment.name: kept for kept in fit.kept}
+    for name in dict.fromkeys(one.record for one in rows):
+        outputs = [one for one in rows if one.record == name]
+        record = outputs[0].experiment.record
+        found = {"name": name, **digest(record), "rows": len(outputs[0].times)}
+        if record.dropped:
+            found["rows_left_out_on_reading"] = record.dropped
+        found["outputs"] = {one.output: _output(one) for one in outputs}
+        if name in own and own[name].numbers:
+            found["fitted_to_it_alone"] = dict(own[name].numbers)
+        yield found
+
+
+def _output(one: Compared) -> dict[str, Any]:
+    """What was compared in one output, and how well it is met."""
+    found: dict[str, Any] = {"column": one.column}
+    for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
+        if rows.any():
+            key, unit = part.replace("-", "_"), one.described.unit
+            found[f"{key}_rows"] = int(rows.sum())
+            found[f"{key}_rms"] = amount(one.output, one.rms(part), unit)
+    return found | ({"missing": one.missing} if one.missing else {})

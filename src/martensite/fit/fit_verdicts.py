@@ -1,0 +1,152 @@
+"""What must be known of a fit before its numbers are used, in sentences.
+
+Nothing here is computed anew: the sentences compare what the fit holds with plain limits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from martensite.base import units
+from martensite.fit.fit import Fit
+from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared, rms
+from martensite.search.words import change, joined, listed, number, quantity
+
+WORSE = 1.5
+"""Held-out error over training error from which on a fit is said to predict less than it fits."""
+POOR = 50.0
+"""Share of the measured variation [%] below which a model is said to miss most of it."""
+NOTABLE = 0.05
+"""Error over the whole range of an output below which a model is not said to miss it."""
+
+
+def amount(output: str, value: float, unit: str, digits: int = 3) -> str:
+    """An error of an output in everyday units: `0.17 %` of strain, `1.2 K`."""
+    if units.of_column(output, unit) == "%":
+        return f"{number(100.0 * value, digits)} %"
+    return change(value, unit, digits)
+
+
+def predictions(fit: Fit) -> list[str]:
+    """One sentence per output: its error in what the fit saw, and in what was kept back."""
+    rows = compared(fit)
+    names = dict.fromkeys(one.output for one in rows)
+    return [
+        *(_prediction([one for one in rows if one.output == name]) for name in names),
+        *_own_numbers(fit),
+    ]
+
+
+def warnings(fit: Fit) -> list[str]:
+    """What speaks against trusting the numbers; empty if nothing does."""
+    return [*_search(fit), *_prediction_warnings(fit), *_directions(fit), *_residuals(fit)]
+
+
+def _prediction(rows: list[Compared]) -> str:
+    name, unit = rows[0].output, rows[0].described.unit
+    seen, kept = (rms(rows, part) for part in (TRAINING, HELD_OUT))
+    fitted = f"`{name}`: rms error {amount(name, seen, unit)} in the rows that were fitted"
+    if math.isnan(seen):
+        return f"`{name}`: rms error {amount(name, kept, unit)} in rows kept back; none was fitted."
+    if math.isnan(kept):
+        return f"{fitted}; none were kept back."
+    times = f" ({number(kept / seen, 3)} times)" if seen > 0.0 else ""
+    return f"{fitted}, {amount(name, kept, unit)} in those kept back{times}."
+
+
+def _own_numbers(fit: Fit) -> Iterator[str]:
+    """What is not predicted in a record that was kept back."""
+    own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
+    if own:
+        yield (
+            f"What every record has for itself ({listed(list(own))}) was fitted to the records "
+            "kept back, too; everything else is predicted."
+        )
+
+
+def _search(fit: Fit) -> Iterator[str]:
+    """How the search ended, and where."""
+    if fit.reason != "converged":
+        yield (
+            f"The search did not converge: {fit.reason}. The numbers are the best it came across."
+        )
+    for free, u in zip(fit.problem.free, fit.values, strict=True):
+        if free.name in fit.at_bound():
+            side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
+            yield (
+                f"`{free.name}` ended on its {side} bound, {quantity(bound, free.unit)}: the "
+                "bound decides and not the data. Widen it, or fix the number."
+            )
+
+
+def _prediction_warnings(fit: Fit) -> Iterator[str]:
+    """What was kept back, and how much worse it is met."""
+    rows = compared(fit)
+    if not any(one.held.any() for one in rows):
+        yield (
+            "Nothing was kept back: how well the model predicts what it was not fitted to is not "
+            "known."
+        )
+    for name in dict.fromkeys(one.output for one in rows):
+        own = [one for one in rows if one.output == name]
+        seen, kept = (rms(own, part) for part in (TRAINING, HELD_OUT))
+        if kept > WORSE * seen:
+            yield (
+                f"`{name}` is predicted worse than it is fitted: its error in what was kept back "
+                f"is {number(kept / seen, 3)} times that in what was fitted."
+                if seen > 0.0
+                else f"`{name}` is met exactly where it was fitted, but not in what was kept back."
+            )
+    poor = [
+        score for score in fit.scores
+        if score.fit_percent < POOR and score.rms > NOTABLE * _reach(rows, score.output)
+    ]  # fmt: skip
+    if poor:
+        met = (f"`{one.output}` of {one.record} ({number(one.fit_percent, 3)} %)" for one in poor)
+        yield f"The model explains less than half of what varies: {joined(list(met))}."
+
+
+def _reach(rows: list[Compared], output: str) -> float:
+    """Range over which an output was measured in all records."""
+    values = [one.measured for one in rows if one.output == output]
+    ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in values]
+    return max(high for _, high in ends) - min(low for low, _ in ends)
+
+
+def _directions(fit: Fit) -> Iterator[str]:
+    """Parameters that the data do not hold, or not apart."""
+    yield from (one.sentence for one in fit.identifiability.weak)
+    pairs = fit.uncertainty.confounded()
+    for group in _groups([{one, other} for one, other, _ in pairs]):
+        names = [name for name in fit.problem.names if name in group]
+        most = max(abs(value) for one, _, value in pairs if one in group)
+        yield (
+            f"{listed(names)} are hardly told apart (correlation{'s up to' if names[2:] else ''} "
+            f"{most:.3f}): the interval of each holds with all others free to follow, and not for "
+            "several at once."
+        )
+
+
+def _groups(pairs: Sequence[set[str]]) -> list[set[str]]:
+    """Sets of names that are connected by pairs."""
+    found: list[set[str]] = []
+    for pair in pairs:
+        whole = pair.union(*(group for group in found if group & pair))
+        found = [group for group in found if not group & pair] + [whole]
+    return found
+
+
+def _residuals(fit: Fit) -> Iterator[str]:
+    """Whether something is left to explain."""
+    rows = {f"{one.record}, {one.output}": one for one in compared(fit)}
+    found = [rows[one.record] for one in fit.whiteness if not one.white]
+    names = [f"`{one.output}` of {one.record}" for one in found]
+    if names:
+        yield (
+            f"Residuals are not white ({joined(names)}): the model misses something, or the noise "
+            "has a memory. Take the widened intervals, and read them as those of this model: they "
+            "do not tell what the model itself gets wrong."
+        )

@@ -1,0 +1,199 @@
+"""What data determine of the parameters of a model, and what they leave open, in words.
+
+The residuals r of a fit change by J dz when the parameters z, each scaled so that its search
+range is 1, change by dz. With J = U Σ Vᵀ and independent noise s in every residual the standard
+error along the direction v_k is s/σ_k search ranges:
+
+    σ_k = 0    redundant: no data of this kind determine the direction
+    σ_k ≤ s    weak: uncertain by more than the whole search range
+
+What counts as 0 is judged by the precision of J with all columns scaled to equal norm.
+Directions of both kinds are told by the smallest sets of parameters that move in them
+(`weak_sets`), to first order about the fitted values. Singular values as a test of
+identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import ParameterError
+from martensite.fit.directions import WeakDirection
+from martensite.search.axes import Axes, axes, balanced, proportional
+from martensite.search.weak_sets import weak_directions
+from martensite.search.words import difference, listed, number, round_below
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+    Vector = NDArray[np.float64]
+
+PRECISION = 1e-10
+"""Relative precision of each column of exact derivatives; take 1e-6 for finite differences."""
+NEGLIGIBLE = 0.05
+"""Share of the largest mover below which a parameter of a weak direction is not named, if the
+rest is weak without it: within twice the noise."""
+_TENTH = 0.1
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What the data determine of the free parameters."""
+
+    names: tuple[str, ...]
+    sensitivities: tuple[float, ...]
+    """Root-mean-square change of the error over each search range, in units of its noise."""
+    singular_values: tuple[float, ...]
+    """Of the Jacobian per search range, falling."""
+    uncertainties: tuple[float, ...]
+    """Standard error along each singular direction, in search ranges; infinite for 0."""
+    condition: float
+    """Largest over smallest singular value; infinite where parameters are redundant."""
+    weak: tuple[WeakDirection, ...]
+    """Directions that the data do not determine, the exactly redundant ones first."""
+
+    @property
+    def determined(self) -> bool:
+        """Whether every direction is determined to better than the search range."""
+        return not self.weak
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Parameters that change nothing at all."""
+        return tuple(one.names[0] for one in self.weak if one.exact and len(one.names) == 1)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is not determined, one sentence for each direction; else that all are."""
+        if self.weak:
+            return tuple(one.sentence for one in self.weak)
+        worst = number(100.0 * max(self.uncertainties), 2)
+        held = f"{listed(self.names)} {'is' if len(self.names) == 1 else 'are'} determined"
+        return (f"{held}, in the least certain direction to {worst} % of the search range.",)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers by name and the sentences, for JSON."""
+        return {
+            "sensitivities": dict(zip(self.names, self.sensitivities, strict=True)),
+            "singular_values": list(self.singular_values),
+            "condition": self.condition,
+            "determined": self.determined,
+            "weak": [one.to_dict() for one in self.weak],
+            "sentences": list(self.sentences),
+        }
+
+
+def identifiability(
+    jacobian: Any,
+    names: Sequence[str],
+    *,
+    values: Sequence[float],
+    scales: Sequence[float],
+    units: Sequence[str] | None = None,
+    noise: float = 1.0,
+    precision: float = PRECISION,
+) -> Identifiability:
+    """Judge a Jacobian of weighted residuals.
+
+    Args:
+        jacobian: (residuals, parameters), change of each residual per search range.
+        names: of the parameters.
+        values: of the parameters where the Jacobian was taken, in SI.
+        scales: change of each value per search range, in SI (see `Axes`).
+        units: SI unit of each parameter; plain numbers if left out.
+        noise: standard deviation of a weighted residual; 1 if weighted by the true noise.
+        precision: relative precision of each column of the Jacobian.
+
+    Raises:
+        DataError: the Jacobian is not finite, or not of this many parameters.
+        ParameterError: the noise is not above 0, or values and names differ in number.
+    """
+    import numpy as np
+
+    free = axes(names, values, scales, units)
+    matrix = free.jacobian(jacobian)
+    if not 0.0 < noise < math.inf:
+        raise ParameterError(f"Argument `noise` must be above 0, but is {noise:g}.")
+    sizes = np.zeros(len(free))
+    found = np.linalg.svd(matrix, compute_uv=False)
+    sizes[: len(found)] = found
+    directions = _directions(matrix, free, noise, precision)
+    seen = len(free) - sum(one.exact for one in directions)
+    spread = np.linalg.norm(matrix, axis=0) / (noise * math.sqrt(len(matrix)))
+    return Identifiability(
+        free.names,
+        tuple(map(float, spread)),
+        tuple(map(float, sizes)),
+        tuple(noise / s if k < seen and s else math.inf for k, s in enumerate(map(float, sizes))),
+        float(sizes[0] / sizes[-1]) if seen == len(free) and sizes[-1] else math.inf,
+        directions,
+    )
+
+
+def _directions(
+    matrix: Matrix, free: Axes, noise: float, precision: float
+) -> tuple[WeakDirection, ...]:
+    """Redundant directions, then weak ones, of the fewest parameters each."""
+    import numpy as np
+
+    def gauge(direction: Vector) -> bool:
+        moves = [i for i in range(len(free)) if direction[i] != 0.0]
+        return proportional([free.relative(i, direction) for i in moves])
+
+    columns, norms = balanced(matrix)
+    nothing = precision * float(np.linalg.norm(columns, 2))
+    exact = weak_directions(columns, nothing, prefer=lambda v: gauge(v / norms))
+    exact = [v / norms / np.linalg.norm(v / norms) for v in exact]
+    weak = weak_directions(matrix, noise, exact, gauge)
+    told = [_told(matrix, free, v, noise, True) for v in exact]
+    told += [_told(matrix, free, _kept(matrix, v, noise), noise, False) for v in weak]
+    return tuple(told)
+
+
+def _kept(matrix: Matrix, direction: Vector, limit: float) -> Vector:
+    """The direction less its negligible components, unless it needs them."""
+    import numpy as np
+
+    large = np.abs(direction) >= NEGLIGIBLE * np.max(np.abs(direction))
+    short = np.where(large, direction, 0.0)
+    return short if np.linalg.norm(matrix @ short) <= 2.0 * limit else direction
+
+
+def _told(
+    matrix: Matrix, free: Axes, direction: Vector, noise: float, exact: bool
+) -> WeakDirection:
+    """A unit vector per search range as parameters and amounts."""
+    import numpy as np
+
+    order = sorted(np.flatnonzero(direction).tolist(), key=lambda i: -abs(float(direction[i])))
+    moved = direction * _stretch(free, direction, order)
+    seen = float(np.linalg.norm(matrix @ direction))
+    return WeakDirection(
+        tuple(free.names[i] for i in order),
+        tuple(free.units[i] for i in order),
+        tuple(float(moved[i]) * free.scales[i] for i in order),
+        tuple(free.relative(i, moved) for i in order),
+        noise / seen if seen and not exact else math.inf,
+        float(np.linalg.norm(matrix @ moved)) / (noise * math.sqrt(len(matrix))),
+        exact,
+    )
+
+
+def _stretch(free: Axes, direction: Vector, order: Sequence[int]) -> float:
+    """Factor that makes the largest mover rise by a round amount, up to half its range.
+
+    A single parameter rises by its whole range; the values of a gauge change by a tenth.
+    """
+    first = order[0]
+    rise = float(direction[first]) * free.scales[first]
+    if len(order) == 1:
+        return abs(free.scales[first]) / rise
+    if proportional([free.relative(i, direction) for i in order]):
+        return _TENTH / free.relative(first, direction)
+    factor, _ = difference(free.units[first])
+    return round_below(0.5 * abs(free.scales[first]) / factor) * factor / rise

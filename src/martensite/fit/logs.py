@@ -1,0 +1,134 @@
+"""Logs: the records of a fit, each with the scenario that is to explain it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from martensite.base.errors import DataError
+from martensite.scenario.recorded import from_zero
+from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.tables import UNTIMED, read_table
+from martensite.search.words import listed
+from martensite.signals.records import Record
+
+Source = str | Path | Record
+Model = str | Path | Scenario
+
+
+@dataclass(frozen=True)
+class Log:
+    """A record to be explained, and by what."""
+
+    source: Source
+    """A file, `data:<data set>/<file>`, or a record."""
+    scenario: Model
+    columns: tuple[str, ...] | None = None
+    """Headings of a file that has none."""
+    interval: float | None = None
+    """Time between rows [s] of a file without times."""
+    settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Changes to the scenario, by dotted path."""
+    weight: float = 1.0
+    """Of its squared residuals."""
+    held: bool = False
+    """Whether it is kept back."""
+    name: str = ""
+    """In reports; that of the file if left out."""
+
+    def read(self) -> Record:
+        """The record, with NaN for missing samples."""
+        if isinstance(self.source, Record):
+            return self.source
+        return read_table(self.source, self.columns, interval=self.interval, gaps=True)
+
+    def model(self, record: Record) -> Scenario:
+        """The scenario for a record."""
+        given = self.scenario
+        if not isinstance(given, Scenario):
+            return load(given, self.settings, log=record)
+        if self.settings or given.follows:
+            return read(given.text, given.path, self.settings, log=record)
+        return given
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A log that has been read."""
+
+    log: Log
+    name: str
+    record: Record
+    scenario: Scenario
+
+
+def read_logs(logs: Sequence[Log]) -> list[Loaded]:
+    """Read logs and build their scenarios; records of one name are numbered.
+
+    Raises:
+        InputError: a file is missing or malformed, or does not fit its scenario.
+    """
+    found: list[Loaded] = []
+    for log in logs:
+        record = log.read()
+        scenario = log.model(record)
+        if scenario.follows:
+            record = from_zero(record)
+        found.append(Loaded(log, log.name or _name(record), record, scenario))
+    names = [one.name for one in found]
+    return [
+        replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}")
+        if names.count(one.name) > 1
+        else one
+        for k, one in enumerate(found)
+    ]
+
+
+def _name(record: Record) -> str:
+    """A short name: that of the file."""
+    last = record.name.rpartition("/")[2]
+    return last.rpartition(".")[0] or last if "/" in record.name else last
+
+
+def untimed(found: Sequence[Loaded]) -> list[str]:
+    """A sentence about files whose rows are as far apart as nobody has said."""
+    given = [one for one in found if not isinstance(one.log.source, Record)]
+    names = [one.name for one in given if one.log.interval is None and one.record.interval]
+    if not names:
+        return []
+    return [f"{listed(names)} without times: rows are taken as {UNTIMED:g} s apart."]
+
+
+def gaps(one: Loaded, columns: Iterable[str]) -> list[str]:
+    """Sentences about samples that a log misses."""
+    follows, record = one.scenario.follows.values(), one.record
+    notes: list[str] = []
+    for name in dict.fromkeys([*follows, *columns]):
+        missing = sum(map(math.isnan, record.columns.get(name, ())))
+        if missing:
+            then = "bridged by straight lines" if name in follows else "passed over"
+            notes.append(
+                f"{missing} of {len(record)} samples of `{name}` in record `{record.name}` are "
+                f"missing and {then}."
+            )
+    if record.dropped:
+        notes.append(f"{record.dropped} rows of record `{record.name}` could not be read.")
+    return notes
+
+
+def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[Model]:
+    """One scenario for every log.
+
+    Raises:
+        DataError: they are neither one nor equally many.
+    """
+    if len(scenarios) == 1:
+        return list(scenarios) * len(logs)
+    if len(scenarios) != len(logs):
+        raise DataError(
+            f"{len(logs)} logs have {len(scenarios)} scenarios; give one for all, or one each."
+        )
+    return list(scenarios)

@@ -1,0 +1,175 @@
+"""A fit as a material file: its numbers, how far to trust each, and what they rest on.
+
+`[law]` holds the law and its options that the numbers hold for, `[sources]` the fit and the
+sources of what was not fitted, `[values]` all numbers, a fitted one with its intervals and
+bounds, and `[fit]` how it was searched, what was free, and the records with hashes and errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import DataError
+from martensite.base.files import replacing
+from martensite.fit.fit_provenance import (
+    PACKAGE,
+    cautions_of,
+    program,
+    provenance,
+    published,
+    scenario_of,
+)
+from martensite.fit.fit_rows import compared, covered
+from martensite.fit.fit_verdicts import predictions, warnings
+from martensite.fit.material_numbers import FIT, Numbers
+from martensite.physics.materials.base import Number, Source
+from martensite.scenario.citations import entries
+from martensite.scenario.exact_text import shown, shown_range
+from martensite.scenario.overrides import toml_key, toml_value
+from martensite.search.words import joined
+
+if TYPE_CHECKING:
+    from martensite.fit.fit import Fit
+    from martensite.scenario.scenario import Scenario
+
+MANY = 5
+"""Records up to which they are named one by one."""
+
+
+def write_material(
+    fit: Fit,
+    path: str | Path,
+    *,
+    scenario: Scenario | None = None,
+    title: str = "",
+    cite: str = "",
+    port: str | None = None,
+    digits: int | None = None,
+) -> None:
+    """Write a material file with the numbers of a fit; an existing file is replaced.
+
+    The name of the material is that of the file. A scenario takes it by
+    `material = "./mine.toml"`, and `load_material` reads it.
+
+    Args:
+        fit: a finished fit.
+        path: the file to write, ending in .toml; its folder must exist.
+        scenario: what the fit began with, if the fit does not know. It says which numbers are
+            not fitted, and where they come from; without it they are called assumed.
+        title: of the material; made from law and records if left out.
+        cite: key of the records in the bibliography; that of a published data set, else of this
+            package, if left out.
+        port: the actuator whose numbers are written; needed only where several differ.
+        digits: significant digits of the fitted numbers; all if left out.
+
+    Raises:
+        InputError: the path does not end in .toml, the file cannot be written, or the actuators
+            of the fitted system have different numbers.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        raise DataError(f"A material file ends in .toml, but this is `{path}`.")
+    numbers = Numbers(fit, scenario or scenario_of(fit), port, digits)
+    text = material_text(numbers, title, cite)
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def material_text(numbers: Numbers, title: str = "", cite: str = "") -> str:
+    """The text of a material file; arguments as of `write_material`."""
+    fit = numbers.fit
+    key = cite or next(iter(published(fit)), PACKAGE)
+    entries([key])
+    values = numbers.values()
+    law = numbers.law_table()
+    what = f"law {law['kind']} to {_outputs(fit)} of {_records(fit)}"
+    sources = {FIT: Source(key, f"Fit by {program()}: {what}"), **numbers.sources}
+    found = provenance(fit)
+    if numbers.scenario:
+        found = {"scenario": numbers.scenario.title, **found}
+    free, records = found.pop("free"), found.pop("records")
+    return "\n".join(
+        [
+            *_entries({"title": title or f"Fit of {what}"}),
+            *_entries({"summary": _summary(numbers, values), "limits": _limits(numbers)}),
+            *_section("law", law),
+            *_sources(sources),
+            *_section("values", {name: _value(number) for name, number in values.items()}),
+            *_section("fit", found),
+            *_section("fit.free", free),
+            *(line for one in records for line in _section("fit.records", one, "[[{}]]")),
+            "",
+        ]
+    )
+
+
+# ---------------------------------------------------------------- words
+
+
+def _records(fit: Fit) -> str:
+    names = [one.name for one in fit.problem.experiments]
+    return joined(names) if len(names) <= MANY else f"{len(names)} records"
+
+
+def _outputs(fit: Fit) -> str:
+    return joined(list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs)))
+
+
+def _summary(numbers: Numbers, values: dict[str, Number]) -> str:
+    """What is fitted, and where the rest comes from."""
+    fit, law = numbers.fit, numbers.law_table()
+    fitted = [name for name, number in values.items() if number.kind == "fitted" and
+              number.source == FIT]  # fmt: skip
+    options = joined([f"{name} {word}" for name, word in law.items() if name != "kind"])
+    words = [
+        f"Numbers of law {law['kind']}{f' ({options})' if options else ''}, fitted to "
+        f"{_outputs(fit)} of {_records(fit)}.",
+        f"Fitted: {joined(fitted) or 'none of them'}.",
+    ]
+    if numbers.material:
+        words.append(
+            f"Where another source is named, the number is that of {numbers.material.name}."
+        )
+    if others := numbers.others():
+        found = joined([f"{free.name} = {shown(fit[free.name], free.unit)}" for free in others])
+        words.append(f"Fitted with them, but no numbers of a material: {found}.")
+    return " ".join(words)
+
+
+def _limits(numbers: Numbers) -> str:
+    """Where the numbers were fitted, how well, and what speaks against them."""
+    fit = numbers.fit
+    units = {"temperature": "K", "stress": "Pa"}
+    ranges = [f"{name} {shown_range(r, units[name])}" for name, r in covered(fit).items()]
+    kept = [one.record for one in compared(fit) if not one.used.any()]
+    words = [f"They hold for this law, and were fitted at {joined(ranges)}."]
+    if kept:
+        words.append(f"Kept back: {joined(list(dict.fromkeys(kept)))}.")
+    return " ".join([*words, *predictions(fit), *warnings(fit), *cautions_of(fit)]).replace("`", "")
+
+
+# ---------------------------------------------------------------- TOML
+
+
+def _entries(table: dict[str, Any]) -> Iterator[str]:
+    yield from (f"{toml_key(key)} = {toml_value(value)}" for key, value in table.items())
+
+
+def _section(name: str, table: dict[str, Any], heading: str = "[{}]") -> Iterator[str]:
+    yield from ("", heading.format(name))
+    yield from _entries(table)
+
+
+def _sources(sources: dict[str, Source]) -> Iterator[str]:
+    for key, source in sources.items():
+        yield from _section(f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text})
+
+
+def _value(number: Number) -> dict[str, str]:
+    entries = {
+        "value": number.text, "kind": number.kind, "source": number.source,
+        "where": number.where, "note": number.note,
+    }  # fmt: skip
+    return {key: text for key, text in entries.items() if text}

@@ -1,0 +1,174 @@
+"""The numbers of a fitted actuator under canonical names, each with its kind and its source.
+
+A number that was fitted to all records together is `fitted`, unless they say nothing about it.
+Any other is taken over from the material of the scenario, with its kind and source, if it is
+still that number; else it is `assumed`, since nothing but the scenario stands behind it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.parameters import Leaf
+from martensite.fit.canonical import Leaves, canonical, one_law
+from martensite.fit.fit import Fit
+from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, interval_words
+from martensite.fit.free import Free
+from martensite.fit.nuisance import is_nuisance
+from martensite.physics.laws.base import AbstractLaw
+from martensite.physics.materials.base import Material, Number, Source
+from martensite.physics.materials.names import NAMES
+from martensite.scenario.assemble import scenario_path
+from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.law_match import law_words
+from martensite.scenario.scenario import Scenario
+
+FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
+"""Keys of the sources that a fit adds."""
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What a fit says about a material, gathered from the fitted system and its scenario."""
+
+    fit: Fit
+    scenario: Scenario | None = None
+    port: str | None = None
+    digits: int | None = None
+    sources: dict[str, Source] = field(default_factory=dict[str, Source])
+    """Of the numbers that are not fitted; filled by `values`."""
+
+    @property
+    def law(self) -> AbstractLaw:
+        """The law of the actuator.
+
+        Raises:
+            InputError: actuators, or the systems of several records, have different laws.
+        """
+        return one_law(self._systems(), self.port)
+
+    @property
+    def material(self) -> Material | None:
+        """The material that the scenario took its numbers from."""
+        return self.scenario.material if self.scenario else None
+
+    def law_table(self) -> dict[str, str]:
+        """The law as a scenario writes it: kind, options, numbers that have no canonical name."""
+        law = self.law
+        own = {
+            name: exact_text(getattr(law, name), declared.unit)
+            for name, declared in law.declarations.items()
+            if declared.kind == "parameter" and name not in NAMES
+        }
+        return law_words(law) | own
+
+    def values(self) -> dict[str, Number]:
+        """All numbers by canonical name, in the order of the names.
+
+        Raises:
+            InputError: actuators, or the systems of several records, differ in a number.
+        """
+        leaves = self._leaves()
+        finite = {name: leaf for name, leaf in leaves.items() if math.isfinite(leaf.value)}
+        found = {name: self._number(name, leaf) for name, leaf in finite.items()}
+        found |= dict(self._carried(leaves))
+        return {name: found[name] for name in NAMES if name in found}
+
+    def others(self) -> list[Free]:
+        """What was fitted to all records together and is no number of the material."""
+        known = {*NAMES, *self.law.declarations}
+        shared = (free for free in self.fit.problem.free if free.record is None)
+        return [free for free in shared if free.ending.rpartition(".")[2] not in known]
+
+    def _leaves(self) -> Leaves:
+        """The canonical numbers of the actuator, with all numbers fitted."""
+        own = [free for free in self.fit.problem.free if free.record is not None]
+        return canonical(
+            self._systems(), self.port, lambda path: any(free.moves(path) for free in own)
+        )
+
+    def _systems(self) -> list[AbstractSystem]:
+        return [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
+
+    def _number(self, name: str, leaf: Leaf) -> Number:
+        physical = [free for free in self.fit.problem.free if not is_nuisance(free)]
+        moving = [free for free in physical if free.moves(leaf.path)]
+        if not moving:
+            return self._inherited(name, leaf)
+        if moving[0].name in self.fit.identifiability.without_effect:
+            return self._idle(name, leaf, moving[0])
+        if moving[0].record is None:
+            text = exact_text(leaf.value, leaf.declared.unit, self.digits)
+            return _number(leaf, text, "fitted", FIT, trust(self.fit, moving[0]))
+        return self._each(moving, leaf)
+
+    def _each(self, moving: list[Free], leaf: Leaf) -> Number:
+        """A number that every record has for itself is none of the material: its start stays."""
+        fitted = ", ".join(f"{shown(self.fit[f.name], f.unit)} in {f.record}" for f in moving)
+        text = exact_text(moving[0].start, leaf.declared.unit)
+        note = f"where the fit began; fitted to every record for itself: {fitted}"
+        return _number(leaf, text, "assumed", self._scenario_source(), note)
+
+    def _idle(self, name: str, leaf: Leaf, free: Free) -> Number:
+        """A number that the records say nothing about is not fitted, wherever it ended."""
+        begun = replace(leaf, value=free.start)
+        found = self._inherited(name, begun)
+        words = "free in the fit, but without effect on it: as at the start"
+        return replace(found, note="; ".join(filter(None, (found.note, words))))
+
+    def _inherited(self, name: str, leaf: Leaf) -> Number:
+        if self.material and name in self.material.values:
+            number = self.material.values[name]
+            if number.value == leaf.value:
+                return self._copied(self.material, number)
+        text = exact_text(leaf.value, leaf.declared.unit)
+        origins = self.scenario.origins if self.scenario else {}
+        if origins.get(scenario_path(leaf.path)) == DEFAULT:
+            self.sources[DEFAULT] = Source(PACKAGE, "Default of the parameter")
+            return _number(leaf, text, "assumed", DEFAULT, "")
+        return _number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
+
+    def _carried(self, leaves: Leaves) -> Iterator[tuple[str, Number]]:
+        """Numbers of the scenario's material that the fitted system does not use."""
+        if self.material:
+            for name, number in self.material.values.items():
+                if name not in leaves:
+                    yield name, self._copied(self.material, number)
+
+    def _copied(self, material: Material, number: Number) -> Number:
+        """A number of another material, with its source."""
+        key = number.source
+        if key in (FIT, SCENARIO, DEFAULT):
+            key = f"{key}-of-{material.name}"
+        self.sources[key] = material.sources[number.source]
+        return replace(number, source=key)
+
+    def _scenario_source(self) -> str:
+        which = f"`{self.scenario.title}`" if self.scenario else "of the fit"
+        self.sources[SCENARIO] = Source(PACKAGE, f"Scenario {which}")
+        return SCENARIO
+
+
+def trust(fit: Fit, free: Free) -> str:
+    """Interval and bounds of a fitted number, and what is wrong with them, in words."""
+    found = fit.uncertainty
+    wide = interval_words(found.widened(free.name), free.unit)
+    plain = interval_words(found.interval(free.name), free.unit)
+    words = [wide if wide == NOT_DETERMINED else f"95 % interval {wide}"]
+    if plain != wide:
+        words.append(f"{plain} if all samples were independent")
+    words.append(f"searched from {shown_range((free.low, free.high), free.unit)}")
+    if free.name in fit.at_bound():
+        words.append("ended on a bound, which decides instead of the data")
+    for weak in fit.identifiability.weak:
+        others = [name for name in weak.names if name != free.name]
+        if others and free.name in weak.names:
+            words.append(f"not determined apart from {', '.join(others)}")
+    return "; ".join(words)
+
+
+def _number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> Number:
+    return Number(leaf.value, text, leaf.declared.unit, kind, source, "", note)

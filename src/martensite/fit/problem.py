@@ -1,0 +1,282 @@
+"""The problem of a fit: experiments, free parameters, and residuals with their Jacobian.
+
+    r = √w (y(p) + offset - measured)/scale
+
+over all rows that were measured and are not kept back. `scale` is the given noise of an output,
+else the range over which it was measured; a cost is the mean of r². All derivatives are exact
+where there is a C compiler, and are taken along the numbers u from 0 to 1 of the search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from os import cpu_count
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.fit.experiment import Experiment
+from martensite.fit.free import Free, Wish, free_parameters
+from martensite.fit.nuisance import (
+    DELAY,
+    OFFSET,
+    delayed,
+    is_nuisance,
+    own_parameters,
+)
+from martensite.fit.problem_checks import check_problem
+from martensite.fit.runner import Runner, Seen
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """One experiment at some parameters."""
+
+    model: Any
+    """(rows, outputs) in SI, offsets included."""
+    residuals: Any
+    """(rows, outputs), scaled and weighted; NaN where nothing was measured."""
+    jacobian: Any
+    """(rows, outputs, free): d(residual)/du; None if it was not asked for."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """The whole problem at some parameters."""
+
+    fitted: tuple[Fitted, ...]
+    """One per experiment."""
+    residuals: Any
+    """(n,): those that count, one output of one experiment after the other."""
+    jacobian: Any
+    """(n, free), or None."""
+
+    @property
+    def cost(self) -> float:
+        """Mean of the squared residuals."""
+        return float(np.mean(self.residuals**2))
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be fitted to what."""
+
+    experiments: tuple[Experiment, ...]
+    free: tuple[Free, ...]
+    noise: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Output -> standard deviation of its measurement [SI], where it is known."""
+    step: float | None = None
+    """Longest step of all runs [s]; that of each experiment if None."""
+    later: tuple[Free, ...] = ()
+    """What records that are kept back have for themselves: fitted to them afterwards."""
+
+    def __post_init__(self) -> None:
+        check_problem(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was declared; what is made of it, such as threads, is made anew elsewhere."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the free parameters."""
+        return tuple(free.name for free in self.free)
+
+    @property
+    def start(self) -> Any:
+        """Where the search begins: a number from 0 to 1 for every free parameter."""
+        return np.array([free.share(free.start) for free in self.free])
+
+    @property
+    def training(self) -> Problem:
+        """The problem without the records that are kept back."""
+        return replace(
+            self, experiments=tuple(one for one in self.experiments if not one.held_out), later=()
+        )
+
+    def numbers(self, u: Sequence[float]) -> dict[str, float]:
+        """The free parameters in SI."""
+        return {free.name: free.value(float(x)) for free, x in zip(self.free, u, strict=True)}
+
+    def scale(self, output: str) -> float:
+        """What residuals of an output are divided by [SI]."""
+        if output in self.noise:
+            return self.noise[output]
+        return self._ranges[output]
+
+    @cached_property
+    def _ranges(self) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for one in self.experiments:
+            for k, output in enumerate(one.outputs):
+                column = one.measured[:, k]
+                reach = float(np.nanmax(column) - np.nanmin(column))
+                found[output] = max(found.get(output, 0.0), reach)
+        return found
+
+    @cached_property
+    def runners(self) -> tuple[Runner, ...]:
+        """One per experiment."""
+        return tuple(Runner(one, self.step) for one in self.experiments)
+
+    @cached_property
+    def _pool(self) -> ThreadPoolExecutor:
+        """Runs in C release the interpreter, so that threads use all cores."""
+        return ThreadPoolExecutor(max(1, min(len(self.experiments), cpu_count() or 1)))
+
+    @cached_property
+    def used(self) -> list[Any]:
+        """For every experiment (rows, outputs): True for what the fit sees."""
+        return [np.isfinite(one.measured) & ~one.kept_back[:, None] for one in self.experiments]
+
+    def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
+        """Residuals at a point, with their Jacobian if wanted; None where a run fails."""
+        moved = [self._moved(k, u) for k in range(len(self.runners))]
+        if any(values is None for values in moved):
+            return None
+        jobs = [(k, values, u, slopes) for k, values in enumerate(moved)]
+        found = list(self._pool.map(lambda job: self._one(*job), jobs))
+        if any(one is None for one in found):
+            return None
+        fitted = tuple(one for one in found if one is not None)
+        residuals = [f.residuals.T[used.T] for f, used in zip(fitted, self.used, strict=True)]
+        jacobian = None
+        if slopes:
+            pieces = [
+                f.jacobian.transpose(1, 0, 2)[used.T]
+                for f, used in zip(fitted, self.used, strict=True)
+            ]
+            jacobian = np.concatenate(pieces)
+        return Evaluation(fitted, np.concatenate(residuals), jacobian)
+
+    def costs(self, points: Any) -> Any:
+        """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
+        totals, counts = np.zeros(len(points)), 0
+        for k, runner in enumerate(self.runners):
+            variants = [self._moved(k, u) for u in points]
+            base = runner.compiled.values(runner.experiment.system)
+            table = np.array([base if v is None else v for v in variants], float)
+            models = runner.batch(table)
+            for i, (u, values) in enumerate(zip(points, variants, strict=True)):
+                seen = Seen(models[i], None, values is not None)
+                fitted = self._compared(k, seen, u, None)
+                totals[i] += math.inf if fitted is None else self._sum(k, fitted)
+            counts += int(self.used[k].sum())
+        return totals / counts
+
+    def _sum(self, k: int, fitted: Fitted) -> float:
+        total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
+        return total if math.isfinite(total) else math.inf
+
+    def _moves(self, k: int) -> list[tuple[int, list[int]]]:
+        """Which free parameters change which parameters of an experiment."""
+        name, paths = self.experiments[k].name, self.runners[k].paths
+        return [
+            (i, [j for j, path in enumerate(paths) if free.moves(path)])
+            for i, free in enumerate(self.free)
+            if free.record in (None, name) and not is_nuisance(free)
+        ]
+
+    @property
+    def lengths(self) -> list[int]:
+        """How many residuals each output of each experiment has."""
+        counts = (int(n) for used in self.used for n in used.sum(axis=0))
+        return [n for n in counts if n]
+
+    @cached_property
+    def _moving(self) -> list[list[tuple[int, list[int]]]]:
+        return [self._moves(k) for k in range(len(self.experiments))]
+
+    def system(self, k: int, u: Sequence[float]) -> Any:
+        """The system of an experiment with its parameters at a point.
+
+        Raises:
+            InputError: values contradict each other.
+        """
+        paths = self.runners[k].paths
+        changed = {
+            paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k]
+            for j in places
+        }  # fmt: skip
+        return self.experiments[k].system.with_values(changed)
+
+    def _moved(self, k: int, u: Sequence[float]) -> list[float] | None:
+        """Parameter values of an experiment at a point; None if they contradict each other."""
+        try:
+            return self.runners[k].compiled.values(self.system(k, u))
+        except InputError:
+            return None
+
+    def _one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> Fitted | None:
+        seeds = None
+        if slopes:
+            seeds = np.zeros((len(values), len(self.free)))
+            for i, places in self._moving[k]:
+                seeds[places, i] = self.free[i].slope(float(u[i]))
+            moving = seeds.any(axis=0)
+            seen = self.runners[k].run(values, seeds[:, moving])
+            spread = np.zeros((*seen.values.shape, len(self.free)))
+            if seen.solved:
+                spread[:, :, moving] = seen.slopes
+            return self._compared(k, seen, u, spread)
+        return self._compared(k, self.runners[k].run(values), u, None)
+
+    def _compared(self, k: int, seen: Seen, u: Sequence[float], slopes: Any) -> Fitted | None:
+        """Residuals of a run, with the offsets and the delay of its record."""
+        if not seen.solved:
+            return None
+        one, model = self.experiments[k], seen.values
+        for i, free in enumerate(self.free):
+            if free.record == one.name and is_nuisance(free):
+                value, slope = free.value(float(u[i])), free.slope(float(u[i]))
+                if free.ending == DELAY:
+                    model, slopes = delayed(one.times, model, slopes, value, slope, i)
+                else:
+                    place = one.outputs.index(free.ending.removeprefix(OFFSET + "."))
+                    model = model.copy()
+                    model[:, place] += value
+                    if slopes is not None:
+                        slopes[:, place, i] += slope
+        sizes = [
+            math.sqrt(one.weights.get(output, 1.0)) / self.scale(output) for output in one.outputs
+        ]
+        residuals = (model - one.measured) * sizes
+        jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
+        return Fitted(model, residuals, jacobian)
+
+
+def problem(
+    experiments: Sequence[Experiment],
+    free: Sequence[Wish | str],
+    *,
+    each: Sequence[Wish | str] = (),
+    noise: Mapping[str, float] | None = None,
+    step: float | None = None,
+) -> Problem:
+    """A problem from experiments and names.
+
+    Args:
+        experiments: at least one; names must differ.
+        free: parameters common to all experiments.
+        each: what every experiment has for itself: parameters, `offset.OUTPUT`, `delay`.
+        noise: output -> standard deviation of its measurement [SI].
+        step: longest step of all runs [s].
+
+    Raises:
+        InputError: a name is unknown, double, or has impossible bounds.
+    """
+    systems = [one.system for one in experiments]
+    shared = free_parameters([_wish(x) for x in free], systems)
+    wishes = [_wish(x) for x in each]
+    fitted, kept = ([x for x in experiments if x.held_out is flag] for flag in (False, True))
+    own, later = own_parameters(wishes, fitted), own_parameters(wishes, kept)
+    return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later))
+
+
+def _wish(name: Wish | str) -> Wish:
+    return Wish(name) if isinstance(name, str) else name

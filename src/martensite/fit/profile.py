@@ -1,0 +1,188 @@
+"""Profile likelihood: how far one parameter can move if all others follow.
+
+With C(x) the least sum of squared weighted residuals for a parameter held at x, its interval
+holds all x with
+
+    C(x) - C_min ≤ t(level, n - p)² C_min/(n - p)      noise estimated from the fit (F-test)
+    C(x) - C_min ≤ z(level)² noise²                    noise known (χ² of one degree of freedom)
+
+(Raue and others (2009), Bioinformatics 25). For a linear model this is the interval from the
+Jacobian, value ± t error; for another it need be neither symmetric nor bounded. The curve is
+walked outward from the optimum, each point started from the one before, with steps that change
+√(C - C_min) by about a quarter of its limit; where it crosses the limit it is interpolated in
+√(C - C_min), which is straight for a linear model.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from statistics import NormalDist
+
+from martensite.base.confidence import LEVEL, student_quantile
+from martensite.base.errors import ParameterError, SolveError
+from martensite.fit.profiles import End, Point, Profile
+
+Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
+"""Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
+MOST = 40
+"""Refits on each side, at most, before the limit is passed."""
+_CROSSING = 20
+_PART = 0.25
+_MANY = 10_000
+_CLOSE = 1e-4
+_IMPROVED = 1e-3
+_RETRIES = 3
+
+
+def profile(
+    solve: Solve,
+    values: Sequence[float],
+    cost: float,
+    place: int,
+    *,
+    low: float,
+    high: float,
+    freedom: int | None = None,
+    noise: float | None = None,
+    level: float = LEVEL,
+    step: float | None = None,
+    most: int = MOST,
+    to_value: Callable[[float], float] = float,
+    name: str = "parameter",
+    unit: str = "1",
+) -> Profile:
+    """Walk the profile of one parameter from the optimum to both sides.
+
+    Args:
+        solve: refits the other parameters; may raise `SolveError` where it cannot.
+        values: the optimum.
+        cost: sum of squared residuals there.
+        place: which parameter, by its place in `values`.
+        low: its lower bound.
+        high: its upper bound.
+        freedom: samples to spare, n - p, if the noise is estimated from the fit.
+        noise: standard deviation of a weighted residual, if it is known.
+        level: of the interval.
+        step: first step; a standard error is about right. A fiftieth of the bounds if left out.
+        most: refits on each side, at most, before the limit is passed.
+        to_value: from the scale on which it is walked to the parameter in SI, rising.
+        name: of the parameter, for its sentence.
+        unit: its SI unit.
+
+    Raises:
+        ParameterError: neither `freedom` nor `noise` is given, or both, or the optimum is not
+            within the bounds, or an estimated noise is 0.
+    """
+    _check(values, place, low, high, step, most)
+    limit = _limit(cost, freedom, noise, level)
+    size = 0.02 * (high - low) if step is None else step
+    walk = _Walk(solve, tuple(values), cost, place, limit, most)
+    below, above = walk.outward(low, -size), walk.outward(high, size)
+    walked = sorted((*walk.points, Point(values[place], 0.0, tuple(values))), key=lambda p: p.at)
+    points = tuple(replace(point, at=to_value(point.at)) for point in walked)
+    low_end, high_end = (replace(end, at=to_value(end.at)) for end in (below, above))
+    least = min(points, key=lambda point: point.excess)
+    better = least if least.excess < -_IMPROVED * limit else None
+    return Profile(
+        name, unit, to_value(values[place]), level, limit, points, low_end, high_end, better
+    )  # fmt: skip
+
+
+def _limit(cost: float, freedom: int | None, noise: float | None, level: float) -> float:
+    """How much larger C may be."""
+    if (freedom is None) == (noise is None):
+        raise ParameterError("A profile takes either `freedom` or `noise`, not both or neither.")
+    if freedom is not None:
+        limit = cost * student_quantile(level, min(freedom, _MANY)) ** 2 / freedom
+    else:
+        limit = ((noise or 0.0) * NormalDist().inv_cdf(0.5 + 0.5 * level)) ** 2
+    if not 0.0 < limit < math.inf:
+        raise ParameterError("The noise of a profile must be above 0; give `noise` if C is 0.")
+    return limit
+
+
+@dataclass
+class _Walk:
+    solve: Solve
+    values: tuple[float, ...]
+    cost: float
+    place: int
+    limit: float
+    most: int
+    points: list[Point] = field(default_factory=list[Point])
+
+    def outward(self, bound: float, step: float) -> End:
+        """Walk to one side until the limit is passed, or the bound is reached."""
+        inner, failed, refits = Point(self.values[self.place], 0.0, self.values), 0, 0
+        while inner.at != bound:
+            if refits >= self.most:
+                return End(inner.at, "refits")
+            at = inner.at + step
+            at = bound if (at - bound) * step >= 0.0 else at
+            point, refits = self._point(at, inner), refits + 1
+            if point is None:
+                if failed == _RETRIES:
+                    return End(inner.at, "failed")
+                step, failed = 0.25 * (at - inner.at), failed + 1
+            elif point.excess > self.limit:
+                return self._crossing(inner, point)
+            else:
+                step *= self._stretch(inner, point)
+                inner = point
+        return End(bound, "bound")
+
+    def _stretch(self, inner: Point, outer: Point) -> float:
+        """Factor on the step, from half to double."""
+        gained = self._root(outer) - self._root(inner)
+        return min(max(_PART / gained, 0.5), 2.0) if gained > 0.0 else 2.0
+
+    def _crossing(self, inner: Point, outer: Point) -> End:
+        """Where the limit is crossed, between a point below it and one above (Illinois)."""
+        below, above = self._root(inner) - 1.0, self._root(outer) - 1.0
+        at, side = outer.at, 0
+        for _ in range(_CROSSING):
+            at = inner.at + below / (below - above) * (outer.at - inner.at)
+            point = self._point(at, inner)
+            if point is None:
+                return End(inner.at, "failed")
+            gap = self._root(point) - 1.0
+            if abs(gap) <= _CLOSE:
+                break
+            if gap < 0.0:
+                inner, below, above = point, gap, above * (0.5 if side < 0 else 1.0)
+            else:
+                outer, above, below = point, gap, below * (0.5 if side > 0 else 1.0)
+            side = -1 if gap < 0.0 else 1
+        return End(at, "limit")
+
+    def _root(self, point: Point) -> float:
+        """√(C - C_min) as a share of its limit."""
+        return math.sqrt(max(point.excess, 0.0) / self.limit)
+
+    def _point(self, at: float, start: Point) -> Point | None:
+        """The profile at one value; None if it could not be solved."""
+        first = (*start.values[: self.place], at, *start.values[self.place + 1 :])
+        try:
+            values, cost = self.solve({self.place: at}, first)
+        except SolveError:
+            return None
+        if not math.isfinite(cost):
+            return None
+        self.points.append(Point(at, cost - self.cost, tuple(map(float, values))))
+        return self.points[-1]
+
+
+def _check(
+    values: Sequence[float], place: int, low: float, high: float, step: float | None, most: int
+) -> None:
+    if not 0 <= place < len(values):
+        raise ParameterError(f"There is no parameter {place} among {len(values)}.")
+    if not low <= values[place] <= high or low == high:
+        raise ParameterError(
+            f"The optimum must lie within the bounds of its parameter, but {values[place]:g} is "
+            f"not within {low:g} to {high:g}."
+        )
+    if most < 1 or (step is not None and not step > 0.0):
+        raise ParameterError("Arguments `step` and `most` of a profile must be above 0.")

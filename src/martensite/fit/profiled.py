@@ -1,0 +1,122 @@
+"""Profile likelihood of a parameter of a fit: the others are fitted again with it held.
+
+As in the intervals from the Jacobian the weights of a robust loss stay what they are at the
+optimum, and autocorrelated residuals count as many samples as are independent (`uncertainty`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from martensite.base.confidence import LEVEL
+from martensite.base.errors import DataError, SolveError, UnknownNameError
+from martensite.fit.fit import Fit
+from martensite.fit.losses import loss_named, robust_scale
+from martensite.fit.profile import MOST, profile
+from martensite.fit.profiles import Profile
+
+REFIT = 50
+"""Evaluations of one refit."""
+SETTLED = 1e-8
+
+
+def profiled(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST) -> Profile:
+    """Walk the profile of a free parameter of a fit.
+
+    Args:
+        fit: a finished fit.
+        name: of one of its free parameters.
+        level: of the interval.
+        most: refits on each side.
+
+    Raises:
+        UnknownNameError: there is no free parameter of that name.
+        DataError: there are no more independent samples than parameters.
+    """
+    names = list(fit.problem.names)
+    if name not in names:
+        raise UnknownNameError("free parameter", name, names)
+    place, unsure = names.index(name), fit.uncertainty
+    freedom = min(int(unsure.effective) - unsure.rank, unsure.freedom)
+    if freedom < 1:
+        raise DataError(
+            f"The profile of `{name}` needs more independent samples than the "
+            f"{unsure.effective:.3g} there are for {unsure.rank} parameters."
+        )
+    free, refit = fit.problem.free[place], _Refit(fit)
+    return profile(
+        refit, fit.values, refit.cost(fit.evaluation.residuals), place, low=0.0, high=1.0,
+        freedom=freedom, level=level, step=_first(fit, place), most=most,
+        to_value=free.value, name=name, unit=free.unit,
+    )  # fmt: skip
+
+
+def _first(fit: Fit, place: int) -> float | None:
+    """Half a standard error, as a share of the search range; None where there is none."""
+    error = fit.uncertainty.errors[place] * fit.uncertainty.widening
+    slope = abs(fit.problem.free[place].slope(fit.values[place]))
+    share = 0.5 * error / slope
+    return share if 0.0 < share < 0.5 else None
+
+
+class _Refit:
+    """The least cost with some parameters held."""
+
+    def __init__(self, fit: Fit) -> None:
+        self.problem = fit.problem
+        residuals = fit.evaluation.residuals
+        self.weights = np.ones_like(residuals)
+        if fit.loss != "linear":
+            given = loss_named(fit.loss).weights(residuals, robust_scale(residuals))
+            self.weights = np.sqrt(given)
+
+    def cost(self, residuals: Any) -> float:
+        """Sum of the squared weighted residuals."""
+        return float(np.sum((self.weights * residuals) ** 2))
+
+    def __call__(
+        self, held: dict[int, float], start: Sequence[float]
+    ) -> tuple[Sequence[float], float]:
+        """All parameters, and the cost."""
+        moving = [i for i in range(len(start)) if i not in held]
+        point = np.array(start, float)
+        for i, value in held.items():
+            point[i] = value
+        first = self._seen(point)
+        if first is None:
+            raise SolveError("The run fails with the parameter held.")
+        if not moving:
+            return tuple(point), self.cost(first.residuals)
+        penalty = 10.0 * (1.0 + np.abs(first.residuals).max())
+        found = import_module("scipy.optimize").least_squares(
+            lambda x: self._residuals(point, moving, x, penalty, len(first.residuals)),
+            np.clip(point[moving], 1e-9, 1.0 - 1e-9),
+            lambda x: self._jacobian(point, moving, x, len(first.residuals)),
+            bounds=(0.0, 1.0), method="trf", ftol=SETTLED, xtol=SETTLED, gtol=SETTLED,
+            max_nfev=REFIT,
+        )  # fmt: skip
+        point[moving] = found.x
+        return tuple(map(float, point)), float(2.0 * found.cost)
+
+    def _seen(self, point: Any, *, slopes: bool = False) -> Any:
+        return self.problem.evaluate(point, slopes=slopes)
+
+    def _residuals(self, point: Any, moving: list[int], x: Any, penalty: float, count: int) -> Any:
+        seen = self._seen(_placed(point, moving, x))
+        return np.full(count, penalty) if seen is None else self.weights * seen.residuals
+
+    def _jacobian(self, point: Any, moving: list[int], x: Any, count: int) -> Any:
+        seen = self._seen(_placed(point, moving, x), slopes=True)
+        if seen is None:
+            return np.zeros((count, len(moving)))
+        return self.weights[:, None] * seen.jacobian[:, moving]
+
+
+def _placed(point: Any, moving: list[int], x: Any) -> Any:
+    whole = point.copy()
+    whole[moving] = x
+    return whole

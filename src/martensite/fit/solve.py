@@ -1,0 +1,200 @@
+"""Searches: from a problem to the parameters of least cost.
+
+    trf          trust-region least squares within bounds (Branch, Coleman and Li; SciPy), with
+                 exact Jacobians: a Levenberg–Marquardt method that respects bounds
+    coordinate   coordinate search of the least cost, for comparison
+    evolution    differential evolution (SciPy) in batches, then trf from its best point
+
+With `starts`, trf begins from the scenario and from the best of a Sobol' sequence of points over
+the bounds, all evaluated in batches.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import InputError, SolveError, UnknownNameError
+from martensite.fit.coordinate_search import coordinate_search
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit, Kept
+from martensite.fit.losses import Loss, loss_named, robust_scale
+from martensite.fit.multistart import evolve, multistart
+from martensite.fit.problem import Problem
+from martensite.fit.watch import Tell, Watch
+
+METHODS = ("trf", "coordinate", "evolution")
+SPREAD = 32
+"""Sobol' points tried for each start."""
+SETTLED = 1e-8
+"""Relative change of cost, parameters and gradient at which trf stops."""
+RESUMED = "best so far"
+MOST = 200
+"""Evaluations of one local search."""
+
+
+def solve(
+    problem: Problem,
+    *,
+    method: str = "trf",
+    loss: str = "linear",
+    starts: int = 0,
+    seed: int = 0,
+    most: int = MOST,
+    tell: Tell | None = None,
+    state: Path | None = None,
+) -> Fit:
+    """Find the free parameters of a problem.
+
+    An interruption (KeyboardInterrupt) ends the search and keeps the best point so far.
+
+    Args:
+        problem: what to fit to what.
+        method: trf, coordinate, or evolution.
+        loss: linear, soft-l1, huber, or cauchy.
+        starts: further local searches, from the best of many points within the bounds.
+        seed: of those points.
+        most: evaluations of one local search.
+        tell: called after every evaluation.
+        state: a file in which the search is kept, and taken up again.
+
+    Raises:
+        InputError: an unknown method or loss, or a state of another problem.
+        SolveError: the runs fail at the start, and at every point tried.
+    """
+    if method not in METHODS:
+        raise UnknownNameError("method", method, METHODS)
+    if starts < 0:
+        raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
+    training = problem.training
+    chosen, watch = loss_named(loss), Watch(training, tell, state)
+    begun = time.monotonic()
+    reason = "converged"
+    try:
+        watch.resume()
+        reason = _search(watch, method, chosen, starts, seed, most)
+    except KeyboardInterrupt:
+        if watch.best is None:
+            raise
+        reason = "interrupted"
+    watch.save()
+    if watch.best is None:
+        raise SolveError(
+            "The runs fail at the start of the fit and wherever else it was tried; run the "
+            "scenario alone to see why, or start from other values."
+        )
+    end = np.array(watch.best)
+    evaluation = training.evaluate(watch.best, slopes=True)
+    if evaluation is None:
+        raise SolveError("The run at the best point fails when it is repeated.")
+    return Fit(
+        training, tuple(map(float, end)), evaluation, method, loss, reason, watch.simulations,
+        watch.jacobians, time.monotonic() - begun, tuple(watch.history),
+        tuple(_kept(problem, one, end) for one in problem.experiments if one.held_out),
+    )  # fmt: skip
+
+
+def _kept(problem: Problem, one: Experiment, end: Any) -> Kept:
+    """What is predicted for a record that the search did not see."""
+    free = tuple(f for f in problem.free if f.record is None)
+    whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
+    at = [u for f, u in zip(problem.free, end, strict=True) if f.record is None]
+    own = tuple(f for f in problem.later if f.record == one.name)
+    if own:  # fitted to it, everything else as found
+        alone = replace(one, held=(), system=whole.system(0, at))
+        fit = solve(replace(problem, experiments=(alone,), free=own, later=()))
+        return Kept(one, fit.evaluation.fitted[0].model, fit.numbers)
+    found = whole.evaluate(at)
+    if found is None:
+        raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
+    return Kept(one, found.fitted[0].model, {})
+
+
+def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
+    problem = watch.problem
+    low, high = [0.0] * len(problem.free), [1.0] * len(problem.free)
+    if method == "coordinate":
+        watch.stage = "coordinate search"
+        begin = problem.start if watch.best is None else np.array(watch.best)
+
+        def cost(u: Sequence[float]) -> float:
+            found = watch.evaluate(u)
+            return math.inf if found is None else found.cost
+
+        return coordinate_search(cost, begin.tolist(), low, high).reason
+    begins = [("scenario", problem.start)]
+    if method == "evolution" and "evolution" not in watch.done:
+        watch.stage = "differential evolution"
+        begins = [("best of evolution", np.array(evolve(watch.costs, low, high, seed=seed).values))]
+        watch.finished("evolution")
+    if watch.best is not None:
+        begins = [(RESUMED, np.array(watch.best))]
+    if starts:
+        watch.stage = f"{SPREAD * starts} points"
+        spread = multistart(watch.costs, low, high, count=SPREAD * starts, keep=starts, seed=seed)
+        begins += [(f"start {k}", np.array(s.values)) for k, s in enumerate(spread, start=1)]
+    return _locals(watch, begins, loss, most)
+
+
+def _locals(watch: Watch, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
+    """A local search from every start; how the best of them ended."""
+    reason, least = "failed at the start", math.inf
+    for k, (stage, begin) in enumerate(begins):
+        if stage in watch.done:
+            continue
+        watch.stage, watch.share = stage, k / len(begins)
+        ended = local(watch, begin, loss, most)
+        if stage != RESUMED:  # which is never far from its end
+            watch.finished(stage)
+        if watch.cost < least:
+            least, reason = watch.cost, ended
+    return reason
+
+
+def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
+    """One trust-region search; its points and costs are kept by the watch."""
+    first = watch.evaluate(begin, slopes=True)
+    if first is None:
+        return "failed at the start"
+    if not first.jacobian.any():
+        return "no derivative at the start"
+    penalty = 10.0 * (1.0 + np.abs(first.residuals).max())
+    scale = 1.0
+    if loss.name != "linear":
+        _trf(watch, begin, penalty, most, "linear", scale)
+        begin = np.array(watch.best)
+        now = watch.evaluate(begin)
+        scale = loss.tuning * max(robust_scale((now or first).residuals), 1e-12)
+        watch.cost = math.inf  # what counts is another cost from here on
+    return _trf(watch, begin, penalty, most, loss.scipy_name, scale)
+
+
+def _trf(watch: Watch, begin: Any, penalty: float, most: int, loss: str, scale: float) -> str:
+    shape: list[Any] = [None]
+
+    def residuals(u: Any) -> Any:
+        found = watch.evaluate(u)
+        if found is None:
+            return np.full(shape[0], penalty)
+        shape[0] = found.residuals.shape
+        return found.residuals
+
+    def jacobian(u: Any) -> Any:
+        found = watch.evaluate(u, slopes=True)
+        if found is None:
+            return np.zeros((*shape[0], len(u)))
+        return found.jacobian
+
+    inside = np.clip(begin, 1e-9, 1.0 - 1e-9)
+    found = import_module("scipy.optimize").least_squares(
+        residuals, inside, jacobian, bounds=(0.0, 1.0), method="trf", ftol=SETTLED,
+        xtol=SETTLED, gtol=SETTLED, max_nfev=most, loss=loss, f_scale=scale,
+    )  # fmt: skip
+    return "converged" if found.status > 0 else f"stopped after {most} evaluations"

@@ -1,0 +1,105 @@
+"""Steps of the runs of a fit: short enough at the start, and looked at again at the end.
+
+Where all temperatures are prescribed and nothing depends on rates, the rows of a record are
+steps enough; one run with the halved step shows whether this is so. Elsewhere equal steps are
+halved until a run on them agrees with one with error control. A fit then keeps its steps: the cost
+is as smooth in the parameters as the model is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.runner import Runner
+
+NOTICEABLE = 0.5
+"""Change of a parameter on halving the steps, in standard errors, from which on it is told."""
+LEAST = 1e-6
+"""Change of a parameter, as a share of its search range, that never matters."""
+
+
+def with_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
+    """An experiment with a step to the tolerance (share of range), and what to say of it.
+
+    Raises:
+        SolveError: the run fails at its start values.
+    """
+    import numpy as np
+
+    sources = [one.source for one in experiment.system.actuators().values()]
+    if all(source.sets_temperature for source in sources):
+        apart = _apart(*(_run(one) for one in (experiment, halved(experiment))))
+        if np.all(apart <= tolerance):
+            return experiment, []
+    return _simulated(experiment, tolerance)
+
+
+def halved(experiment: Experiment) -> Experiment:
+    """The experiment with half the longest step that it takes."""
+    return replace(experiment, step=0.5 * experiment.grid().longest)
+
+
+def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
+    from martensite.simulate.equal_steps import find_step
+
+    duration = float(experiment.times[-1] + experiment.lead)
+    found = find_step(experiment.system, experiment.waveform, duration, tolerance)
+    notes: list[str] = []
+    if found.apart > tolerance:
+        notes.append(
+            f"Record `{experiment.name}`: the tolerance of {tolerance:.1e} was not reached at the "
+            f"start; a run in steps of {found.step:.3g} s is off by {found.apart:.1e} of range."
+        )
+    return replace(experiment, step=found.step), notes
+
+
+def _run(experiment: Experiment) -> Any:
+    runner = Runner(experiment)
+    return runner.run(runner.compiled.values(experiment.system)).values
+
+
+def _apart(coarse: Any, fine: Any) -> Any:
+    """Largest change of each output as a share of its range."""
+    import numpy as np
+
+    reach = np.ptp(fine, axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.max(np.abs(fine - coarse), axis=0) / reach
+    return np.where(reach > 0.0, share, math.inf)
+
+
+def remarks_on_step(fit: Fit) -> list[str]:
+    """What halving all steps would change, if that is noticeable beside the noise.
+
+    The parameters would move by about the least-squares solution of J dz = dr, where dr is the
+    change of the residuals.
+    """
+    import numpy as np
+
+    problem = fit.problem
+    fixed = [one if problem.step is None else replace(one, step=problem.step)
+             for one in problem.experiments]  # fmt: skip
+    fine = replace(problem, experiments=tuple(map(halved, fixed)), step=None)
+    after = fine.evaluate(fit.values)
+    if after is None:
+        return ["The runs fail at the optimum with halved steps; the fit is not to be trusted."]
+    change = after.residuals - fit.evaluation.residuals
+    moved = np.linalg.lstsq(fit.evaluation.jacobian, change, rcond=None)[0]
+    sizes = [free.slope(u) for free, u in zip(problem.free, fit.values, strict=True)]
+    errors = np.array(fit.uncertainty.errors) * fit.uncertainty.widening / np.abs(sizes)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shares = np.where((errors > 0.0) & (np.abs(moved) > LEAST), np.abs(moved) / errors, 0.0)
+    worst = int(np.argmax(shares))
+    if not shares[worst] > NOTICEABLE:
+        return []
+    step = max(one.grid().longest for one in fixed)
+    return [
+        f"Steps of up to {step:.3g} s are too long for so little noise: half of them would move "
+        f"`{problem.names[worst]}` by about {shares[worst]:.2g} of its standard errors, and the "
+        f'cost from {fit.cost:.4g} to {after.cost:.4g}; repeat the fit with --step "'
+        f'{0.25 * step:.2g} s".'
+    ]

@@ -1,0 +1,128 @@
+"""A task: logs, the scenarios that are to explain them, what is free, and how to search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from martensite.fit.fit import Fit
+from martensite.fit.free import Wish
+from martensite.fit.hold_out import AUTO
+from martensite.fit.logs import Log
+from martensite.fit.problem import Problem
+from martensite.fit.solve import MOST, solve
+from martensite.fit.steps import remarks_on_step
+from martensite.fit.swapped import refuse_swapped
+from martensite.fit.watch import Tell
+from martensite.scenario.scenario import Scenario
+from martensite.signals.records import Record
+
+INTERRUPTED = "interrupted"
+Columns = str | Sequence[str] | Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Search:
+    """How the optimum is looked for; see `solve`."""
+
+    method: str = "trf"
+    loss: str = "linear"
+    starts: int = 0
+    seed: int = 0
+    most: int = MOST
+
+
+@dataclass(frozen=True)
+class LogFit(Fit):
+    """A fit to logs."""
+
+    scenario: Scenario | None = None
+    """That of the first record, as it was before the fit."""
+    notes: tuple[str, ...] = ()
+    """What was noticed before the search."""
+    cautions: tuple[str, ...] = ()
+    """What halving the steps changes at its end, if that is noticeable."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be fitted to what, and how."""
+
+    logs: tuple[Log, ...]
+    free: Sequence[str | Wish]
+    each: Sequence[str | Wish] = ()
+    hold_out: str | Sequence[str] = AUTO
+    columns: Columns | None = None
+    """Outputs that are compared, `OUTPUT=COLUMN*FACTOR`; all that logs and system share if None."""
+    noise: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
+    step: float | None = None
+    """Longest step of all runs [s]; that of the scenario, or one to its tolerance, if None."""
+    search: Search = Search()
+
+    def arranged(self) -> Arranged:
+        """The problem, ready to be solved.
+
+        Raises:
+            InputError: logs, scenario and wishes do not fit each other.
+            SolveError: a run that is to show the step fails.
+        """
+        from martensite.fit.arranging import arranged
+
+        return arranged(self)
+
+    def changed(
+        self,
+        *,
+        each: Sequence[str | Wish] = (),
+        hold_out: str | Sequence[str] | None = None,
+        columns: Columns | None = None,
+        noise: Mapping[str, str | float] | None = None,
+        step: float | None = None,
+        settings: Mapping[str, Any] | None = None,
+        search: Mapping[str, Any] | None = None,
+    ) -> Task:
+        """The task with what is given in place of its own; the rest stays as it is."""
+        logs = (replace(x, settings={**x.settings, **(settings or {})}) for x in self.logs)
+        given = {name: value for name, value in (search or {}).items() if value is not None}
+        return replace(
+            self,
+            logs=tuple(logs),
+            each=each or self.each,
+            hold_out=self.hold_out if hold_out is None else hold_out,
+            columns=columns or self.columns,
+            noise={**self.noise, **(noise or {})},
+            step=self.step if step is None else step,
+            search=replace(self.search, **given),
+        )
+
+
+@dataclass(frozen=True)
+class Arranged:
+    """A problem, and where it came from."""
+
+    problem: Problem
+    models: dict[str, tuple[Scenario, Callable[[Record], Scenario]]]
+    """Record -> its scenario, and what makes it with another record."""
+    search: Search = Search()
+    notes: tuple[str, ...] = ()
+
+    def solved(self, tell: Tell | None = None, state: Path | None = None) -> LogFit:
+        """The fit; see `solve` for what is told and kept.
+
+        Raises:
+            DataError: the headings of a record seem to be swapped.
+            SolveError: the runs fail at the start, and at every point tried.
+        """
+        how = self.search
+        fit = solve(
+            self.problem, method=how.method, loss=how.loss, starts=how.starts, seed=how.seed,
+            most=how.most, tell=tell, state=state,
+        )  # fmt: skip
+        if fit.reason != INTERRUPTED:
+            refuse_swapped(fit, self.models)
+        first, _ = next(iter(self.models.values()))
+        cautions = tuple(remarks_on_step(fit))
+        known = {one.name: getattr(fit, one.name) for one in fields(fit)}
+        return LogFit(**known, scenario=first, notes=self.notes, cautions=cautions)

@@ -1,0 +1,225 @@
+"""How well data determine the parameters of a fit: intervals, correlations, fewer samples.
+
+With residuals r, their Jacobian J and n samples, near the optimum
+
+    s² = Σ r_i²/(n - p),    covariance of z = s² (JᵀJ)⁻¹,    z ± t(level, n - p) error
+
+for parameters z scaled to their search ranges; a value x(z) has the error abs(dx/dz) error(z)
+(Laplace's approximation; Seber and Wild (1989), Nonlinear Regression, ch. 5). Directions that J
+does not determine at all are left out of the inverse and of the count p, and every parameter
+that takes part in one has an infinite error.
+
+The samples of a log are rarely independent. Where residuals are autocorrelated, n samples say
+as much as n_eff (`autocorrelation`), and errors are too small by √(n/n_eff): `widened` has
+intervals with this factor and with t(level, n_eff - p), `interval` those without.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
+from martensite.base.errors import DataError, UnknownNameError
+from martensite.fit.identifiability import PRECISION
+from martensite.search.autocorrelation import effective_samples
+from martensite.search.axes import axes, balanced, squared
+from martensite.search.words import listed, number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+
+CONFOUNDED = 0.95
+"""Correlation from which on two parameters are named as hardly told apart."""
+_TURNED = 1e-3
+_MANY = 10_000
+"""Degrees of freedom above which Student's t is taken as with so many; 1e-4 too wide at most."""
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Errors of fitted parameters, all in SI units."""
+
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    errors: tuple[float, ...]
+    """Standard errors for independent samples; infinite for a parameter that is not determined,
+    NaN without a sample to spare."""
+    correlation: tuple[tuple[float, ...], ...]
+    """Correlation of the parameters; NaN beside one that is not determined."""
+    noise: float
+    """Standard deviation s of a weighted residual; NaN without a sample to spare."""
+    samples: int
+    rank: int
+    """Number of directions that are determined."""
+    effective: float
+    """Number n_eff of independent samples that say as much."""
+
+    @property
+    def freedom(self) -> int:
+        """Samples to spare, n - p."""
+        return self.samples - self.rank
+
+    @property
+    def widening(self) -> float:
+        """√(n/n_eff), by which errors are larger for the autocorrelation of the residuals."""
+        return math.sqrt(self.samples / self.effective)
+
+    @property
+    def covariance(self) -> tuple[tuple[float, ...], ...]:
+        """Covariance for independent samples; infinite or NaN where it is not determined."""
+        rows = zip(self.errors, self.correlation, strict=True)
+        return tuple(
+            tuple(c * one * other for c, other in zip(row, self.errors, strict=True))
+            for one, row in rows
+        )
+
+    def interval(self, name: str, level: float = LEVEL) -> Interval:
+        """Confidence interval of a parameter, were all samples independent."""
+        return self._about(name, level, self.freedom, 1.0)
+
+    def widened(self, name: str, level: float = LEVEL) -> Interval:
+        """Confidence interval of a parameter from as many samples as are independent."""
+        spare = max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0
+        return self._about(name, level, min(spare, self.freedom), self.widening)
+
+    def confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
+        """Pairs of parameters with a stronger correlation, the strongest first."""
+        count = len(self.names)
+        pairs = [
+            (self.names[i], self.names[j], self.correlation[i][j])
+            for i in range(count)
+            for j in range(i + 1, count)
+            if abs(self.correlation[i][j]) > limit
+        ]
+        return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What limits the errors: undetermined, confounded, too few independent samples."""
+        found: list[str] = []
+        if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
+            found.append(f"The data do not determine {listed(lost)}.")
+        for one, other, value in self.confounded():
+            together = "rise together" if value > 0.0 else "make up for each other"
+            found.append(
+                f"`{one}` and `{other}` {together} (correlation {value:.3f}): "
+                "the data hardly tell them apart."
+            )
+        if self.widening > 1.1:
+            found.append(
+                f"The residuals are autocorrelated: {self.samples} samples say as much as "
+                f"{number(self.effective, 2)} independent ones, so that errors are about "
+                f"{number(self.widening, 2)} times as large."
+            )
+        return tuple(found)
+
+    def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
+        """All numbers by name and the sentences, for JSON."""
+        columns = zip(self.names, self.values, self.errors, strict=True)
+        return {
+            "parameters": {
+                name: {
+                    "value": value,
+                    "standard_error": error,
+                    "interval": list(self.interval(name, level)),
+                    "widened_interval": list(self.widened(name, level)),
+                }
+                for name, value, error in columns
+            },
+            "correlation": [list(row) for row in self.correlation],
+            "noise": self.noise,
+            "samples": self.samples,
+            "effective_samples": self.effective,
+            "widening": self.widening,
+            "sentences": list(self.sentences),
+        }
+
+    def _about(self, name: str, level: float, freedom: int, factor: float) -> Interval:
+        if name not in self.names:
+            raise UnknownNameError("free parameter", name, self.names)
+        place = self.names.index(name)
+        value, error = self.values[place], self.errors[place]
+        if freedom < 1 or not math.isfinite(error):
+            return EVERYTHING
+        half = student_quantile(level, min(freedom, _MANY)) * error * factor
+        return value - half, value + half
+
+
+def uncertainty(
+    residuals: Any,
+    jacobian: Any,
+    names: Sequence[str],
+    *,
+    values: Sequence[float],
+    scales: Sequence[float],
+    lengths: Sequence[int] | None = None,
+    precision: float = PRECISION,
+) -> Uncertainty:
+    """Errors of the parameters of a fit from its residuals and their derivatives.
+
+    Args:
+        residuals: (samples,), weighted, at the optimum.
+        jacobian: (samples, parameters), change of each residual per search range.
+        names: of the parameters.
+        values: of the parameters, in SI.
+        scales: change of each value per search range, in SI (see `Axes`).
+        lengths: samples of each record in `residuals`; one record if left out.
+        precision: relative precision of the Jacobian.
+
+    Raises:
+        DataError: residuals or Jacobian are not finite, or not equally many.
+        ParameterError: values, scales and names differ in number.
+    """
+    import numpy as np
+
+    free = axes(names, values, scales)
+    matrix, errors = free.jacobian(jacobian), np.asarray(residuals, np.float64)
+    if errors.shape != (len(matrix),):
+        raise DataError(f"{errors.shape} residuals have a Jacobian of {len(matrix)} rows.")
+    effective = effective_samples(errors, lengths)
+    spread, rank = _unit_covariance(matrix, precision)
+    spare = len(errors) - rank
+    noise = math.sqrt(float(errors @ errors) / spare) if spare > 0 else math.nan
+    deviations = np.sqrt(np.diag(spread))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = np.clip(spread / np.outer(deviations, deviations), -1.0, 1.0)
+        own = np.where(np.isinf(deviations), math.inf, noise * deviations)
+    np.fill_diagonal(correlation, 1.0)
+    turned = np.outer(np.sign(free.scales), np.sign(free.scales)) * correlation
+    return Uncertainty(
+        free.names,
+        free.values,
+        tuple(map(float, own * np.abs(free.scales))),
+        tuple(tuple(map(float, row)) for row in turned),
+        noise,
+        len(errors),
+        rank,
+        effective,
+    )
+
+
+def _unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
+    """(JᵀJ)⁻¹ with infinite variance of what is not determined, and the rank of J.
+
+    A parameter counts as undetermined if its share in the directions left out is more than the
+    Jacobian's own imprecision turns them; in doubt it is undetermined.
+    """
+    import numpy as np
+
+    columns, norms = balanced(matrix)
+    _, sizes, right = np.linalg.svd(squared(columns))
+    rank = int(np.sum(sizes > precision * sizes[0]))
+    half = right[:rank].T / sizes[:rank] / norms[:, None]
+    spread = half @ half.T
+    turned = min(10.0 * precision * sizes[0] / sizes[rank - 1], _TURNED) if rank else 0.0
+    lost = np.linalg.norm(right[rank:], axis=0) > turned
+    spread[lost, :] = math.nan
+    spread[:, lost] = math.nan
+    spread[lost, lost] = math.inf
+    return spread, rank

@@ -1,0 +1,136 @@
+"""What a search tells while it runs, what it keeps when it is interrupted, where it resumes.
+
+The state of a search is a small JSON file: a key of the problem, the best numbers so far, and
+the starts that are done. A search of another problem does not touch it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from martensite.base.errors import DataError
+from martensite.base.files import replacing
+from martensite.fit.problem import Evaluation, Problem
+
+EVERY = 2.0
+"""Seconds between writings of the state."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """What is told after every evaluation."""
+
+    stage: str
+    cost: float
+    """Best so far."""
+    values: tuple[float, ...]
+    """Best so far, from 0 to 1."""
+    simulations: int
+    share: float
+    """How much of the search is done, from 0 to 1, as far as can be told."""
+
+
+Tell = Callable[[Note], None]
+
+
+@dataclass
+class Watch:
+    """Evaluates a problem, counts, and remembers the best point."""
+
+    problem: Problem
+    tell: Tell | None = None
+    path: Path | None = None
+    """File of the state, if it is to be kept."""
+    stage: str = ""
+    share: float = 0.0
+    simulations: int = 0
+    """Runs of single experiments, one for each variant."""
+    jacobians: int = 0
+    """Runs of single experiments with derivatives."""
+    best: tuple[float, ...] | None = None
+    cost: float = math.inf
+    history: list[tuple[int, float]] = field(default_factory=list[tuple[int, float]])
+    done: list[str] = field(default_factory=list[str])
+    """Stages that are finished, of this search and the one it resumes."""
+    _written: float = 0.0
+
+    def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
+        """As `Problem.evaluate`."""
+        found = self.problem.evaluate(u, slopes=slopes)
+        count = len(self.problem.experiments)
+        if slopes:
+            self.jacobians += count
+        else:
+            self.simulations += count
+        self._seen(u, math.inf if found is None else found.cost)
+        return found
+
+    def costs(self, points: Any) -> Any:
+        """As `Problem.costs`."""
+        found = self.problem.costs(points)
+        self.simulations += len(points) * len(self.problem.experiments)
+        least = int(found.argmin())
+        self._seen(points[least], float(found[least]))
+        return found
+
+    def _seen(self, u: Sequence[float], cost: float) -> None:
+        if cost < self.cost:
+            self.best, self.cost = tuple(map(float, u)), cost
+            self.history.append((self.simulations + self.jacobians, cost))
+            if time.monotonic() - self._written > EVERY:
+                self.save()
+        if self.tell is not None:
+            shown = self.best or tuple(map(float, u))
+            self.tell(Note(self.stage, self.cost, shown, self.simulations, self.share))
+
+    def finished(self, stage: str) -> None:
+        """Note that a stage need not be repeated."""
+        self.done.append(stage)
+        self.save()
+
+    def save(self) -> None:
+        """Write the state, if it is kept."""
+        if self.path is None or self.best is None:
+            return
+        self._written = time.monotonic()
+        document = {"problem": key(self.problem), "values": self.best, "done": self.done}
+        with replacing(self.path) as part:
+            part.write_text(json.dumps(document), encoding="utf-8")
+
+    def resume(self) -> None:
+        """Take up the state of an earlier search of the same problem, if there is one.
+
+        Raises:
+            DataError: the file is not the state of this problem.
+        """
+        if self.path is None or not self.path.exists():
+            return
+        try:
+            document = json.loads(self.path.read_text(encoding="utf-8"))
+            same = document["problem"] == key(self.problem)
+            values, done = tuple(map(float, document["values"])), list(map(str, document["done"]))
+        except (OSError, ValueError, KeyError, TypeError):
+            raise DataError(f"`{self.path}` does not hold the state of a search.") from None
+        if not same:
+            raise DataError(
+                f"`{self.path}` holds the state of another problem: other records, scenario or "
+                "free parameters; name another file, or remove this one."
+            )
+        self.done = done
+        self.evaluate(values)
+
+
+def key(problem: Problem) -> str:
+    """A short text that differs between problems."""
+    parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
+    for one in problem.experiments:
+        parts += [one.name, repr(one.system), sorted(one.columns.items()), one.held, one.step]
+        parts += [sorted(one.record.columns.items())]
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

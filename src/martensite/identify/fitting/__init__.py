@@ -1,1 +1,0 @@
-"""Fits of parameters to measured records: search, uncertainty, and what the data leave open."""

@@ -1,0 +1,1 @@
+"""Operators that several blocks share: plays, sections, curves."""

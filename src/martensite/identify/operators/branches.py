@@ -1,0 +1,113 @@
+"""Two branches of a hysteresis loop, and the exact way along them: a model of Duhem's type.
+
+A branch is the share F(x) that has gone over when x comes from far below (rising) or has not yet
+gone back when x comes from far above (falling): a sum of one or two logistic functions. Inner
+loops are scaled copies of the branches,
+
+    dz/dx = (1 - z) F_r'/(1 - F_r) for rising x,    dz/dx = z F_f'/F_f for falling x
+
+which integrate to (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) and z/z₀ = F_f(x)/F_f(x₀): steps
+of any size are exact as long as x goes one way (Ivshin and Pence 1994). A small number is added
+to both denominators, so z stays between 0 and 1 whatever the branches are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.identify.blocks.base import Column
+from martensite.kernels.namespace import Namespace, Scalar
+
+GUARD = 1e-6
+"""Added to the share that is left, so that it may be divided by."""
+FLATTEST = 14.0
+"""Limit of |log width|."""
+
+
+class Branch(NamedTuple):
+    """Logistic functions: their shares, centres and widths."""
+
+    shares: Sequence[Scalar]
+    centres: Sequence[Scalar]
+    widths: Sequence[Scalar]
+
+
+def names(branch: str, logistics: int) -> tuple[str, ...]:
+    """Free numbers of a branch: centres, logarithms of widths, and the logit of the first share."""
+    places = ("",) if logistics == 1 else ("1", "2")
+    centres = tuple(f"{branch}_centre{k}" for k in places)
+    widths = tuple(f"log_{branch}_width{k}" for k in places)
+    return (*centres, *widths) + ((f"{branch}_logit",) if logistics == 2 else ())
+
+
+def logistic(xp: Namespace, x: Scalar) -> Scalar:
+    """1/(1 + exp(-x))."""
+    return 0.5 + 0.5 * xp.tanh(0.5 * x)
+
+
+def branch_of(xp: Namespace, theta: Column) -> Branch:
+    """The branch of 2 free numbers (one logistic function) or 5 (two)."""
+    count = len(theta) // 2
+    widths = [xp.exp(xp.clip(w, -FLATTEST, FLATTEST)) for w in theta[count : 2 * count]]
+    first = logistic(xp, theta[4]) if count == 2 else 1.0
+    return Branch([first, 1.0 - first][:count], theta[:count], widths)
+
+
+def share(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+    """F(x)."""
+    total: Scalar = 0.0
+    for part, centre, width in zip(*branch, strict=True):
+        total = total + part * logistic(xp, (x - centre) / width)
+    return total
+
+
+def density(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+    """F'(x)."""
+    total: Scalar = 0.0
+    for part, centre, width in zip(*branch, strict=True):
+        t = xp.tanh(0.5 * (x - centre) / width)
+        total = total + part * 0.25 * (1.0 - t * t) / width
+    return total
+
+
+class Leg(NamedTuple):
+    """A way in one direction from (x₀, z₀): z = z₀ + scale (F(x) - F(x₀))."""
+
+    branch: Branch
+    scale: Scalar
+    at_start: Scalar
+    """F(x₀)."""
+    z: Scalar
+    """z₀."""
+
+    def fraction(self, xp: Namespace, x: Scalar) -> Scalar:
+        """z at x; exactly z₀ at x₀."""
+        return self.z + self.scale * (share(xp, self.branch, x) - self.at_start)
+
+    def slope(self, xp: Namespace, x: Scalar) -> Scalar:
+        """dz/dx at x, never negative."""
+        return self.scale * density(xp, self.branch, x)
+
+
+def leg(xp: Namespace, rising: Branch, falling: Branch, upward: bool, x: Scalar, z: Scalar) -> Leg:
+    """The way on from x and z, upward or not."""
+
+    def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+        return [xp.store(xp.where(upward, p, q)) for p, q in zip(a, b, strict=True)]
+
+    branch = Branch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
+    start = xp.store(share(xp, branch, x))
+    left = xp.where(upward, 1.0 - start, start)
+    going = xp.where(upward, 1.0 - z, z)
+    return Leg(branch, xp.store(going / (left + GUARD)), start, z)
+
+
+def from_below(xp: Namespace, rising: Branch, x: Scalar) -> Scalar:
+    """z after x has come from far below, where z was 0."""
+    return share(xp, rising, x) / (1.0 + GUARD)
+
+
+def from_above(xp: Namespace, falling: Branch, x: Scalar) -> Scalar:
+    """z after x has come from far above, where z was 1."""
+    return (share(xp, falling, x) + GUARD) / (1.0 + GUARD)

@@ -1,0 +1,163 @@
+"""Plays: the operators of hysteresis that sums and superpositions of this family are made of.
+
+    p⁺ = max(x - r, min(x + r, p))
+
+A play of threshold r holds its value until the input x leaves it behind by r. Sums of plays with
+positive weights, the Prandtl–Ishlinskii operator y = a_0 x + Σ a_i p_i, are invertible, and the
+inverse is of the same form with thresholds and weights in closed form (Kuhnen 2003).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from martensite.base.errors import ParameterError
+from martensite.identify.blocks.base import Column, Numbers
+from martensite.kernels.namespace import Namespace, Scalar
+
+STRONGEST = 50.0
+"""Limit of the size of a logit."""
+FARTHEST = 30.0
+"""Standard deviation that is expected of logits, of which 5 is as good as infinite.
+
+A share that is not needed would else send its logit away, step by step, and the search with it.
+"""
+
+
+def spread(x: Numbers) -> tuple[float, float]:
+    """Ends of the range of an input; of a constant one, some range from it."""
+    low, high = float(np.min(x)), float(np.max(x))
+    return low, high if high > low else low + max(abs(low), 1.0)
+
+
+def played(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
+    """The next value of a play of threshold r ≥ 0 that was at p."""
+    return between(xp, x - r, x + r, p)
+
+
+def between(xp: Namespace, lower: Scalar, upper: Scalar, p: Scalar) -> Scalar:
+    """The next value of a play that is kept between two bounds, lower ≤ upper."""
+    return xp.maximum(lower, xp.minimum(upper, p))
+
+
+def logistic(xp: Namespace, z: Scalar) -> Scalar:
+    """1/(1 + exp(-z)), between 0 and 1."""
+    return 1.0 / (1.0 + xp.exp(xp.clip(-z, -STRONGEST, STRONGEST)))
+
+
+def sized(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
+    """Positive sizes, one more than logits: the first has the logit 0; and their sum.
+
+    Shares are sizes over the sum. A kernel divides what it has summed up with sizes: each
+    derivative is then one product, where that of every share would depend on every logit.
+    """
+    sizes = [1.0, *(xp.exp(xp.clip(z, -STRONGEST, STRONGEST)) for z in logits)]
+    whole = sizes[0]
+    for size in sizes[1:]:
+        whole = whole + size
+    return sizes, whole
+
+
+def hinged(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Scalar) -> Scalar:
+    """0 at -half, and from there lines of given slopes between even knots up to half.
+
+    The end lines go on beyond.
+    """
+    gap = 2.0 * half / len(rises)
+    total, before = rises[0] * (p + half), rises[0]
+    for k, rise in enumerate(rises[1:], 1):
+        total = total + (rise - before) * xp.maximum(p + half - k * gap, 0.0)
+        before = rise
+    return total
+
+
+def logits(shares: Numbers) -> Numbers:
+    """The logits that give positive shares."""
+    return np.log(shares[1:] / shares[0])
+
+
+@dataclass(frozen=True)
+class PlaySum:
+    """y = a_0 x + Σ_i a_i p_i, the Prandtl–Ishlinskii operator with numbers, and its inverse.
+
+    Args:
+        thresholds: r_1 < r_2 < …, above 0, in the unit of the input.
+        weights: a_0, a_1, …, one more than thresholds.
+
+    Raises:
+        ParameterError: thresholds do not rise from above 0, or weights are not one more.
+    """
+
+    thresholds: tuple[float, ...]
+    weights: tuple[float, ...]
+
+    cites = ("kuhnen2003",)
+
+    def __post_init__(self) -> None:
+        rising = np.all(np.diff((0.0, *self.thresholds)) > 0.0)
+        if not rising or len(self.weights) != len(self.thresholds) + 1:
+            raise ParameterError(
+                "A sum of plays needs rising thresholds above 0 and one weight more than "
+                f"thresholds, but has thresholds {self.thresholds} and weights {self.weights}."
+            )
+
+    @cached_property
+    def _arrays(self) -> tuple[Numbers, Numbers]:
+        return np.array(self.thresholds), np.array(self.weights)
+
+    def rest(self, x: float) -> Numbers:
+        """The plays at rest under a constant input."""
+        return np.full(len(self.thresholds), float(x))
+
+    def step(self, state: Numbers, x: float) -> tuple[float, Numbers]:
+        """Output of this sample, and where the plays are now."""
+        r, a = self._arrays
+        p = np.maximum(x - r, np.minimum(x + r, state))
+        return float(a[0] * x + a[1:] @ p), p
+
+    def simulate(self, inputs: Sequence[float] | Numbers, state: Numbers | None = None) -> Numbers:
+        """Outputs for inputs of shape (samples,); from rest if no state is given."""
+        made = np.empty(len(inputs))
+        state = self.rest(inputs[0]) if state is None else state
+        for t, x in enumerate(inputs):
+            made[t], state = self.step(state, x)
+        return made
+
+    def inverse(self) -> PlaySum:
+        """The operator that gives back the input: feed-forward against hysteresis.
+
+            s_i = Σ_{j<i} a_j (r_i - r_j),   b_0 = 1/a_0,
+            b_i = -a_i / ((a_0 + … + a_i)(a_0 + … + a_{i-1}))
+
+        with r_0 = 0. It starts from the state that `matching` gives.
+
+        Raises:
+            ParameterError: a sum a_0 + … + a_i is not above 0: loading would turn back.
+        """
+        r, a = self._arrays
+        slopes = np.cumsum(a)
+        if not np.all(slopes > 0.0):
+            raise ParameterError(
+                "This sum of plays has no inverse: its weights must have sums a_0 + … + a_i "
+                f"above 0, but the least is {slopes.min():.6g}."
+            )
+        steps = np.diff(r, prepend=0.0)
+        b = -a[1:] / (slopes[1:] * slopes[:-1])
+        return PlaySum(
+            tuple(np.cumsum(slopes[:-1] * steps).tolist()), (float(1.0 / a[0]), *b.tolist())
+        )
+
+    def matching(self, state: Numbers) -> Numbers:
+        """State of the inverse that belongs to a state of this operator.
+
+        The state must be one that some input leads to: neighbours differ by no more than their
+        thresholds do, and the first from the input by no more than its own.
+        """
+        a = self._arrays[1]
+        slopes = np.cumsum(a)[1:]
+        beyond = a[1:] * state
+        return slopes * state + beyond.sum() - np.cumsum(beyond)

@@ -1,1 +1,0 @@
-"""Files: scenarios, measured tables and data sets, results as netCDF, citations."""

@@ -1,1 +1,0 @@
-"""From scenarios and logs to a fit: what is asked for, what is compared, steps, checks, files."""

@@ -1,0 +1,77 @@
+"""Bracketed Newton iteration: compiles, batches and differentiates.
+
+For a strictly increasing function. An iterate on an end of the bracket is refused, else flat
+sides make plain clipping cycle between the ends for ever; so is a step across the bracket that
+halves neither it nor the last step. A correction at round-off level is always accepted, since a
+comparison near the root may round differently in its several uses. It ends with the first step
+that is small, or after which the next would be: Newton's method squares the error, so the next is
+the cube of a step over the square of the one before. Nothing is known after a halving, which is
+remembered as a negative step. The slope is exact (dual numbers), so the
+function needs no derivative of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from martensite.kernels.dual import value_and_slope
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+MOST = 40
+"""Iterations after which a root counts as not found."""
+ROUND_OFF = 32.0
+"""A correction of so many roundings is always accepted."""
+SMALL = 1e-13
+"""A step after which the root is found."""
+SURE = 10.0
+"""How many times larger the next step may be than expected."""
+FIRST = 1e30
+"""The step before the first."""
+NONE = 1e-30
+"""In place of a step of length 0, which is the last."""
+
+
+def solve_bracketed(
+    xp: Namespace,
+    function: Callable[[Namespace, Scalar], Scalar],
+    start: Scalar,
+    bracket: tuple[Scalar, Scalar],
+    most: int = MOST,
+    wanted: Flag = True,
+    enough: float = SMALL,
+    smooth: bool = True,
+) -> Scalar:
+    """Root of an increasing `function(xp, x)` inside the bracket, from `start`.
+
+    A bracket that reaches beyond a possible end of the solutions lets a root there be hit
+    exactly. With slopes of at least 1, |function(root)| bounds the error of the root. A step of
+    `enough` is the last; so is, if the function is `smooth`, one that says the same of the next.
+    Where the slope changes by orders of magnitude nothing can be said of it. Where no root is
+    `wanted`, the answer is `start`.
+    """
+    rounding = ROUND_OFF * xp.eps()
+    last_step = xp.maximum(enough, rounding)
+
+    def turn(_: Scalar, x: Scalar, low: Scalar, high: Scalar, last: Scalar) -> tuple[Scalar, ...]:
+        value, slope = (xp.store(v) for v in value_and_slope(xp, function, x))
+        above, width = value > 0.0, high - low
+        high, low = xp.where(above, x, high), xp.where(above, low, x)
+        newton = x - value / slope
+        step = xp.abs(newton - x)
+        known = xp.both(last > 0.0, last < FIRST)
+        gains = xp.either(high - low <= 0.5 * width, step <= 0.5 * xp.abs(last))
+        gains = xp.either(gains, step <= 0.25 * (high - low))
+        inside = xp.both(xp.both(low < newton, newton < high), gains)
+        accept = xp.either(inside, step <= rounding)
+        after = xp.where(accept, newton, 0.5 * (low + high))
+        moved = xp.abs(after - x)
+        ratio = moved / xp.maximum(xp.where(known, last, 1.0), NONE)
+        next_step = xp.where(xp.both(accept, known), SURE * moved * ratio * ratio, moved)
+        going = xp.both(moved > last_step, next_step > last_step) if smooth else moved > last_step
+        return xp.where(going, 1.0, 0.0), after, low, high, xp.where(accept, moved, -moved)
+
+    going = xp.where(wanted, 1.0, 0.0)
+    root = xp.iterate(most, turn, going, start, *bracket, FIRST)[1]
+    at = xp.detach(root)
+    value, slope = value_and_slope(xp, function, at)
+    return xp.solved(root, at - value / xp.detach(slope))

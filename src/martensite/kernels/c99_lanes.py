@@ -1,0 +1,234 @@
+"""C of traced functions for a batch of lanes: numbers are short vectors, two side by side.
+
+A compiler turns a loop over lanes into SIMD instructions only while its body has no loop and no
+branch, which the solves of mechanisms have. Here every number is a pair of vectors instead, so
+that nothing is left to the compiler's choice. A pair, because a step is one long chain of
+operations that wait for each other: two independent chains keep the processor busy.
+
+Every lane is computed by the same instructions wherever it stands, so results do not depend on
+what marches beside it. A processor divides much more slowly than it multiplies: divisions by the
+same number share its inverse, so that results differ from those of one run by rounding. Needs the
+vector types of gcc or clang.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from textwrap import dedent
+
+from martensite.kernels.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
+from martensite.kernels.floats import LARGEST
+from martensite.kernels.graph import Expr
+from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
+from martensite.kernels.printer import Dialect, Printer
+from martensite.kernels.program import Function, Program
+
+BLOCK = 16
+"""Lanes must be a multiple of this: a pair of the widest vectors, or several of others."""
+
+_TEMPLATES = {
+    **{
+        operation: f"{name}({{}}, {{}})"
+        for operation, name in {
+            "add": "plus", "sub": "minus", "mul": "times", "div": "over",
+            "lt": "below", "le": "at_most", "gt": "above", "ge": "at_least",
+            "both": "both", "either": "either", "minimum": "least", "maximum": "most",
+            "power": "power_of",
+        }.items()
+    },
+    **{
+        operation: f"{name}({{}})"
+        for operation, name in {
+            "neg": "minus_of", "negate": "not_of", "abs": "size_of", "sqrt": "root_of",
+            "exp": "exp_of", "log": "log_of", "sin": "sin_of", "cos": "cos_of",
+            "tanh": "tanh_of", "nearest": "rint_of", "quarter_sine": "quarter_sine_of",
+            "erfcx": "erfcx_of",
+        }.items()
+    },
+    "where": "pick({}, {}, {})",
+    "eps": "all(2.220446049250313e-16)",
+}  # fmt: skip
+
+_PRELUDE = """
+    #if defined(__AVX512F__)
+    #define WIDTH 8
+    #define FILL(x) {x, x, x, x, x, x, x, x}
+    #elif defined(__AVX__)
+    #define WIDTH 4
+    #define FILL(x) {x, x, x, x}
+    #else
+    #define WIDTH 2
+    #define FILL(x) {x, x}
+    #endif
+    #define PAIR (2 * WIDTH)
+    #define INLINE static inline __attribute__((always_inline))
+    typedef double vector __attribute__((vector_size(8 * WIDTH)));
+    typedef double loose __attribute__((vector_size(8 * WIDTH), aligned(8), may_alias));
+    typedef long long mask __attribute__((vector_size(8 * WIDTH)));
+    typedef struct { vector a, b; } number;
+    typedef struct { mask a, b; } flags;
+    #define FLAGS(x) ((flags){FILL(x), FILL(x)})
+    #define AT(array, row) load((array) + (row) * n + l)
+    #define PUT(array, row, value) save((array) + (row) * n + l, value)
+    #define UNARY(name, expression) \\
+    INLINE vector name##_1(vector x) { return expression; } \\
+    INLINE number name(number x) { return (number){name##_1(x.a), name##_1(x.b)}; }
+    #define BINARY(name, expression) \\
+    INLINE vector name##_1(vector x, vector y) { return expression; } \\
+    INLINE number name(number x, number y) { \\
+        return (number){name##_1(x.a, y.a), name##_1(x.b, y.b)}; \\
+    }
+    #define TEST(name, operator) \\
+    INLINE flags name(number x, number y) { \\
+        return (flags){x.a operator y.a, x.b operator y.b}; \\
+    }
+    #define LOGIC(name, operator) \\
+    INLINE flags name(flags x, flags y) { \\
+        return (flags){x.a operator y.a, x.b operator y.b}; \\
+    }
+    #define BY_LANE(name, function) \\
+    INLINE number name(number x) { \\
+        double lanes[PAIR]; \\
+        save(lanes, x); \\
+        _Pragma("omp simd") \\
+        for (int i = 0; i < PAIR; i++) lanes[i] = function(lanes[i]); \\
+        return load(lanes); \\
+    }
+    INLINE number all(double x) { return (number){FILL(x), FILL(x)}; }
+    INLINE number load(const double *p) {
+        return (number){*(const loose *)p, *(const loose *)(p + WIDTH)};
+    }
+    INLINE void save(double *p, number x) {
+        *(loose *)p = x.a;
+        *(loose *)(p + WIDTH) = x.b;
+    }
+    INLINE vector pick_1(mask m, vector x, vector y) {
+        return (vector)((m & (mask)x) | (~m & (mask)y));
+    }
+    INLINE number pick(flags m, number x, number y) {
+        return (number){pick_1(m.a, x.a, y.a), pick_1(m.b, x.b, y.b)};
+    }
+    INLINE flags not_of(flags x) { return (flags){~x.a, ~x.b}; }
+    BINARY(plus, x + y)
+    BINARY(minus, x - y)
+    BINARY(times, x * y)
+    BINARY(over, x / y)
+    BINARY(least, pick_1(x < y, x, y))
+    BINARY(most, pick_1(x > y, x, y))
+    UNARY(minus_of, -x)
+    UNARY(size_of, (vector)((mask)x & 0x7fffffffffffffffLL))
+    TEST(below, <)
+    TEST(at_most, <=)
+    TEST(above, >)
+    TEST(at_least, >=)
+    TEST(differs, !=)
+    LOGIC(both, &)
+    LOGIC(either, |)
+    INLINE int some(flags x) {
+        const mask either = x.a | x.b;
+        long long found = 0;
+        for (int i = 0; i < WIDTH; i++) found |= either[i];
+        return found != 0;
+    }
+    BY_LANE(sqrt_of, sqrt)
+    BY_LANE(exp_1, exp)
+    BY_LANE(log_1, log)
+    BY_LANE(sin_of, sin)
+    BY_LANE(cos_of, cos)
+    BY_LANE(tanh_of, tanh)
+    BY_LANE(rint_of, rint)
+    INLINE number root_of(number x) {
+        return pick(above(x, all(0.0)), sqrt_of(most(x, all(0.0))), all(0.0));
+    }
+    /* functions of vectors take long over results that are no normal numbers */
+    INLINE number exp_of(number x) {
+        const number y = exp_1(most(least(x, all(700.0)), all(-700.0)));
+        return pick(above(x, all(-700.0)), y, all(0.0));
+    }
+    INLINE number log_of(number x) { return log_1(most(x, all(1e-300))); }
+    INLINE number pow_1(number x, number y) {
+        double bases[PAIR], exponents[PAIR];
+        save(bases, x);
+        save(exponents, y);
+        _Pragma("omp simd")
+        for (int i = 0; i < PAIR; i++) bases[i] = pow(bases[i], exponents[i]);
+        return load(bases);
+    }
+"""
+
+
+def lanes_source(program: Program, functions: Iterable[Function]) -> str:
+    """C of `prepare` and of some traced functions of a program, over a multiple of `BLOCK` lanes.
+
+    Same functions and layout as of `martensite.kernels.c99.c_source`.
+    """
+    printer = Printer(program.graph, _dialect())
+    for i in range(len(program.parameters)):
+        printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"AT(p, {i})")
+    parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
+    flags = [printer.is_flag(node.index) for node in program.hoisted]
+
+    def constant(i: int) -> str:
+        return f"differs(AT(c, {i}), all(0.0))" if flags[i] else f"AT(c, {i})"
+
+    printer.share(program.hoisted, constant)
+    parts += [_traced(printer, function) for function in functions]
+    return "\n".join(parts)
+
+
+def _dialect() -> Dialect:
+    templates = {**C_DIALECT.templates, **_TEMPLATES}
+    going = Going("some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})")
+    dialect = scalar_dialect("number", templates, _constant, "flags", going)
+    return replace(dialect, wants_names=frozenset(), shares_inverses=True)
+
+
+def _constant(value: float | bool) -> str:
+    if isinstance(value, bool):
+        return f"FLAGS({-int(value)})"
+    return f"all({c_number(value)})"
+
+
+def _traced(printer: Printer, function: Function) -> str:
+    for i, name in enumerate(function.inputs):
+        printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"AT(x, {i})")
+    return _function(printer, function.name, "c", ("x",), function.outputs)
+
+
+def _function(
+    printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
+) -> str:
+    lines, values = printer.block(outputs)
+    for i, (node, value) in enumerate(zip(outputs, values, strict=True)):
+        flag = printer.is_flag(node.index)
+        lines.append(f"PUT(y, {i}, {f'pick({value}, all(1.0), all(0.0))' if flag else value});")
+    arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
+    body = "".join(f"        {line}\n" for line in lines)
+    return (
+        f"static inline void k_{name}(long n, {arguments}, double *restrict y) {{\n"
+        f"    for (long l = 0; l < n; l += PAIR) {{\n{body}    }}\n}}\n"
+    )
+
+
+def _prelude() -> str:
+    centre = f"all({ERFCX_CENTRE!r})"
+    return (
+        f"#include <math.h>\n#include <string.h>\n{vector_math()}{dedent(_PRELUDE)}"
+        "INLINE number power_of(number x, number y) {\n"
+        "    const flags positive = above(x, all(0.0));\n"
+        f"    const number z = least(pow_1(pick(positive, x, all(1.0)), y), all({LARGEST!r}));\n"
+        "    return pick(positive, z, all(0.0));\n}\n"
+        "INLINE number quarter_sine_of(number x) {\n"
+        f"    const number z = times(x, x){_polynomial(QUARTER_SINE, 'times({}, x)')}}}\n"
+        "INLINE number erfcx_of(number x) {\n"
+        f"    const number z = over(minus(x, {centre}), plus(x, {centre}))"
+        f"{_polynomial(ERFCX, 'over({}, plus(all(1.0), times(all(2.0), x)))')}}}\n"
+    )
+
+
+def _polynomial(coefficients: list[float], result: str) -> str:
+    """A polynomial in z, with the powers that it needs, in what is returned."""
+    powers, text = estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
+    lines = "".join(f", {name} = {power}" for name, power in powers)
+    return f"{lines};\n    return {result.format(text)};\n"

@@ -1,0 +1,357 @@
+"""Dual numbers over any runtime: exact slopes for the solvers, with no derivative in a law.
+
+`value_and_slope(xp, f, x)` runs `f` once on (value, tangent) pairs. Traced into a graph it
+costs nothing at run time beyond the derivative's own arithmetic. Zero tangents are `None`,
+so constants stay constants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from martensite.kernels import floats
+from martensite.kernels.floats import HALF_PI, ROOT_PI
+from martensite.kernels.kernel_errors import make_operation_error
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.powers import expand_power
+from martensite.kernels.traced_numbers import TracedNumber
+
+Tangent = Any
+Pair = tuple[Any, Tangent]
+
+
+class Dual(TracedNumber):
+    """A value and its derivative with respect to the variable of one level.
+
+    Derivatives may be nested: to a dual number, numbers of a lower level are constants.
+    """
+
+    __slots__ = ("level", "tangent", "value")
+    takes_arrays = True  # and leaves mixed arithmetic with arrays to this class
+
+    def __init__(self, value: Any, tangent: Tangent, level: int) -> None:
+        self.value = value
+        self.tangent = tangent
+        self.level = level
+
+    def __add__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v + w, plus(t, s), level)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, None if self.tangent is None else -self.tangent, self.level)
+
+    def __sub__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v - w, minus(t, s), level)
+
+    def __rsub__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(w - v, minus(s, t), level)
+
+    def __mul__(self, other: Any) -> Dual:
+        level, (v, t), (w, s) = split(self, other)
+        return Dual(v * w, plus(times(t, w), times(s, v)), level)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Dual:
+        level, top, bottom = split(self, other)
+        return quotient(top, bottom, level)
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        level, bottom, top = split(self, other)
+        return quotient(top, bottom, level)
+
+    def __lt__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v < w
+
+    def __le__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v <= w
+
+    def __gt__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v > w
+
+    def __ge__(self, other: Any) -> Any:
+        _, (v, _), (w, _) = split(self, other)
+        return v >= w
+
+
+def parts(x: Any, level: int) -> Pair:
+    """Value and tangent of a number as seen at a level."""
+    if isinstance(x, Dual) and x.level == level:
+        return x.value, x.tangent
+    return x, None
+
+
+def split(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
+    """The higher level of two numbers, and both as seen at it."""
+    level = max(a.level, b.level) if isinstance(b, Dual) else a.level
+    return level, parts(a, level), parts(b, level)
+
+
+def plus(a: Tangent, b: Tangent) -> Tangent:
+    """Sum of two tangents."""
+    if a is None or b is None:
+        return b if a is None else a
+    return a + b
+
+
+def minus(a: Tangent, b: Tangent) -> Tangent:
+    """Difference of two tangents."""
+    if b is None:
+        return a
+    return -b if a is None else a - b
+
+
+def times(a: Tangent, factor: Any) -> Tangent:
+    """A tangent times a value."""
+    return None if a is None else a * factor
+
+
+def quotient(top: Pair, bottom: Pair, level: int) -> Dual:
+    """Division of two (value, tangent) pairs."""
+    ratio = top[0] / bottom[0]
+    change = minus(top[1], times(bottom[1], ratio))
+    return Dual(ratio, None if change is None else change / bottom[0], level)
+
+
+class DualNamespace:
+    """The kernel operations on dual numbers, built on any other namespace."""
+
+    zero: Any = 0.0
+    """The tangent of a constant, where one must be written down."""
+
+    def __init__(self, base: Namespace) -> None:
+        self.base: Any = base
+        self.level: int = getattr(base, "level", 0) + 1
+
+    def __getattr__(self, operation: str) -> Any:
+        raise make_operation_error(operation)
+
+    def parts(self, x: Any) -> Pair:
+        """Value and tangent at this namespace's level."""
+        return parts(x, self.level)
+
+    def pair(self, value: Any, tangent: Tangent) -> Any:
+        """A dual number, or the bare value if it is constant."""
+        return value if tangent is None else Dual(value, tangent, self.level)
+
+    def where(self, flag: Any, yes: Any, no: Any) -> Any:
+        """Choice of value and tangent."""
+        (yv, yt), (nv, nt) = self.parts(yes), self.parts(no)
+        value = self.base.where(flag, yv, nv)
+        if yt is None and nt is None:
+            return value
+        yt, nt = self.zero if yt is None else yt, self.zero if nt is None else nt
+        return self.pair(value, self.base.where(flag, yt, nt))
+
+    def both(self, a: Any, b: Any) -> Any:
+        """Logical and."""
+        return self.base.both(a, b)
+
+    def either(self, a: Any, b: Any) -> Any:
+        """Logical or."""
+        return self.base.either(a, b)
+
+    def negate(self, a: Any) -> Any:
+        """Logical not."""
+        return self.base.negate(a)
+
+    def minimum(self, a: Any, b: Any) -> Any:
+        """The smaller of two."""
+        return self.where(self.parts(a)[0] < self.parts(b)[0], a, b)
+
+    def maximum(self, a: Any, b: Any) -> Any:
+        """The larger of two."""
+        return self.where(self.parts(a)[0] > self.parts(b)[0], a, b)
+
+    def clip(self, x: Any, low: Any, high: Any) -> Any:
+        """`x` limited to [low, high]; slope 0 outside."""
+        return self.minimum(self.maximum(x, low), high)
+
+    def abs(self, x: Any) -> Any:
+        """Absolute value."""
+        v, t = self.parts(x)
+        return self.pair(self.base.abs(v), None if t is None else self.base.where(v < 0.0, -t, t))
+
+    def sqrt(self, x: Any) -> Any:
+        """Square root; slope 0 where the argument is not positive."""
+        v, t = self.parts(x)
+        root = self.base.sqrt(v)
+        if t is None:
+            return root
+        safe = self.base.where(v > 0.0, root, 1.0)
+        return self.pair(root, self.base.where(v > 0.0, t * (0.5 / safe), self.zero))
+
+    def exp(self, x: Any) -> Any:
+        """Exponential."""
+        v, t = self.parts(x)
+        value = self.base.exp(v)
+        return self.pair(value, None if t is None else t * value)
+
+    def log(self, x: Any) -> Any:
+        """Natural logarithm."""
+        v, t = self.parts(x)
+        value = self.base.log(v)
+        return self.pair(value, None if t is None else t * (1.0 / self.base.maximum(v, 1e-300)))
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """`base` to the `exponent`; slopes 0 where the base is not positive."""
+        if isinstance(exponent, int):
+            return expand_power(base, exponent)
+        (v, t), (e, s) = self.parts(base), self.parts(exponent)
+        value = self.base.power(v, e)
+        safe = self.base.where(v > 0.0, v, 1.0)
+        by_base = None if t is None else t * (e * value / safe)
+        by_exponent = None if s is None else s * (value * self.base.log(safe))
+        return self.pair(value, plus(by_base, by_exponent))
+
+    def sin(self, x: Any) -> Any:
+        """Sine."""
+        v, t = self.parts(x)
+        value = self.base.sin(v)
+        return self.pair(value, None if t is None else t * self.base.cos(v))
+
+    def cos(self, x: Any) -> Any:
+        """Cosine."""
+        v, t = self.parts(x)
+        value = self.base.cos(v)
+        return self.pair(value, None if t is None else -(t * self.base.sin(v)))
+
+    def tanh(self, x: Any) -> Any:
+        """Hyperbolic tangent."""
+        v, t = self.parts(x)
+        value = self.base.tanh(v)
+        return self.pair(value, None if t is None else t * (1.0 - value * value))
+
+    def nearest(self, x: Any) -> Any:
+        """The nearest whole number, with the tangent of `x`."""
+        v, t = self.parts(x)
+        return self.pair(self.base.nearest(v), t)
+
+    def quarter_sine(self, x: Any) -> Any:
+        """sin(πx/2); its slope is another quarter sine."""
+        v, t = self.parts(x)
+        value = self.base.quarter_sine(v)
+        if t is None:
+            return value
+        return self.pair(value, t * (HALF_PI * self.base.quarter_sine(1.0 - v)))
+
+    def erfcx(self, x: Any) -> Any:
+        """exp(x²) erfc(x)."""
+        v, t = self.parts(x)
+        value = self.base.erfcx(v)
+        return self.pair(value, None if t is None else t * (2.0 * v * value - 2.0 / ROOT_PI))
+
+    def each(
+        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
+    ) -> tuple[Sequence[Any], ...]:
+        """Columns of values and tangents through the base's loop."""
+        split_columns = [_unzip([self.parts(item) for item in column]) for column in columns]
+        moving = [tangents is not None for _, tangents in split_columns]
+        flat = [part for pair in split_columns for part in pair if part is not None]
+        shape: list[bool] = []
+
+        def inner(*row: Any) -> list[Any]:
+            numbers = iter(row)
+            duals = [self.pair(next(numbers), next(numbers) if m else None) for m in moving]
+            results = [self.parts(result) for result in body(*duals)]
+            shape[:] = [t is not None for _, t in results]
+            return [part for pair in results for part in pair if part is not None]
+
+        found = iter(self.base.each(inner, *flat))
+        return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
+
+    def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """The state after `count` turns of `body`, written out."""
+        return floats.repeat(count, body, *state)
+
+    def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
+        """Values and tangents through the base's loop; all but the first number may move."""
+        pairs = [self.parts(s) for s in state]
+        first, *values = [value for value, _ in pairs]
+        tangents = [self.zero if t is None else t for _, t in pairs[1:]]
+        count = len(values)
+
+        def turn(going: Any, *numbers: Any) -> list[Any]:
+            rows = zip(numbers[:count], numbers[count:], strict=True)
+            found = [self.parts(r) for r in body(going, *(self.pair(v, t) for v, t in rows))]
+            slopes = [self.zero if t is None else t for _, t in found[1:]]
+            return [*(v for v, _ in found), *slopes]
+
+        going, *numbers = self.base.iterate(most, turn, first, *values, *tangents)
+        rows = zip(numbers[:count], numbers[count:], strict=True)
+        return [going, *(self.pair(v, t) for v, t in rows)]
+
+    def _zip(self, values: Sequence[Any], tangents: Sequence[Any] | None) -> Sequence[Any]:
+        if tangents is None:
+            return values
+        return [self.pair(v, t) for v, t in zip(values, tangents, strict=True)]
+
+    def store(self, x: Any) -> Any:
+        """`x` itself."""
+        v, t = self.parts(x)
+        return self.pair(self.base.store(v), None if t is None else self.base.store(t))
+
+    def eps(self) -> Any:
+        """Distance from 1 to the next number."""
+        return self.base.eps()
+
+    def solved(self, root: Any, newton: Any) -> Any:
+        """The value of a root with the tangent of a Newton step from it."""
+        (v, _), (w, t) = self.parts(root), self.parts(newton)
+        return self.pair(self.base.solved(v, w), t)
+
+    def detach(self, x: Any) -> Any:
+        """The value alone."""
+        return self.base.detach(self.parts(x)[0])
+
+
+def _unzip(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
+    """Values, and tangents (0 where constant) if there are any."""
+    values = [value for value, _ in pairs]
+    if all(tangent is None for _, tangent in pairs):
+        return values, None
+    return values, [0.0 if tangent is None else tangent for _, tangent in pairs]
+
+
+def value_and_slope(
+    xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Return f(x) and df/dx, where `function(xp, x)` is a kernel in the namespace it is given."""
+    (value,), (slope,) = values_and_slopes(xp, lambda xp, x: (function(xp, x),), x)
+    return value, slope
+
+
+def values_and_slopes(
+    xp: Namespace, function: Callable[[Namespace, Scalar], Sequence[Scalar]], x: Scalar
+) -> tuple[list[Scalar], list[Scalar]]:
+    """The same for a function with several results."""
+    dual: Any = DualNamespace(xp)
+    pairs = [dual.parts(result) for result in function(dual, dual.pair(x, 1.0))]
+    return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]
+
+
+def jacobian(
+    xp: Namespace,
+    function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]],
+    at: Sequence[Scalar],
+) -> tuple[list[Scalar], list[list[Scalar]]]:
+    """Values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
+    values: list[Scalar] = []
+    columns: list[list[Scalar]] = []
+    for k in range(len(at)):
+
+        def along(xp: Namespace, x: Scalar, k: int = k) -> Sequence[Scalar]:
+            return function(xp, [*at[:k], x, *at[k + 1 :]])
+
+        values, slopes = values_and_slopes(xp, along, at[k])
+        columns.append(slopes)
+    return values, [list(row) for row in zip(*columns, strict=True)]

@@ -1,0 +1,156 @@
+"""Plain floats: kernels run as ordinary Python, without numpy.
+
+This is the reference meaning of every operation; it never raises on extreme arguments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from martensite.kernels.powers import expand_power
+
+HALF_PI = math.pi / 2
+ROOT_PI = math.sqrt(math.pi)
+LARGEST = math.exp(700.0)
+"""The largest value of an exponential, and of a power."""
+WHOLE = 2.0**52
+"""From here on all floats are whole numbers."""
+
+
+def where(flag: bool, yes: float, no: float) -> float:
+    """`yes` where the flag holds, else `no`."""
+    return yes if flag else no
+
+
+def both(a: bool, b: bool) -> bool:
+    """Logical and."""
+    return a and b
+
+
+def either(a: bool, b: bool) -> bool:
+    """Logical or."""
+    return a or b
+
+
+def negate(a: bool) -> bool:
+    """Logical not."""
+    return not a
+
+
+def minimum(a: float, b: float) -> float:
+    """The smaller of two."""
+    return a if a < b else b
+
+
+def maximum(a: float, b: float) -> float:
+    """The larger of two."""
+    return a if a > b else b
+
+
+def clip(x: float, low: float, high: float) -> float:
+    """`x` limited to [low, high]."""
+    return minimum(maximum(x, low), high)
+
+
+def abs(x: float) -> float:
+    """Absolute value."""
+    return -x if x < 0.0 else x
+
+
+def sqrt(x: float) -> float:
+    """Square root; 0 for negative arguments."""
+    return math.sqrt(x) if x > 0.0 else 0.0
+
+
+def exp(x: float) -> float:
+    """Exponential; the argument is limited to 700."""
+    return math.exp(x if x < 700.0 else 700.0)
+
+
+def log(x: float) -> float:
+    """Natural logarithm; the argument is at least 1e-300."""
+    return math.log(x if x > 1e-300 else 1e-300)
+
+
+def power(base: float, exponent: float) -> float:
+    """`base` to the `exponent`; 0 for a base of 0 or below. An `int` is multiplied out."""
+    if isinstance(exponent, int):
+        return expand_power(base, exponent)
+    if not base > 0.0:
+        return 0.0
+    try:
+        value = math.pow(base, exponent)
+    except OverflowError:
+        return LARGEST
+    return value if value < LARGEST else LARGEST
+
+
+sin = math.sin
+cos = math.cos
+tanh = math.tanh
+
+
+def nearest(x: float) -> float:
+    """The nearest whole number, the even one of two; large numbers are whole."""
+    return float(round(x)) if -WHOLE < x < WHOLE else x
+
+
+def quarter_sine(x: float) -> float:
+    """sin(πx/2) for 0 ≤ x ≤ 1."""
+    return math.sin(HALF_PI * x)
+
+
+def erfcx(x: float) -> float:
+    """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
+    if x < 5.0:
+        return math.exp(x * x) * math.erfc(x)
+    tail = x
+    for k in range(24, 0, -1):
+        tail = x + 0.5 * k / tail
+    return 1.0 / (ROOT_PI * tail)
+
+
+def each(
+    body: Callable[..., Sequence[float]], *columns: Sequence[float]
+) -> tuple[tuple[float, ...], ...]:
+    """Columns of results of `body` over the rows of equally long columns."""
+    return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
+
+
+def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
+    """The state after `count` turns of `body`."""
+    found: Sequence[float] = state
+    for _ in range(count):
+        found = body(*found)
+    return found
+
+
+def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
+    """The state after turns of `body` for as long as its first number is above 0."""
+    found: Sequence[float] = state
+    for _ in range(most):
+        if not found[0] > 0.0:
+            break
+        found = body(*found)
+    return found
+
+
+def detach(x: float) -> float:
+    """`x` itself."""
+    return x
+
+
+def solved(root: float, newton: float) -> float:
+    """`root` itself."""
+    return root
+
+
+def store(x: float) -> float:
+    """`x` itself."""
+    return x
+
+
+def eps() -> float:
+    """Distance from 1 to the next number."""
+    return 2.220446049250313e-16

@@ -1,0 +1,425 @@
+"""Expression graphs: what tracing a kernel produces, free of repetition.
+
+Equal expressions are one node, constants are folded with the meaning of `floats`, and every
+node knows what it depends on: parameters only (computed once per run) or state and input. A
+body that runs over rows (`each`) is traced once and stays a loop.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+from martensite.base.errors import KernelError
+from martensite.kernels import floats
+from martensite.kernels.kernel_errors import make_kernel_error, make_operation_error
+from martensite.kernels.namespace import OPERATIONS
+from martensite.kernels.powers import expand_power
+from martensite.kernels.traced_numbers import TracedNumber
+
+PARAMETER, VARYING, LOOP = 1, 2, 4
+"""What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
+LOOP << 1 in a loop inside another, and so on."""
+SLOPE = 1 << 32
+"""What a derivative depends on besides (`martensite.kernels.tangent`)."""
+
+
+FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
+"""Operations whose results are true or false."""
+CONDITIONS = {"where": 1, "both": 2, "either": 2, "negate": 1}
+"""How many of the first arguments of an operation are true or false; others are numbers."""
+UNTYPED = frozenset({"input", "constant", "each", "item", "repeat", "result"})
+"""What has no arguments, or takes numbers and conditions alike."""
+CONDITION = "a condition is no number to compute with"
+COMMUTATIVE = ("add", "mul", "both", "either")
+"""Operations whose two arguments may change places without a change of a single bit."""
+
+
+def _divide(a: float, b: float) -> float:
+    return a / b
+
+
+_FOLD: dict[str, Any] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": _divide,
+    "neg": operator.neg,
+    "lt": operator.lt,
+    "le": operator.le,
+    "gt": operator.gt,
+    "ge": operator.ge,
+}
+
+
+class Loop(NamedTuple):
+    """A body that is evaluated for every row of some columns."""
+
+    columns: tuple[tuple[int, ...], ...]
+    row: tuple[int, ...]
+    """The inputs of the body, one per column."""
+    outputs: tuple[int, ...]
+    around: tuple[int, ...]
+    """What the body takes from around it."""
+    bit: int
+    """What the nodes of the body depend on."""
+
+
+class Repeat(NamedTuple):
+    """A body that replaces a state by the next, some times."""
+
+    turns: int
+    stops: bool
+    """True if it ends before that where the first number of the state is not above 0."""
+    begin: tuple[int, ...]
+    state: tuple[int, ...]
+    """The inputs of the body."""
+    outputs: tuple[int, ...]
+    bit: int
+    """What the nodes of the body depend on."""
+
+
+class Graph:
+    """Nodes (operation, arguments) in order of creation; arguments come before their users."""
+
+    def __init__(self) -> None:
+        self.operations: list[str] = []
+        self.arguments: list[tuple[Any, ...]] = []
+        self.depends: list[int] = []
+        self.details: list[Any] = []
+        self.flags: set[int] = set()
+        """The nodes that are true or false, and no numbers."""
+        self.loops: dict[int, Loop] = {}
+        self.repeats: dict[int, Repeat] = {}
+        self._depth = 0
+        self._known: dict[tuple[Any, ...], int] = {}
+
+    def input(self, name: str, depends: int) -> Expr:
+        """A named number from outside."""
+        return self._node("input", (name,), depends)
+
+    def constant(self, value: float | bool) -> Expr:
+        """A number known while tracing."""
+        try:
+            value = value if isinstance(value, bool) else float(value)
+        except (TypeError, ValueError) as error:
+            if isinstance(error, KernelError):
+                raise
+            reason = f"a kernel computes with numbers, but {value!r} is none"
+            raise make_kernel_error(reason, "a number, and a `return` if one is missing") from None
+        return self._node("constant", (value,), 0, type(value))
+
+    def apply(self, operation: str, *values: Any) -> Expr:
+        """A new node, or an equal or simpler one that exists."""
+        nodes = [self._expr(v) for v in values]
+        simple = self._simplify(operation, nodes)
+        if simple is not None:
+            return simple
+        indices = tuple(node.index for node in nodes)
+        if operation in COMMUTATIVE and (operation, *indices[::-1], None, None) in self._known:
+            indices = indices[::-1]
+        return self._node(operation, indices, self._joined(indices))
+
+    def loop(
+        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]],
+        slopes: Sequence[Sequence[Any]] = (),
+    ) -> tuple[list[Expr], ...]:  # fmt: skip
+        """Trace a body over rows, those of `slopes` last; equal loops are one."""
+        bit, results, row = self._body(body, "g", len(columns), len(slopes))
+        columns = [*columns, *slopes]
+        inside = [r for r in results if self.depends[r.index] & bit]
+        table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
+        outputs = tuple(r.index for r in inside)
+        around = tuple(self._outside(outputs, bit))
+        needed = (*dict.fromkeys(i for column in table for i in column), *around)
+        depends = self._loop_depends(needed)
+        node = self._node("each", needed, depends, (table, outputs)).index
+        self.loops[node] = Loop(table, row, outputs, around, bit)
+        rows, places = range(len(table[0])), iter(range(len(outputs)))
+        found: list[list[Expr]] = []
+        for result in results:
+            if self.depends[result.index] & bit:
+                place, own = next(places), self._like(depends, result.index)
+                found.append([self._node("item", (node,), own, (place, k)) for k in rows])
+            else:
+                found.append([result for _ in rows])
+        return tuple(found)
+
+    def repeat(
+        self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any],
+        slopes: Sequence[Any] = (), stops: bool = False,
+    ) -> list[Expr]:  # fmt: skip
+        """Trace one turn of a loop over a state, its `slopes` last."""
+        begin = tuple(self._expr(value).index for value in (*state, *slopes))
+        bit, results, inputs = self._body(body, "r", len(state), len(slopes))
+        outputs = tuple(r.index for r in results)
+        needed = tuple(dict.fromkeys((*begin, *self._outside(outputs, bit))))
+        depends = self._loop_depends(needed)
+        node = self._node("repeat", needed, depends, (count, stops, begin, outputs)).index
+        self.repeats[node] = Repeat(count, stops, begin, inputs, outputs, bit)
+        return [
+            self._node("result", (node,), self._like(depends, input_), place)
+            for place, input_ in enumerate(inputs)
+        ]
+
+    def _like(self, depends: int, index: int) -> int:
+        """`depends`, for a derivative if and only if that node is one."""
+        return (depends & ~SLOPE) | (self.depends[index] & SLOPE)
+
+    def _body(
+        self, body: Callable[..., Sequence[Any]], letter: str, count: int, slopes: int
+    ) -> tuple[int, list[Expr], tuple[int, ...]]:
+        """Trace the body of a loop: its bit, its results and its inputs."""
+        bit, name = LOOP << self._depth, letter * (self._depth + 1)
+        inputs = [self.input(f"{name}{k}", bit | VARYING) for k in range(count)]
+        inputs += [self.input(f"d{name}{k}", bit | VARYING | SLOPE) for k in range(slopes)]
+        self._depth += 1
+        try:
+            results = [self._expr(result) for result in body(*inputs)]
+        finally:
+            self._depth -= 1
+        return bit, results, tuple(i.index for i in inputs)
+
+    def _loop_depends(self, needed: Sequence[int]) -> int:
+        """What a loop depends on that takes these nodes: the loops around it, and VARYING."""
+        return VARYING | (self._joined(needed) & ~PARAMETER)
+
+    def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
+        """The nodes that the body of a loop takes from around it."""
+        found: dict[int, None] = {}
+        seen: set[int] = set()
+        stack = list(outputs)
+        while stack:
+            index = stack.pop()
+            if index in seen:
+                continue
+            seen.add(index)
+            if not self.depends[index] & bit:
+                found[index] = None
+            elif self.operations[index] != "input":
+                stack += self.arguments[index]
+        return sorted(found)
+
+    def _joined(self, indices: Iterable[int]) -> int:
+        """All that some nodes depend on."""
+        depends = 0
+        for index in indices:
+            depends |= self.depends[index]
+        return depends
+
+    def _expr(self, value: Any) -> Expr:
+        return value if isinstance(value, Expr) else self.constant(value)
+
+    def children(self, index: int) -> tuple[int, ...]:
+        """The nodes that a node is computed from: a root is not computed from its slopes."""
+        operation, arguments = self.operations[index], self.arguments[index]
+        if operation in ("input", "constant"):
+            return ()
+        return arguments[:1] if operation == "solved" else arguments
+
+    def value_of(self, node: Expr) -> float | bool | None:
+        """The value of a constant node, else None."""
+        i = node.index
+        return self.arguments[i][0] if self.operations[i] == "constant" else None
+
+    def _node(self, operation: str, args: tuple[Any, ...], depends: int, extra: Any = None) -> Expr:
+        key = (operation, *args, extra, repr(args[0]) if operation == "constant" else None)
+        index = self._known.get(key)
+        if index is None:
+            flag = self._is_flag(operation, args)
+            index = self._known[key] = len(self.operations)
+            self.operations.append(operation)
+            self.arguments.append(args)
+            self.depends.append(depends)
+            self.details.append(extra)
+            if flag:
+                self.flags.add(index)
+        return Expr(self, index)
+
+    def _is_flag(self, operation: str, args: tuple[Any, ...]) -> bool:
+        """Whether a new node is true or false.
+
+        Raises:
+            KernelError: there is a condition among numbers, or a number among conditions. Floats
+                take both, but in C a vector of conditions is of another type.
+        """
+        if operation in CONDITIONS:
+            return self._is_choice_of_flags(operation, args)
+        if operation in UNTYPED:
+            return operation == "constant" and isinstance(args[0], bool)
+        if not self.flags.isdisjoint(args):
+            raise make_kernel_error(CONDITION, "`xp.where(condition, a, 0.0)`")
+        return operation in FLAGS
+
+    def _is_choice_of_flags(self, operation: str, args: tuple[Any, ...]) -> bool:
+        """The same for operations that take conditions."""
+        count = CONDITIONS[operation]
+        chosen = self.flags.intersection(args[count:])
+        if not self.flags.issuperset(args[:count]):
+            raise make_kernel_error(
+                "a number of a kernel is not true or false", "a comparison: `x > 0.0`"
+            )
+        if chosen and not self.flags.issuperset(args):
+            raise make_kernel_error(CONDITION, "`xp.where(condition, a, 0.0)`")
+        return bool(chosen) or operation in FLAGS
+
+    def _simplify(self, operation: str, nodes: list[Expr]) -> Expr | None:
+        known = [self.value_of(node) for node in nodes]
+        if operation == "where":
+            return self._simplify_where(nodes, known)
+        if known and None not in known:
+            fold = _FOLD.get(operation) or getattr(floats, operation)
+            return self.constant(fold(*known))
+        if operation in ("add", "sub", "mul", "div"):
+            simple = _identities(operation, nodes, known)
+            return self._signs(operation, nodes, known) if simple is None else simple
+        if operation == "solved" and known[0] is not None:
+            return nodes[0]
+        if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
+            flag, other = (known[0], nodes[1]) if known[0] is not None else (known[1], nodes[0])
+            absorbing = operation == "either"
+            return self.constant(absorbing) if flag is absorbing else other
+        return None
+
+    def _signs(self, operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+        """Rules for minus signs, which are exact as well."""
+        a, b = nodes
+        if operation == "mul" and -1.0 in known:
+            return -b if known[0] == -1.0 else -a
+        first, last = (self._negated(node) for node in nodes)
+        if operation == "add" and (first is not None or last is not None):
+            return a - last if last is not None else b - first
+        return a + last if operation == "sub" and last is not None else None
+
+    def _negated(self, node: Expr) -> Expr | None:
+        """What a node is the negative of, if it is made so."""
+        if self.operations[node.index] != "neg":
+            return None
+        return Expr(self, self.arguments[node.index][0])
+
+    def _simplify_where(self, nodes: list[Expr], known: list[Any]) -> Expr | None:
+        if known[0] is not None:
+            return nodes[1] if known[0] else nodes[2]
+        return nodes[1] if nodes[1].index == nodes[2].index else None
+
+
+def _identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+    """Rules that are exact in floating point for finite numbers."""
+    a, b = nodes
+    if operation == "add":
+        return b if known[0] == 0.0 else a if known[1] == 0.0 else None
+    if operation == "sub":
+        if a.index == b.index:
+            return a.graph.constant(0.0)
+        return a if known[1] == 0.0 else -b if known[0] == 0.0 else None
+    if operation == "mul":
+        if known[0] == 0.0 or known[1] == 0.0:
+            return a.graph.constant(0.0)
+        return b if known[0] == 1.0 else a if known[1] == 1.0 else None
+    if known[0] == 0.0:
+        return a.graph.constant(0.0)
+    return a if known[1] == 1.0 else None
+
+
+class Expr(TracedNumber):
+    """A node of a graph; operators build further nodes."""
+
+    __slots__ = ("graph", "index")
+
+    def __init__(self, graph: Graph, index: int) -> None:
+        self.graph = graph
+        self.index = index
+
+    def __add__(self, other: Any) -> Any:
+        return _operate("add", self, other, "__radd__")
+
+    def __radd__(self, other: Any) -> Expr:
+        return self.graph.apply("add", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return _operate("sub", self, other, "__rsub__")
+
+    def __rsub__(self, other: Any) -> Expr:
+        return self.graph.apply("sub", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        return _operate("mul", self, other, "__rmul__")
+
+    def __rmul__(self, other: Any) -> Expr:
+        return self.graph.apply("mul", other, self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return _operate("div", self, other, "__rtruediv__")
+
+    def __rtruediv__(self, other: Any) -> Expr:
+        return self.graph.apply("div", other, self)
+
+    def __neg__(self) -> Expr:
+        return self.graph.apply("neg", self)
+
+    def __lt__(self, other: Any) -> Any:
+        return _operate("lt", self, other, "__gt__")
+
+    def __le__(self, other: Any) -> Any:
+        return _operate("le", self, other, "__ge__")
+
+    def __gt__(self, other: Any) -> Any:
+        return _operate("gt", self, other, "__lt__")
+
+    def __ge__(self, other: Any) -> Any:
+        return _operate("ge", self, other, "__le__")
+
+
+def _operate(operation: str, a: Expr, b: Any, reflected: str) -> Any:
+    """Apply, unless the other side is richer (a dual number, an array): then let it answer."""
+    if isinstance(b, Expr | float | int):
+        return a.graph.apply(operation, a, b)
+    if getattr(b, "shape", None) == ():  # a number of NumPy
+        return a.graph.apply(operation, a, b.item())
+    answer = getattr(b, reflected, None)
+    return a.graph.apply(operation, a, b) if answer is None else answer(a)
+
+
+class GraphNamespace:
+    """The kernel operations as nodes of one graph."""
+
+    level = 0
+    """Of its numbers, which are no dual ones."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+
+    def __getattr__(self, operation: str) -> Any:
+        if operation not in OPERATIONS:
+            raise make_operation_error(operation)
+
+        def build(*values: Any) -> Expr:
+            return self.graph.apply(operation, *values)
+
+        setattr(self, operation, build)
+        return build
+
+    def power(self, base: Any, exponent: Any) -> Any:
+        """A power as one operation; an `int` is multiplied out."""
+        if isinstance(exponent, int):
+            return expand_power(base, exponent)
+        return self.graph.apply("power", base, exponent)
+
+    def each(
+        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
+    ) -> tuple[list[Expr], ...]:
+        """One loop over the rows of the columns."""
+        return self.graph.loop(body, columns)
+
+    def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
+        """One loop over a state."""
+        return self.graph.repeat(count, body, state)
+
+    def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
+        """One loop over a state that ends where the first number is not above 0."""
+        return self.graph.repeat(most, body, state, stops=True)
+
+    def clip(self, x: Any, low: Any, high: Any) -> Any:
+        """`x` limited to [low, high]."""
+        return self.graph.apply("minimum", self.graph.apply("maximum", x, low), high)

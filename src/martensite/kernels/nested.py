@@ -1,0 +1,48 @@
+"""Nested NamedTuples as flat sequences and back: states between kernels and runtimes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from martensite.kernels.namespace import Namespace, Scalar
+
+
+class Shape:
+    """Rebuilds nested NamedTuples from a flat sequence."""
+
+    def __init__(self, example: Any) -> None:
+        self.example = example
+
+    def rebuild(self, flat: Sequence[Any]) -> Any:
+        """The nested tuple with the numbers of `flat` in order."""
+        return self._fill(self.example, iter(flat))
+
+    def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
+        if isinstance(example, tuple):
+            items = (self._fill(item, numbers) for item in example)  # type: ignore[misc]
+            return tuple(items) if type(example) is tuple else type(example)(*items)  # type: ignore[call-arg]
+        return next(numbers)
+
+
+def flatten(nested: Any) -> list[Any]:
+    """All numbers of nested tuples, in order."""
+    if isinstance(nested, tuple):
+        return [number for item in nested for number in flatten(item)]  # type: ignore[misc]
+    return [nested]
+
+
+def total(column: Sequence[Scalar]) -> Scalar:
+    """Sum of the numbers of a column."""
+    result = column[0]
+    for number in column[1:]:
+        result = result + number
+    return result
+
+
+def largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
+    """The largest number of a column."""
+    result = column[0]
+    for number in column[1:]:
+        result = xp.maximum(result, number)
+    return result

@@ -1,0 +1,131 @@
+"""Programs: traced kernels, printed and bound for a runtime.
+
+A program has functions over named inputs. Everything that depends on parameters alone is
+computed once, when the parameters are bound; the functions then close over it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.graph import PARAMETER, VARYING, Expr, Graph, GraphNamespace
+from martensite.kernels.printer import (
+    ARRAY_DIALECT,
+    FLOAT_DIALECT,
+    Dialect,
+    Printer,
+    parameter_nodes,
+)
+
+FLOAT_GLOBALS = {
+    "_sqrt": math.sqrt, "_exp": math.exp, "_log": math.log,
+    "_sin": math.sin, "_cos": math.cos, "_tanh": math.tanh, "_erfcx": floats.erfcx,
+    "_nearest": floats.nearest, "_power": floats.power,
+}  # fmt: skip
+
+
+@dataclass
+class Function:
+    """One traced function: names of its inputs, and its outputs as nodes."""
+
+    name: str
+    inputs: tuple[str, ...]
+    outputs: tuple[Expr, ...]
+
+
+@dataclass
+class Program:
+    """Functions of one graph over the same parameters.
+
+    `parameters` are the names of the parameter inputs, in order.
+    """
+
+    graph: Graph = field(default_factory=Graph)
+    parameters: list[str] = field(default_factory=list[str])
+    functions: dict[str, Function] = field(default_factory=dict[str, Function])
+
+    @property
+    def xp(self) -> GraphNamespace:
+        """The namespace in which kernels are traced into this program."""
+        return GraphNamespace(self.graph)
+
+    def parameter(self, name: str) -> Expr:
+        """Declare a parameter input."""
+        self.parameters.append(name)
+        return self.graph.input(f"p{len(self.parameters) - 1}", PARAMETER)
+
+    def add(self, name: str, inputs: Sequence[str], kernel: Callable[..., Sequence[Any]]) -> None:
+        """Trace `kernel(xp, *inputs)`, which returns a flat sequence of numbers."""
+        nodes = [self.graph.input(f"{name}_{i}", VARYING) for i in inputs]
+        results = kernel(self.xp, *nodes)
+        outputs = tuple(r if isinstance(r, Expr) else self.graph.constant(r) for r in results)
+        self.functions[name] = Function(name, tuple(f"{name}_{i}" for i in inputs), outputs)
+
+    def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
+        """Whether outputs depend on any of some inputs, by their full names."""
+        wanted = {self.graph.input(name, VARYING).index for name in inputs}
+        seen: set[int] = set()
+        stack = [node.index for node in outputs]
+        while stack:
+            index = stack.pop()
+            if index in wanted:
+                return True
+            if index not in seen:
+                seen.add(index)
+                stack += self.graph.children(index)
+        return False
+
+    @cached_property
+    def hoisted(self) -> list[Expr]:
+        """Nodes computed once per set of parameters."""
+        return parameter_nodes(
+            self.graph, [node for f in self.functions.values() for node in f.outputs]
+        )
+
+    @cached_property
+    def bind_floats(self) -> Callable[..., Mapping[str, Callable[..., tuple[float, ...]]]]:
+        """`bind_floats(*parameters)` returns the functions as plain Python over floats."""
+        return _compiled(self._source(FLOAT_DIALECT), dict(FLOAT_GLOBALS))
+
+    def bind_arrays(self, xp: ArrayNamespace, values: Sequence[Any]) -> Mapping[str, Any]:
+        """The functions over arrays of the given module, with the parameters bound."""
+        return _compiled(self._array_source, {"xp": xp})(*values)
+
+    @cached_property
+    def _array_source(self) -> str:
+        return self._source(ARRAY_DIALECT)
+
+    def _source(self, dialect: Dialect) -> str:
+        """Python source of `bind`, a function that returns the functions."""
+        printer = Printer(self.graph, dialect)
+        lines, values = printer.block(self.hoisted, "h")
+        names = [f"c{i}" for i in range(len(values))]
+        lines += [f"{name} = {value}" for name, value in zip(names, values, strict=True)]
+        printer.share(self.hoisted, lambda i: f"c{i}")
+        for function in self.functions.values():
+            lines += _function_source(printer, function)
+        members = ", ".join(f"{name!r}: {name}" for name in self.functions)
+        lines.append(f"return {{{members}}}")
+        arguments = ", ".join(f"p{i}" for i in range(len(self.parameters)))
+        return f"def bind({arguments}):\n" + "".join(f"    {line}\n" for line in lines)
+
+
+def _function_source(printer: Printer, function: Function) -> list[str]:
+    body, outputs = printer.block(function.outputs)
+    result = ", ".join(outputs) + ("," if len(outputs) == 1 else "")
+    return [
+        f"def {function.name}({', '.join(function.inputs)}):",
+        *(f"    {line}" for line in body),
+        f"    return ({result})",
+    ]
+
+
+def _compiled(source: str, names: dict[str, Any]) -> Any:
+    exec(compile(source, "<traced kernel>", "exec"), names)
+    return names["bind"]

@@ -1,1 +1,0 @@
-"""What several laws share; no law is registered here."""

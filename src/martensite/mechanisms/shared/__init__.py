@@ -1,1 +1,0 @@
-"""What mechanisms are made with; no mechanism is registered here."""

@@ -1,0 +1,1 @@
+"""The material: laws, heat, resistance, numbers of materials."""

@@ -1,0 +1,191 @@
+"""What a resistance model and a source answer.
+
+A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a
+switch is closed) and the resistance of the element into a current. Only I²R of the element
+heats it; leads and series resistance do not.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import ClassVar, NamedTuple
+
+from martensite.base.parameters import Parametrised, param
+from martensite.base.registry import Registry
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.moments import Moments
+
+RESISTANCES: Registry[AbstractResistance] = Registry(
+    "resistance", "martensite.physics.electrical", typical="per-length"
+)
+SOURCES: Registry[AbstractSource] = Registry(
+    "drive", "martensite.physics.electrical", typical="current"
+)
+STRAIGHT = 1e-9
+"""Departure of a current or a power from a straight line that is none, as a share of it."""
+
+
+class Conductor(NamedTuple):
+    """The shape that carries the current."""
+
+    area: Scalar
+    """Section [m²]."""
+    length: Scalar
+    """[m]"""
+
+
+class Reach(NamedTuple):
+    """Drive signals that a source can deliver, in its unit."""
+
+    least: float
+    most: float
+
+
+class Heat(NamedTuple):
+    """Power [W] in an element during an interval."""
+
+    mean: Scalar
+    doubt: Scalar
+    """How far the mean may be off, since the source follows the drive in a part of it only."""
+    peak: Scalar
+    slope: Scalar = 0.0
+    """Of the straight line that is nearest to the power [W/s]."""
+
+
+class AbstractResistance(Parametrised):
+    """Interface of a resistance model."""
+
+    @abstractmethod
+    def resistance(
+        self,
+        xp: Namespace,
+        fraction: Scalar,
+        strain: Scalar,
+        temperature: Scalar,
+        shape: Conductor,
+    ) -> Scalar:
+        """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
+
+
+class AbstractSource(Parametrised):
+    """Interface of a source; `unit` is the SI unit of its drive signal."""
+
+    unit: ClassVar[str] = "1"
+    sets_temperature: ClassVar[bool] = False
+    """True if the signal is the temperature of the element itself."""
+    supplied_by: ClassVar[tuple[str, ...]] = ()
+    """Parameters that are the voltage of its supply: those that fall when the supply does."""
+    linear: ClassVar[str] = "current"
+    """What goes straight with the drive, within limits: `current` or `power`."""
+
+    @abstractmethod
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
+
+    def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
+        """Power in an element of `resistance` [ohm] under a drive with these moments.
+
+        Exact where the source is linear over the range of the drive, or the drive constant. A
+        limit within the range shows where the source is asked between its ends; the mean is
+        then in doubt, by all that lies between the powers at the ends.
+        """
+        square = self.linear == "current"
+
+        def answer(drive: Scalar) -> Scalar:
+            current = self.current(xp, drive, resistance)
+            return current if square else current * current * resistance
+
+        span = drive.high - drive.low
+        varies = span > 0.0
+        low, high = answer(drive.low), answer(drive.high)
+        slope = (high - low) / xp.where(varies, span, 1.0)
+        middle = low + slope * (drive.mean - drive.low)
+        off = xp.abs(answer(drive.mean) - middle)
+        off = xp.maximum(off, xp.abs(answer(drive.low + 0.25 * span) - (low + 0.25 * slope * span)))
+        bent = xp.both(varies, off > STRAIGHT * (xp.abs(low) + xp.abs(high)))
+        least, most = xp.minimum(low, high), xp.maximum(low, high)
+        if square:
+            spread = xp.maximum(drive.square - drive.mean * drive.mean, 0.0)
+            mean = middle * middle + slope * slope * spread
+            crosses = xp.both(least < 0.0, most > 0.0)
+            least, most = low * low, high * high
+            least, most = xp.minimum(least, most), xp.maximum(least, most)
+            least = resistance * xp.where(crosses, 0.0, least)
+            mean, most = resistance * mean, resistance * most
+            level = low - slope * drive.low
+            by_square = slope * slope * drive.square_slope
+            change = resistance * (2.0 * level * slope * drive.slope + by_square)
+        else:
+            mean, change = middle, slope * drive.slope
+        return Heat(mean, xp.where(bent, most - least, 0.0), most, change)
+
+    def reach(self, resistance: float) -> Reach:
+        """What can be delivered to an element of `resistance` [ohm]; unlimited by default."""
+        return Reach(-math.inf, math.inf)
+
+
+class AbstractSupply(AbstractSource):
+    """Interface of a source with a real supply: limited in current and in voltage."""
+
+    supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
+
+    series_resistance: Scalar = param(
+        "ohm",
+        "resistance outside the element: leads, contacts, driver",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+        typical="0.5 ohm",
+    )
+    current_limit: Scalar = param(
+        "A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A"
+    )
+    voltage_limit: Scalar = param(
+        "V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V"
+    )
+
+    def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
+        reachable = self.voltage_limit / (resistance + self.series_resistance)
+        return xp.minimum(reachable, self.current_limit)
+
+
+class AbstractSwitch(AbstractSource):
+    """Interface of a constant supply behind a switch that is closed for a share of the time.
+
+    While the switch is closed the current is U/(R + R_s), within the limit. Over many periods
+    the heat in the element is that of the rms current, √duty times the one of the closed switch.
+    """
+
+    supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
+    linear: ClassVar[str] = "power"
+
+    supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
+    series_resistance: Scalar = param(
+        "ohm", "resistance outside the element: leads, contacts, closed switch",
+        low=0.0, high=1e6, default=0.0,
+    )  # fmt: skip
+    current_limit: Scalar = param(
+        "A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6
+    )
+
+    def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
+        return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
+
+    def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
+        """Share of the time for which the switch is closed under a duty.
+
+        Args:
+            xp: namespace.
+            drive: duty.
+            frequency: of the pulses [Hz], for what is lost in each of them.
+        """
+        return xp.clip(drive, 0.0, 1.0)
+
+    def largest_power(self, resistance: float) -> float:
+        """Power [W] in an element of `resistance` [ohm] while the switch is closed."""
+        current = self.closed(floats, resistance)
+        return current * current * resistance

@@ -1,0 +1,51 @@
+"""Unused engine oil, 273 K to 430 K, from the table of a textbook.
+
+Conductivity and expansion are linear between the rows. Viscosity falls by a factor of 700 over
+the table and Prandtl number with it: their logarithms are linear between the rows (between rows
+10 K apart a straight line in ν itself would lie up to 8 % higher, near 285 K).
+
+Kind of the numbers: textbook (Bergman, Lavine, Incropera and DeWitt, table A.5), recalled, and
+identical in a publicly posted copy. The textbook's oil has no grade. Oils differ in viscosity by
+factors; take this one as an example of an oil, not as yours.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
+from martensite.physics.fluids.rows import Row, between
+
+ROWS: tuple[Row, ...] = (
+    (273.0, 0.147, 4280.0, 47000.0), (280.0, 0.144, 2430.0, 27500.0),
+    (290.0, 0.145, 1120.0, 12900.0), (300.0, 0.145, 550.0, 6400.0),
+    (310.0, 0.145, 288.0, 3400.0), (320.0, 0.143, 161.0, 1965.0),
+    (330.0, 0.141, 96.6, 1205.0), (340.0, 0.139, 61.7, 793.0),
+    (350.0, 0.138, 41.7, 546.0), (360.0, 0.138, 29.7, 395.0),
+    (370.0, 0.137, 22.0, 300.0), (380.0, 0.136, 16.9, 233.0),
+    (390.0, 0.135, 13.3, 187.0), (400.0, 0.134, 10.6, 152.0),
+    (410.0, 0.133, 8.52, 125.0), (420.0, 0.133, 6.94, 103.0),
+    (430.0, 0.132, 5.83, 88.0),
+)  # fmt: skip
+"""Temperature [K], k [W/(m K)], ν [1e-6 m²/s], Pr [-]."""
+
+LOGARITHMIC = tuple((t, k, math.log(1e-6 * nu), math.log(pr)) for t, k, nu, pr in ROWS)
+EXPANSION = 0.70e-3
+"""β of the whole table [1/K]"""
+
+
+@FLUIDS.register("oil")
+class Oil(AbstractFluid):
+    """Unused engine oil, from 273 K to 430 K."""
+
+    cites = ("bergman2011",)
+
+    def span(self) -> tuple[float, float]:
+        """273 K to 430 K."""
+        return ROWS[0][0], ROWS[-1][0]
+
+    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+        """k, ν, Pr and β at the film temperature [K]."""
+        conductivity, viscosity, prandtl = between(xp, temperature, LOGARITHMIC)
+        return FluidProperties(conductivity, xp.exp(viscosity), xp.exp(prandtl), EXPANSION)

@@ -1,0 +1,1 @@
+"""Transformation kinetics that several laws share; no law is registered here."""

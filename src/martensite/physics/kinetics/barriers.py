@@ -1,0 +1,195 @@
+r"""Thermally activated exchange between austenite and two martensite variants.
+
+The free energy of a layer has parabolic wells for austenite (A) and the variants M+ and M-,
+joined by concave parabolas, so that its slope is continuous:
+
+    σ_A(T) = max(0, σ_L + s (T - T_L)),       σ_M = σ_A - Δσ
+    ε_A = σ_A/E_A,   ε_M = ε_T + σ_M/E_M,     K = Δσ/(ε_M - ε_A)
+
+Layers jump over the barrier ΔG from A to M+ at the rate p = exp(-λ ΔG)/τ, λ = V/(k_B T),
+and back likewise; M- mirrors M+ in σ. Three forms of the barrier:
+
+- `barrier`: height of the saddle over the well, at given stress. Detailed balance is exact.
+- `well`: layers at the edge of their well, a partition function over the well (erf, erfc).
+  Rates keep growing beyond the threshold; softer plateaus; no exact detailed balance.
+- `edge`: (σ_A - σ)²/2E_A and (σ - σ_M)²/2E_M, the barrier form with a rigid bridge.
+
+With y = ±√(λ ΔG), negative beyond the threshold, p = q(y) exp(-⟨y⟩²)/τ. Over a step y runs
+straight from y₀ to y₁. Where the rate grows its mean over the step is the closed integral of
+the Gaussian; where it falls the rate at the end counts, as in an implicit step, so that a
+plateau held by feedback does not ring. The linear exchange at mean rates is solved exactly:
+a step never overshoots, whatever the rates.
+
+Sources: Achenbach (1989); Seelecke and Müller (2004), Appl. Mech. Rev. 57, for the model; the
+step is this package's.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.kernels.floats import ROOT_PI
+from martensite.kernels.namespace import Namespace, Scalar
+
+BOLTZMANN = 1.380649e-23
+"""[J/K], exact by definition."""
+COLDEST = 100.0
+"""Temperature [K] below which rates are those at it: solvers may try absurd points."""
+FLATTEST = 0.05
+"""Lowest threshold σ_A in the form `well`, in thermal widths: there its well vanishes."""
+
+
+class Material(NamedTuple):
+    """Constants of the free energy and of the layers."""
+
+    E_A: Scalar
+    E_M: Scalar
+    eps_T: Scalar
+    width: Scalar
+    """Δσ [Pa]."""
+    volume: Scalar
+    """V [m³]."""
+    time: Scalar
+    """τ [s]."""
+
+
+class Wells(NamedTuple):
+    """The free energy at one temperature."""
+
+    stress_A: Scalar
+    """A → M± where |σ| reaches it [Pa]."""
+    stress_M: Scalar
+    gap: Scalar
+    """ε_M - ε_A [-]."""
+    per_energy: Scalar
+    """λ [m³/J]."""
+
+
+class Process(NamedTuple):
+    """One way over one barrier, at one stress and temperature."""
+
+    y: Scalar
+    """Root of the barrier in thermal units; negative beyond the threshold."""
+    factor: Scalar
+    """Prefactor q of the Gaussian."""
+
+
+class Start(NamedTuple):
+    """What the mean rate of a step needs of its start."""
+
+    y: Scalar
+    tail: Scalar
+    """(√π/2) erfc(⟨y⟩)."""
+
+
+def wells(
+    xp: Namespace, material: Material, threshold: Scalar, temperature: Scalar, form: str
+) -> Wells:
+    """The free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
+    per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
+    least = 0.0
+    if form == "well":
+        least = FLATTEST * xp.sqrt(2.0 * material.E_A / per_energy)
+    stress_A = xp.maximum(threshold, least)
+    stress_M = stress_A - material.width
+    gap = material.eps_T + stress_M / material.E_M - stress_A / material.E_A
+    gap = xp.maximum(gap, 1e-3 * material.eps_T)
+    return Wells(stress_A, stress_M, gap, per_energy)
+
+
+class Scales(NamedTuple):
+    """y per stress inside σ_A and σ_M [1/Pa]."""
+
+    A: Scalar
+    M: Scalar
+
+
+def scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
+    """Reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
+    bridge = at.gap / material.width if form == "barrier" else 0.0
+    half = 0.5 * at.per_energy
+    return Scales(
+        xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge))
+    )
+
+
+def edges(at: Wells, scale: Scales, stress: Scalar) -> tuple[Scalar, Scalar]:
+    """y inside σ_A and inside σ_M, for the variant that a positive stress favours."""
+    return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
+
+
+def processes(
+    xp: Namespace, material: Material, at: Wells, stress: Scalar, form: str
+) -> tuple[Process, Process]:
+    """From austenite to the variant that a positive `stress` favours, and back."""
+    scale = scales(xp, material, at, form)
+    u, z = edges(at, scale, stress)
+    if form == "edge":
+        return Process(u, 1.0), Process(z, 1.0)
+    if form == "barrier":
+        return _saddle(xp, material, at, stress, u, z)
+    v = (at.stress_A + stress) * scale.A
+    ratio = xp.sqrt(material.E_M / material.E_A)
+    return _out_of_well(xp, u, v), Process(z, ratio * _half_line(xp, z))
+
+
+def _saddle(
+    xp: Namespace, material: Material, at: Wells, stress: Scalar, u: Scalar, z: Scalar
+) -> tuple[Process, Process]:
+    """Inside the thresholds u and z; beyond the other one the saddle is gone.
+
+    There the barrier is the whole difference of the wells.
+    """
+    up, down = at.stress_A - stress, stress - at.stress_M
+    middle = (stress - 0.5 * (at.stress_A + at.stress_M)) * at.gap
+    square = xp.where(stress < -at.stress_A, -4.0 * at.stress_A * stress, up * up)
+    deep_A = xp.sqrt(at.per_energy * (0.5 * square / material.E_A - middle))
+    deep_M = xp.sqrt(at.per_energy * (0.5 * down * down / material.E_M + middle))
+    return Process(xp.where(down < 0.0, deep_A, u), 1.0), Process(
+        xp.where(up < 0.0, deep_M, z), 1.0
+    )
+
+
+def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
+    """Rate over the edge at u of a well that ends at -v and u, in thermal widths."""
+    beyond, behind = u < 0.0, v < 0.0
+    a, b = xp.abs(u), xp.abs(v)
+    scaled_a, scaled_b = xp.erfcx(a), xp.erfcx(b)
+    inner = 2.0 - xp.exp(-a * a) * scaled_a - xp.exp(-b * b) * scaled_b
+    fade = xp.exp(-xp.abs(v * v - u * u))
+    outer = xp.where(beyond, scaled_a - fade * scaled_b, scaled_b - fade * scaled_a)
+    outside = xp.either(beyond, behind)
+    weight = xp.where(outside, outer, inner)
+    y = xp.where(behind, xp.sqrt((u - v) * (u + v)), u)
+    return Process(y, 1.0 / xp.maximum(weight, 1e-12))
+
+
+def _half_line(xp: Namespace, z: Scalar) -> Scalar:
+    """exp(⟨z⟩²)-scaled rate out of a well that reaches to infinity."""
+    a = xp.abs(z)
+    scaled = xp.erfcx(a)
+    return 1.0 / xp.where(z > 0.0, 2.0 - xp.exp(-a * a) * scaled, scaled)
+
+
+def rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
+    """Rate of a process at its point [1/s]."""
+    a = xp.maximum(process.y, 0.0)
+    return process.factor * xp.exp(-a * a) / time
+
+
+def begin(xp: Namespace, process: Process) -> Start:
+    """What to keep of a process at the start of a step."""
+    a = xp.maximum(process.y, 0.0)
+    return Start(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
+
+
+def mean_rate(xp: Namespace, start: Start, end: Process) -> Scalar:
+    """τ times the rate over a step: its mean where it grows, that at the end where it falls."""
+    a = xp.maximum(end.y, 0.0)
+    bell = xp.exp(-a * a)
+    fall = start.y - end.y
+    grows = fall > 1e-7 * (1.0 + a)
+    saturated = xp.maximum(-end.y, 0.0) - xp.maximum(-start.y, 0.0)
+    integral = saturated + (0.5 * ROOT_PI) * bell * xp.erfcx(a) - start.tail
+    mean = xp.where(grows, integral / xp.where(grows, fall, 1.0), bell)
+    return end.factor * xp.clip(mean, 0.0, 1.0)

@@ -1,0 +1,119 @@
+"""Parameters and strain of laws with a phase diagram of straight strips.
+
+The constitutive equation is integrated, so that elastic loops close:
+
+    ε = [σ - Θ (T - T_ref)]/E + ε_L ξ_S
+
+with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar
+shrinks on heating.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.base import AbstractLaw, Fractions
+
+WIDTHS = (("M_f", "M_s"), ("A_s", "A_f"))
+"""Temperatures between which a transformation runs."""
+
+
+def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
+    """Raise `ParameterError` unless the first temperature of every pair is the lower."""
+    owner = law.registered_name or type(law).__name__
+    for low, high in pairs:
+        if not getattr(law, low) < getattr(law, high):
+            raise ParameterError(
+                f"Parameter `{low}` of `{owner}` must be below `{high}`, but is "
+                f"{getattr(law, low) - 273.15:.4g} degC against "
+                f"{getattr(law, high) - 273.15:.4g} degC."
+            )
+
+
+class AbstractPhaseDiagram(AbstractLaw):
+    """Strips shifted by stress, and a Young's modulus that a law chooses."""
+
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
+    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
+    A_s: Scalar = param(
+        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
+    )
+    A_f: Scalar = param(
+        "K",
+        "austenite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="75 degC",
+    )
+    M_s: Scalar = param(
+        "K",
+        "martensite start temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="50 degC",
+    )
+    M_f: Scalar = param(
+        "K",
+        "martensite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="40 degC",
+    )
+    C_A: Scalar = param(
+        "Pa/K",
+        "Clausius–Clapeyron slope of the reverse strip",
+        low=1e5,
+        high=1e9,
+        typical="8 MPa/K",
+    )
+    C_M: Scalar = param(
+        "Pa/K",
+        "Clausius–Clapeyron slope of the forward strip",
+        low=1e5,
+        high=1e9,
+        typical="8 MPa/K",
+    )
+    Theta: Scalar = param(
+        "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
+    )
+    T_ref: Scalar = param(
+        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
+    )
+    history: str = option(
+        "what happens to an interrupted transformation", "resume", "restart", default="resume"
+    )
+
+    @abstractmethod
+    def young(self, fractions: Fractions) -> Scalar:
+        """Young's modulus [Pa]."""
+
+    def mixture(self, fractions: Fractions) -> Scalar:
+        """E_A + ξ (E_M - E_A) [Pa]."""
+        return self.E_A + fractions.martensite * (self.E_M - self.E_A)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if a strip has no width."""
+        require_order(self, *WIDTHS)
+
+    def cautions(self) -> list[str]:
+        """The sign of Θ; a law adds what its strips may do."""
+        if self.Theta > 0.0:
+            return ["Theta > 0: a free bar shrinks on heating (the expansion enters as -E α)."]
+        return []
+
+    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+        """ε_L ξ_S - Θ (T - T_ref)/E [-]."""
+        thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
+        return self.transformation_strain(fractions) - thermal
+
+    def transformation_strain(self, fractions: Fractions) -> Scalar:
+        """ε_L ξ_S [-]."""
+        return self.eps_L * fractions.oriented
+
+    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """1/E [1/Pa]."""
+        return 1.0 / self.young(fractions)

@@ -1,0 +1,313 @@
+"""History of transformations with two strips: who acts, from where, and what is remembered.
+
+A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the
+distance to its finish line as a share of the strip (1 at the start line, 0 at the finish
+line) of the coordinate T - σ/C. Forward (austenite → martensite) works on y = 1 - ξ, reverse
+on y = ξ. Two rules say what v₀ is:
+
+- resume: the v at which the branch was opened, and y never grows on it; an interrupted
+  transformation waits until the path passes the point where it stopped. Opening the opposite
+  branch, by an actual opposite move inside its strip, forgets it. One memory level, not
+  return-point memory: inner loops do not close as in a Preisach model.
+- restart: v at the start of every increment, the literal reading of the papers; small cycles
+  inside one strip ratchet.
+
+Where both processes could act (strips overlap when C_A and C_M differ) the branch in
+progress goes on, else the one met first, else reverse. The result does not depend on how a
+straight leg is cut into increments.
+
+A strip may be endless: its process goes on beyond the finish line, where v < 0, and forgets
+where it began, left(a)/left(b) = left(1 - (b - a)). The memory then holds the lowest v reached
+on the branch (resume) instead of a scale, so that no tail underflows. Where both processes
+could act, one that is past its finish line yields to one that is not, else to reverse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+RESUME, RESTART = "resume", "restart"
+LEAST = 1e-3
+"""Part of a transformation below which nothing is left of it."""
+
+Left = Callable[[Namespace, Scalar], Scalar]
+
+
+class Strip(NamedTuple):
+    """One process: coordinate T - σ·per_slope runs from its start to its finish line."""
+
+    finish: Scalar
+    """Finish temperature at zero stress [K]."""
+    per_width: Scalar
+    """1/(start - finish) [1/K]; negative for the reverse process."""
+    per_slope: Scalar
+    """1/C [K/Pa]."""
+    endless: bool = False
+    """The process goes on beyond its finish line; a word of the law, not a value."""
+
+    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Distance to the finish line in widths of the strip [-]; unlimited."""
+        return (temperature - stress * self.per_slope - self.finish) * self.per_width
+
+
+class Point(Protocol):
+    """Where a leg starts: a memory, or a place on the way."""
+
+    @property
+    def stress(self) -> Scalar:
+        """Stress [Pa]."""
+        ...
+
+    @property
+    def temperature(self) -> Scalar:
+        """Temperature [K]."""
+        ...
+
+
+class Memory(NamedTuple):
+    """All that a one-fraction law remembers."""
+
+    fraction: Scalar
+    branch: Scalar
+    """+1 forward, -1 reverse in progress, 0 none yet."""
+    scale: Scalar
+    """What would be left to transform at the start line of this branch [-].
+
+    Of an endless process: the lowest distance it has reached on this branch.
+    """
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """The process selected for an increment, and all that `follow` needs of it."""
+
+    direction: Scalar
+    scale: Scalar
+    remaining: Scalar
+    """What is left to transform before the move [-]."""
+    finish: Scalar
+    per_width: Scalar
+    per_slope: Scalar
+
+    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
+        strip = Strip(self.finish, self.per_width, self.per_slope)
+        return strip.distance(stress, temperature)
+
+
+class Course(NamedTuple):
+    """One strip along one straight leg."""
+
+    begin: Scalar
+    """Distance at the start, limited to [0, 1], or to at most 1 if endless."""
+    ahead: Flag
+    """The finish line is not reached yet at the start."""
+    passes: Flag
+    """The leg moves towards the finish line inside the strip, from a point not on that line."""
+    acts: Flag
+    """It does, and there is something left to transform."""
+    enters: Scalar
+    """Share of the leg after which the strip is entered."""
+    leaves: Scalar
+    """Share of the leg after which the finish line is reached."""
+
+
+def round_off(
+    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar
+) -> Scalar:
+    """What rounding alone may make of the distance [-] travelled on a leg."""
+    size = xp.abs(start.temperature) + xp.abs(temperature)
+    size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
+    return 8.0 * xp.eps() * size * xp.abs(strip.per_width)
+
+
+def course(
+    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar, left: Scalar
+) -> Course:
+    """Follow one strip's coordinate along the leg from its starting point.
+
+    What differs by rounding alone is equal: a point so near to the start line lies on it, and
+    a leg that gets no further into the strip does not pass.
+    """
+    first = strip.distance(start.stress, start.temperature)
+    last = strip.distance(stress, temperature)
+    travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
+    moving = travel > hair
+    safe = xp.where(moving, travel, 1.0)
+    enters = xp.clip((first - 1.0 - hair) / safe, 0.0, 1.0)
+    leaves = xp.clip(first / safe, 0.0, 1.0)
+    if strip.endless:
+        before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
+        begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
+        passes = xp.both(moving, last + hair < 1.0)
+        return Course(begin, begin > hair, passes, xp.both(passes, left > 0.0), enters, leaves)
+    begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
+    ahead = begin > hair
+    passes = xp.both(begin - end > hair, ahead)
+    return Course(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
+
+
+def courses(
+    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    temperature: Scalar,
+) -> tuple[Course, Course, Flag]:  # fmt: skip
+    """Both courses of a leg, and whether the reverse process is the one that acts first."""
+    f = course(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
+    r = course(xp, reverse, memory, stress, temperature, memory.fraction)
+    if forward.endless:
+        return endless_turns(xp, f, r, memory.branch)
+    tie = xp.both(r.enters <= f.enters, memory.branch <= 0.0)
+    earlier = xp.either(r.enters < f.enters, tie)
+    return f, r, xp.both(r.acts, xp.either(xp.negate(f.acts), earlier))
+
+
+def endless_turns(
+    xp: Namespace, f: Course, r: Course, branch: Scalar
+) -> tuple[Course, Course, Flag]:
+    """The same for endless processes.
+
+    One in progress has always something left to transform, though rounding may hide it. From
+    where both could act, one that is past its finish line waits for the other.
+    """
+    f_acts = xp.either(f.acts, xp.both(f.passes, branch > 0.0))
+    r_acts = xp.either(r.acts, xp.both(r.passes, branch < 0.0))
+    r_turn = xp.either(xp.negate(f.ahead), xp.both(xp.both(branch <= 0.0, r.ahead), r_acts))
+    level = xp.both(r.enters <= f.enters, f.enters <= r.enters)
+    level = xp.both(level, xp.both(f.passes, r.passes))
+    first = xp.either(xp.negate(f_acts), r.enters < f.enters)
+    r_first = xp.either(xp.both(level, r_turn), xp.both(xp.negate(level), first))
+    f = f._replace(acts=xp.both(f_acts, xp.negate(xp.both(level, r_turn))))
+    return f, r, xp.both(r_acts, r_first)
+
+
+def select(
+    xp: Namespace, rule: str, left: Left, forward: Strip, reverse: Strip, memory: Memory,
+    stress: Scalar, temperature: Scalar,
+) -> Move:  # fmt: skip
+    """The process that a straight leg to (stress, temperature) sets off first."""
+    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
+    ahead = direction > 0.0
+    begin = xp.where(ahead, f.begin, r.begin)
+    remaining = xp.store(xp.where(ahead, 1.0 - memory.fraction, memory.fraction))
+    scale = begin
+    if not forward.endless:
+        share = left(xp, begin)
+        usable = share > 0.0
+        scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
+    if rule == RESUME:
+        scale = xp.where(memory.branch * direction > 0.0, memory.scale, scale)
+    return Move(
+        direction=direction,
+        scale=xp.store(scale),
+        remaining=remaining,
+        finish=xp.store(xp.where(ahead, forward.finish, reverse.finish)),
+        per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
+        per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
+    )
+
+
+def follow(
+    xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar,
+    endless: bool = False,
+) -> Scalar:  # fmt: skip
+    """Martensite fraction if the move ends at (stress, temperature)."""
+    distance = move.distance(stress, temperature)
+    if endless:
+        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0))
+    else:
+        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0))
+        wanted = xp.minimum(wanted, move.remaining)
+    remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
+    return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
+
+
+def commit(
+    xp: Namespace,
+    memory: Memory,
+    move: Move,
+    fraction: Scalar,
+    stress: Scalar,
+    temperature: Scalar,
+    endless: bool = False,
+) -> Memory:
+    """The memory after the accepted move."""
+    acted = xp.abs(move.direction) > 0.0
+    scale = move.scale
+    if endless:
+        scale = xp.minimum(scale, move.distance(stress, temperature))
+    return Memory(
+        fraction=fraction,
+        branch=xp.where(acted, move.direction, memory.branch),
+        scale=xp.where(acted, scale, memory.scale),
+        stress=stress,
+        temperature=temperature,
+    )
+
+
+def moved(
+    xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: Memory, fraction: Scalar,
+    stress: Scalar, temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory put at another fraction and another point, on the same branch.
+
+    Its scale is such that what is left to transform, y ≤ scale · left(v), stays the same share
+    of what it may be: a process that was going on goes on, one that waited waits as far.
+    """
+    ahead = memory.branch > 0.0
+    before, after = (
+        xp.where(ahead, f.distance(*point), r.distance(*point))
+        for f, r in [strips]
+        for point in ((memory.stress, memory.temperature), (stress, temperature))
+    )
+    if strips[0].endless:
+        scale = memory.scale + (after - before)
+    else:
+        was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
+        now = xp.where(ahead, 1.0 - fraction, fraction)
+        then, there = (left(xp, xp.clip(v, 0.0, 1.0)) for v in (before, after))
+        some = xp.both(was > LEAST, now > LEAST)
+        grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
+        inside = xp.both(then > LEAST, there > LEAST)
+        scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST), 1.0)
+    scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
+    return Memory(fraction, memory.branch, scale, stress, temperature)
+
+
+def handover(
+    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    temperature: Scalar,
+) -> tuple[Scalar, Scalar]:  # fmt: skip
+    """The point of a leg at which its first process is done and a second may begin.
+
+    It lies some roundings beyond the finish line, so that the first process is complete. The
+    second needs nothing to transform before: the first one makes it. Two endless processes may
+    share a leg in three parts: reverse, forward, reverse.
+    """
+    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    two = xp.both(f.passes, r.passes)
+    first, second = r.leaves, f.leaves
+    if forward.endless:  # see courses: forward is followed by reverse, reverse by forward
+        first = xp.maximum(f.enters, r.leaves)
+        first = xp.where(first < f.leaves, first, 1.0)
+        second = xp.maximum(r.enters, f.leaves)
+    done = xp.where(back, first, second)
+    return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
+
+
+def turning_point(
+    xp: Namespace, start: Point, stress: Scalar, temperature: Scalar, done: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The point of a leg some roundings beyond a share of it; its end exactly at the end."""
+    share = xp.minimum(1.0, done + 64.0 * xp.eps())
+    whole = share >= 1.0
+    turn_stress = start.stress + share * (stress - start.stress)
+    turn_temperature = start.temperature + share * (temperature - start.temperature)
+    return (
+        xp.where(whole, stress, turn_stress),
+        xp.where(whole, temperature, turn_temperature),
+    )

@@ -1,0 +1,159 @@
+"""What laws with one martensite fraction and two transformation strips have in common.
+
+With u = T - σ/C_M and w = T - σ/C_A, forward (austenite → martensite) runs in M_f < u < M_s for
+du < 0 and reverse in A_s < w < A_f for dw > 0: the sign of dT alone never decides. Constitutive
+equation in integrated form, so that elastic loops close:
+
+    ε = [σ - Θ (T - T_ref)]/E + ε_L ξ
+
+A law says what a process leaves to transform at a distance from its finish line, and Young's
+modulus. The history rules are those of `martensite.physics.kinetics.history`. Tension and
+elongation are
+positive; all martensite counts as oriented. Θ > 0 means that a free bar shrinks on heating.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar
+
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics import history
+from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
+from martensite.physics.kinetics.history import RESUME, Memory, Move, Strip
+from martensite.physics.laws.base import Doubt, Fractions
+
+
+def cosine(xp: Namespace, distance: Scalar) -> Scalar:
+    """What a cosine process leaves to transform at a distance from its finish line."""
+    sine = xp.quarter_sine(distance)
+    return sine * sine
+
+
+class AbstractStripLaw(AbstractPhaseDiagram):
+    """Two strips, one fraction; a law adds `left`, `young` and its options."""
+
+    endless: ClassVar[bool] = False
+    """True if processes go on beyond their finish lines and forget where they began."""
+
+    # ---------------------------------------------------------------- what a law adds
+
+    @abstractmethod
+    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+        """What a process leaves at a distance from its finish line, as a share of all [-].
+
+        The distance is 1 on the start line and 0 on the finish line. Endless processes are
+        asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
+        """
+
+    # ---------------------------------------------------------------- values
+
+    def cautions(self) -> list[str]:
+        """Unusual orders of temperatures, the sign of Θ."""
+        found = super().cautions()
+        if self.A_s < self.M_s:
+            found.append("A_s is below M_s: the strips overlap at zero stress already.")
+        return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the strips overlap."""
+        if not self.C_A > self.C_M or self.A_s < self.M_s:
+            return None
+        limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
+        return Doubt(
+            limit,
+            f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
+            "shrinks with temperature; prefer equal slopes there.",
+        )
+
+    # ---------------------------------------------------------------- kinetics
+
+    def strips(self) -> tuple[Strip, Strip]:
+        """The strips of the forward and of the reverse transformation."""
+        return (
+            Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless),
+            Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless),
+        )
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire that has no history; all martensite counts as oriented."""
+        return Memory(fractions.martensite, 0.0, 0.0, stress, temperature)
+
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The branch in progress goes on from another fraction at another point."""
+        there = fractions.martensite, stress, temperature
+        return history.moved(xp, self.left, self.strips(), memory, *there)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """All martensite counts as oriented."""
+        return Fractions(memory.fraction, memory.fraction)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The process set off by a straight move to (stress [Pa], temperature [K])."""
+        rule = self.history
+        return history.select(xp, rule, self.left, *self.strips(), memory, stress, temperature)
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        fraction = history.follow(xp, self.left, move, stress, temperature, self.endless)
+        return Fractions(fraction, fraction)
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Memory,
+        move: Move,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> Memory:
+        """The memory after the accepted move."""
+        fraction = fractions.martensite
+        return history.commit(xp, memory, move, fraction, stress, temperature, self.endless)
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg; both processes may act, one after the other."""
+        for _ in range(2 if self.endless else 1):
+            between = history.handover(xp, *self.strips(), memory, stress, temperature)
+            memory, _ = super().kinetics(xp, memory, *between, dt)
+        return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def kinks(self, xp: Namespace, memory: Memory) -> list[Scalar]:
+        """The start and finish lines of both strips, and where an interrupted branch goes on."""
+        forward, reverse = self.strips()
+        at = memory.stress, memory.temperature
+        ahead, back = forward.distance(*at), reverse.distance(*at)
+        # a complete transformation is one until its finish line is passed the other way
+        ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
+        back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
+        lines = [ahead - 1.0, back - 1.0]
+        own = xp.where(memory.branch > 0.0, ahead, back)
+        if self.endless:
+            wait = own - memory.scale
+        else:
+            lines += [ahead, back]
+            left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
+            wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
+        if self.history == RESUME:
+            lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
+        return lines
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Share of the selected strip crossed by the move [-]; tails do not count."""
+        start = move.distance(memory.stress, memory.temperature)
+        end = move.distance(stress, temperature)
+        if self.endless:
+            start, end = xp.clip(start, 0.0, 1.0), xp.clip(end, 0.0, 1.0)
+        return xp.where(xp.abs(move.direction) > 0.0, xp.abs(start - end), 0.0)

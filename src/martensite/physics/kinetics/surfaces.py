@@ -1,0 +1,353 @@
+r"""Transformation surfaces of the Boyd–Lagoudas model, and their constants from calibration.
+
+With ΔS = 1/E_M - 1/E_A, the current transformation strain H(σ) and the hardening shares h of
+`martensite.physics.kinetics.hardening`, transformation needs (forward; reverse, with Λ = ε_t/ξ)
+
+    (1 - D) H σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₁ h_f(ξ) - a₃ - Y₀ = 0
+    (1 + D) Λ σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₂ h_r(ξ) + a₃ + Y₀ = 0
+
+Seven constants follow from what is measured. At σ = 0 the surfaces lie at M_s (ξ = 0) and M_f
+(ξ = 1), at A_f (ξ = 0) and A_s (ξ = 1):
+
+    a₁ = ρΔs₀ (M_f - M_s),   a₂ = ρΔs₀ (A_s - A_f),   ρΔu₀ = ½ ρΔs₀ (M_s + A_f),
+    Y₀ + a₃ = ½ ρΔs₀ (M_s - A_f),
+
+and equal hardening energy both ways, ∫(a₁ h_f + a₃) dξ = ∫(a₂ h_r - a₃) dξ, separates the last:
+
+    4 a₃ = a₂ (1 + 1/(n₃+1) - 1/(n₄+1)) - a₁ (1 + 1/(n₁+1) - 1/(n₂+1))
+
+or, with other shares h, 2 a₃ = a₂ ∫h_r dξ - a₁ ∫h_f dξ.
+
+At σ_cal the lines of constant ξ have the slopes dσ/dT = C_M and C_A. With G = d(Hσ)/dσ there
+(Λ = H(σ): cycles at constant stress), -ρΔs₀ = C_M [(1-D) G + σ ΔS] = C_A [(1+D) G + σ ΔS], so
+
+    ρΔs₀ = -2 C_M C_A (G + σ ΔS)/(C_M + C_A),     D = (C_M - C_A)(G + σ ΔS)/[(C_M + C_A) G].
+
+Divided by ρΔs₀ the surfaces are temperatures: forward runs while T - s_f(σ) falls below
+M_s - (M_s - M_f) h_f, reverse while T - s_r(σ, Λ) rises above A_f - (A_f - A_s) h_r. Tension is
+positive; in compression H = H_min and the elastic term is left out, so that stress never
+works against martensite.
+
+Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
+smooth hardening of Hartl and Lagoudas. The derivation is written out for this package. The
+option `hardening = "waisted"` (`martensite.physics.kinetics.waist`) is this package's extension.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels import floats
+from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.diagram import WIDTHS, require_order
+from martensite.physics.kinetics.hardening import LEAST_EXPONENT, hardening
+from martensite.physics.kinetics.waist import MOST, unwaisted, waist_energy, waisted
+from martensite.physics.laws.base import AbstractLaw, Doubt
+
+SAMPLES = 201
+"""Fractions at which the order of the surfaces is checked."""
+MEETING, PEAK = 6, 8
+"""Newton steps."""
+
+
+class Constants(NamedTuple):
+    """What calibration gives, in the symbols of the module's equations."""
+
+    rho_Delta_s0: Scalar
+    """Difference of entropy per volume, martensite less austenite [J/m³/K]; negative."""
+    rho_Delta_u0: Scalar
+    """Difference of internal energy per volume [J/m³]."""
+    a_1: Scalar
+    a_2: Scalar
+    a_3: Scalar
+    """Hardening [J/m³]."""
+    Y_0: Scalar
+    """Threshold of dissipation at no stress [J/m³]."""
+    D: Scalar
+    """Its growth with the work of transformation [-]."""
+
+
+class Scale(NamedTuple):
+    """What turns work into shifts of temperature."""
+
+    forward: Scalar
+    """(1 - D)/(-ρΔs₀) [m³ K/J]."""
+    reverse: Scalar
+    """(1 + D)/(-ρΔs₀) [m³ K/J]."""
+    elastic: Scalar
+    """ΔS/(-ρΔs₀) [K/Pa²]."""
+
+
+class Way(NamedTuple):
+    """A straight way in stress and temperature, from a point over a distance."""
+
+    stress: Scalar
+    temperature: Scalar
+    more: Scalar
+    """[Pa]"""
+    warmer: Scalar
+    """[K]"""
+
+    def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
+        """Stress [Pa] and temperature [K] after a part of the way [-]."""
+        return self.stress + part * self.more, self.temperature + part * self.warmer
+
+
+class AbstractSurfaceLaw(AbstractLaw):
+    """Parameters, constants and surfaces; a law adds memory and flow."""
+
+    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
+    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    A_s: Scalar = param(
+        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
+    )
+    A_f: Scalar = param(
+        "K",
+        "austenite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="75 degC",
+    )
+    M_s: Scalar = param(
+        "K",
+        "martensite start temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="50 degC",
+    )
+    M_f: Scalar = param(
+        "K",
+        "martensite finish temperature at zero stress",
+        low=100.0,
+        high=1000.0,
+        typical="40 degC",
+    )
+    C_A: Scalar = param(
+        "Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
+    )
+    C_M: Scalar = param(
+        "Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
+    )
+    sigma_cal: Scalar = param(
+        "Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa"
+    )
+    H_min: Scalar = param(
+        "1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05
+    )
+    H_sat: Scalar = param(
+        "1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05
+    )
+    H_k: Scalar = param(
+        "1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa"
+    )
+    sigma_crit: Scalar = param(
+        "Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0
+    )
+    n_1: Scalar = param(
+        "1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_2: Scalar = param(
+        "1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_3: Scalar = param(
+        "1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    n_4: Scalar = param(
+        "1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0
+    )
+    hardening: str = option(
+        "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
+        "smooth", "waisted", default="smooth",
+    )  # fmt: skip
+    waist_f: Scalar = param(
+        "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8
+    )
+    waist_r: Scalar = param(
+        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
+        require_order(self, *WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
+        if self.H_min > self.H_sat:
+            raise ParameterError(
+                f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} "
+                f"against {self.H_sat}."
+            )
+        if not self._work(floats, self.sigma_cal) > 0.0:
+            raise ParameterError(
+                "Parameter `sigma_cal` of `lagoudas` must be a stress at which H(sigma)*sigma "
+                f"grows, but is {self.sigma_cal} Pa, where H = {self.H_min}."
+            )
+        constants = self.constants(floats)
+        if not (constants.rho_Delta_s0 < 0.0 and abs(constants.D) < 1.0):
+            raise ParameterError(
+                "Parameters `C_A` and `C_M` of `lagoudas` must give an entropy difference below 0 "
+                f"and a ratio D between -1 and 1, but give {constants.rho_Delta_s0:.4g} J/m^3/K "
+                f"and {constants.D:.4g}; bring `C_A` nearer to `C_M`, or `E_M` nearer to `E_A`."
+            )
+        if self.gap() <= 0.0:
+            raise ParameterError(
+                "Parameters `n_1` to `n_4` of `lagoudas` must keep the reverse surface above the "
+                f"forward surface at every fraction, but let them cross by {-self.gap():.3g} K."
+            )
+
+    def gap(self) -> float:
+        """The least distance from the forward to the reverse surface at zero stress [K]."""
+        least = float("inf")
+        for i in range(SAMPLES):
+            xi = i / (SAMPLES - 1)
+            forward = self.M_s - (self.M_s - self.M_f) * self.forward_hardening(floats, xi)
+            reverse = self.A_f - (self.A_f - self.A_s) * self.reverse_hardening(floats, xi)
+            least = min(least, reverse - forward)
+        return least
+
+    def cautions(self) -> list[str]:
+        """A martensite that is stiffer than austenite, a waist without effect."""
+        found: list[str] = []
+        if self.E_M > self.E_A:
+            found.append("E_M is above E_A: martensite is usually the softer phase.")
+        if self.hardening == "smooth" and max(self.waist_f, self.waist_r) > 0.0:
+            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
+        return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the surfaces meet under stress."""
+        constants = self.constants(floats)
+        if not constants.D < 0.0:
+            return None
+        limit = constants.rho_Delta_s0 * self.gap() / (2.0 * constants.D * self.H_sat)
+        return Doubt(
+            limit,
+            f"C_A > C_M: forward and reverse surface meet above {limit / 1e6:.4g} MPa, where "
+            "loops lose their width; prefer equal slopes there.",
+        )
+
+    def constants(self, xp: Namespace) -> Constants:
+        """The seven constants, from temperatures at zero stress and slopes at `sigma_cal`."""
+        work = self._work(xp, self.sigma_cal)
+        softer = work + self.sigma_cal * self.softening()
+        share = softer / (self.C_M + self.C_A)
+        entropy = -2.0 * self.C_M * self.C_A * share
+        a_1 = entropy * (self.M_f - self.M_s)
+        a_2 = entropy * (self.A_s - self.A_f)
+        forward = 1.0 + 1.0 / (self.n_1 + 1.0) - 1.0 / (self.n_2 + 1.0)
+        reverse = 1.0 + 1.0 / (self.n_3 + 1.0) - 1.0 / (self.n_4 + 1.0)
+        if self.hardening == "waisted":
+            forward = forward + self.waist_f * waist_energy(xp, self.n_1, self.n_2)
+            reverse = reverse + self.waist_r * waist_energy(xp, self.n_3, self.n_4)
+        a_3 = 0.25 * (a_2 * reverse - a_1 * forward)
+        return Constants(
+            rho_Delta_s0=entropy,
+            rho_Delta_u0=0.5 * entropy * (self.M_s + self.A_f),
+            a_1=a_1,
+            a_2=a_2,
+            a_3=a_3,
+            Y_0=0.5 * entropy * (self.M_s - self.A_f) - a_3,
+            D=(self.C_M - self.C_A) * share / work,
+        )
+
+    def scale(self, xp: Namespace) -> Scale:
+        """What the surfaces need of the constants."""
+        constants = self.constants(xp)
+        per_entropy = -1.0 / constants.rho_Delta_s0
+        return Scale(
+            forward=xp.store((1.0 - constants.D) * per_entropy),
+            reverse=xp.store((1.0 + constants.D) * per_entropy),
+            elastic=xp.store(self.softening() * per_entropy),
+        )
+
+    def current(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """H(σ) [-]: strain of martensite that forms under a stress [Pa]."""
+        excess = xp.maximum(stress - self.sigma_crit, 0.0)
+        return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
+
+    def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
+        """h_f(ξ) [-]."""
+        share = hardening(xp, fraction, self.n_1, self.n_2)
+        return waisted(share, self.waist_f) if self.hardening == "waisted" else share
+
+    def reverse_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
+        """h_r(ξ) [-]."""
+        share = hardening(xp, fraction, self.n_3, self.n_4)
+        return waisted(share, self.waist_r) if self.hardening == "waisted" else share
+
+    def smooth(self, xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
+        """The share h [-] of smooth hardening that belongs to a share with its waist."""
+        return unwaisted(xp, share, waist) if self.hardening == "waisted" else share
+
+    def forward_share(
+        self, xp: Namespace, scale: Scale, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
+        tension = xp.maximum(stress, 0.0)
+        shift = scale.forward * self.current(xp, stress) * stress
+        shift = shift + 0.5 * scale.elastic * tension * tension
+        return (self.M_s - temperature + shift) / (self.M_s - self.M_f)
+
+    def reverse_share(
+        self, xp: Namespace, scale: Scale, strain: Scalar, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """h_r that reverse transformation of martensite of a strain Λ would leave; unlimited."""
+        tension = xp.maximum(stress, 0.0)
+        shift = scale.reverse * strain * stress + 0.5 * scale.elastic * tension * tension
+        return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
+
+    def forward_meeting(self, xp: Namespace, scale: Scale, way: Way, share: Scalar) -> Scalar:
+        """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
+
+        Sought from the end of the way, since the share may fall before it rises.
+        """
+
+        def beyond(xp: Namespace, part: Scalar) -> Scalar:
+            hair = 1e-13 * part  # a slope where there is none
+            return self.forward_share(xp, scale, *way.at(part)) - share + hair
+
+        rises = self.forward_share(xp, scale, *way.at(1.0)) > share
+        part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)
+        return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
+
+    def forward_peak(self, xp: Namespace, scale: Scale, way: Way) -> Scalar:
+        """The part of a way at which `forward_share` may have a maximum inside.
+
+        Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
+        way to the point with the slope of the leg is monotone. Without a maximum any point does.
+        (A maximum below sigma_crit, possible if E_M is above E_A, is not looked for.)
+        """
+        moves = xp.abs(way.more) > 1.0
+        size = xp.where(moves, way.more, 1.0)
+        rate = xp.maximum(self.H_k, 1e-15)
+        first = rate * self.sigma_crit
+        spread = scale.forward * (self.H_sat - self.H_min)
+        bend = scale.elastic / rate
+        rest = xp.store(scale.forward * self.H_sat - way.warmer / size)
+        t = xp.maximum(first, 3.0)
+        for _ in range(PEAK):
+            decay = xp.store(spread * xp.exp(first - t))
+            falls = decay * (t - 2.0) - bend
+            usable = falls > 0.0
+            step = (rest + decay * (t - 1.0) + bend * t) / xp.where(usable, falls, 1.0)
+            t = xp.store(xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0))
+        return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
+
+    def reverse_peak(self, xp: Namespace, scale: Scale, way: Way, strain: Scalar) -> Scalar:
+        """The part of a way at which `reverse_share` is least, if that is inside."""
+        bend = scale.elastic * way.more * way.more
+        bends = bend > 1e-30
+        slope = scale.reverse * strain + scale.elastic * way.stress
+        part = (way.warmer - slope * way.more) / xp.where(bends, bend, 1.0)
+        return xp.where(bends, xp.clip(part, 0.0, 1.0), 0.0)
+
+    def softening(self) -> Scalar:
+        """ΔS [1/Pa]."""
+        return 1.0 / self.E_M - 1.0 / self.E_A
+
+    def _work(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """G = d(Hσ)/dσ [-]."""
+        excess = stress - self.sigma_crit
+        steep = self.H_k * xp.exp(-self.H_k * xp.maximum(excess, 0.0))
+        grows = xp.where(excess > 0.0, (self.H_sat - self.H_min) * steep, 0.0)
+        return self.current(xp, stress) + grows * stress

@@ -1,0 +1,302 @@
+"""Kinetics of two martensite fractions: detwinned by stress (S), twinned by cooling (T).
+
+Strips of one-fraction laws are `history.Strip`; the rules resume and restart mean the same
+here. S runs along s = σ - C_M max(T - M_s, 0), which is straight on a leg but for one kink at
+T = M_s and never convex: its deepest point is at the kink or at an end of the leg. S and T may
+act together and do not depend on their order (product law): with r = (1 - P₁)/(1 - P₀) of each,
+
+    forward   1 - ξ_S = (1 - ξ_S0) r_S,   1 - ξ = (1 - ξ₀) r_S r_T
+    reverse   ξ_S = ξ_S0 r,               ξ = ξ₀ r
+
+The memory holds how near its finish line each process has come since the branch was opened.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.physics.kinetics.history import (
+    RESUME,
+    Course,
+    Strip,
+    course,
+    round_off,
+    turning_point,
+)
+from martensite.physics.laws.base import Fractions
+
+UNSET = 1.0
+"""A distance to the finish line that no process has ever reduced."""
+
+
+class Diagram(NamedTuple):
+    """The strips of the three processes, and where the one of S bends."""
+
+    loading: Strip
+    """S, as a strip of T - σ/C_M at temperatures not below the bend."""
+    cooling: Strip
+    """T, which stress does not shift."""
+    reverse: Strip
+    bend: Scalar
+    """M_s [K], below which the lines of S are horizontal."""
+
+
+class Memory(NamedTuple):
+    """All that a law with two fractions remembers; a reach is a distance in [0, 1]."""
+
+    martensite: Scalar
+    oriented: Scalar
+    branch: Scalar
+    """+1 forward, -1 reverse in progress, 0 none yet."""
+    loading: Scalar
+    """Reach of S on this branch [-]."""
+    cooling: Scalar
+    """Reach of T on this branch [-]."""
+    reverse: Scalar
+    """Reach of the reverse process on this branch [-]."""
+    stress: Scalar
+    temperature: Scalar
+
+
+class Place(NamedTuple):
+    """A point on the way."""
+
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """The direction selected for a leg, and all that `follow` needs of it."""
+
+    direction: Scalar
+    martensite: Scalar
+    oriented: Scalar
+    stress: Scalar
+    """At the start of the leg [Pa]."""
+    temperature: Scalar
+    finish: Scalar
+    """Of the strip of S or of the reverse process, whichever acts; like the next two."""
+    per_width: Scalar
+    per_slope: Scalar
+    bend: Scalar
+    """Temperature below which the lines of that strip are horizontal [K]."""
+    reach: Scalar
+    """Distance that S or reverse has to fall below before anything transforms."""
+    cooling: Scalar
+    """The same for T."""
+
+    def strip(self) -> Strip:
+        """The strip of S or of the reverse process, whichever acts."""
+        return Strip(self.finish, self.per_width, self.per_slope)
+
+
+class Courses(NamedTuple):
+    """The three processes along a leg."""
+
+    loading: Course
+    cooling: Course
+    reverse: Course
+    ahead: Flag
+    """Forward acts first: S or T or both."""
+    back: Flag
+    """Reverse acts first."""
+
+
+def init(fractions: Fractions, stress: Scalar, temperature: Scalar) -> Memory:
+    """Memory of a wire that has no history."""
+    reaches = UNSET, UNSET, UNSET
+    return Memory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
+
+
+def moved(
+    xp: Namespace, diagram: Diagram, memory: Memory, fractions: Fractions, stress: Scalar,
+    temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory put at other fractions and another point, on the same branch.
+
+    Reaches go with the distances: what was going on goes on, what waited waits as far.
+    """
+
+    def shifted(strip: Strip, reach: Scalar, bend: Scalar) -> Scalar:
+        before = strip.distance(memory.stress, xp.maximum(memory.temperature, bend))
+        after = strip.distance(stress, xp.maximum(temperature, bend))
+        return xp.where(reach < UNSET, xp.clip(reach + (after - before), 0.0, UNSET), reach)
+
+    reaches = (
+        shifted(diagram.loading, memory.loading, diagram.bend),
+        shifted(diagram.cooling, memory.cooling, 0.0),
+        shifted(diagram.reverse, memory.reverse, 0.0),
+    )
+    return Memory(*fractions, memory.branch, *reaches, stress, temperature)
+
+
+# ---------------------------------------------------------------- the leg and its kink
+
+
+def kink(
+    xp: Namespace, bend: Scalar, start: Place, stress: Scalar, temperature: Scalar
+) -> tuple[Flag, Scalar, Scalar]:
+    """Whether a leg crosses the bend, after which share of it, and the stress there."""
+    before, after = start.temperature - bend, temperature - bend
+    crosses = before * after < 0.0
+    share = xp.where(crosses, before / xp.where(crosses, before - after, 1.0), 1.0)
+    return crosses, share, start.stress + share * (stress - start.stress)
+
+
+def bent_course(
+    xp: Namespace, strip: Strip, bend: Scalar, memory: Memory, stress: Scalar,
+    temperature: Scalar, left: Scalar,
+) -> Course:  # fmt: skip
+    """Follow S along a leg: one straight piece on either side of the kink."""
+    start = Place(memory.stress, memory.temperature)
+    crosses, share, turn = kink(xp, bend, start, stress, temperature)
+    end = Place(stress, xp.maximum(temperature, bend))
+    middle = Place(xp.where(crosses, turn, stress), xp.where(crosses, bend, end.temperature))
+    start = Place(start.stress, xp.maximum(start.temperature, bend))
+    one = course(xp, strip, start, *middle, left)
+    two = course(xp, strip, middle, *end, left)
+    rest = 1.0 - share
+    enters = xp.where(one.passes, share * one.enters, share + rest * two.enters)
+    leaves = xp.where(two.passes, share + rest * two.leaves, share * one.leaves)
+    passes, acts = xp.either(one.passes, two.passes), xp.either(one.acts, two.acts)
+    return one._replace(passes=passes, acts=acts, enters=enters, leaves=leaves)
+
+
+def courses(
+    xp: Namespace, diagram: Diagram, memory: Memory, stress: Scalar, temperature: Scalar
+) -> Courses:
+    """What each process meets on a leg, and who acts first.
+
+    Where reverse may act too, S acts above the bend or while the wire is heated, T only below
+    the bend while it is cooled: then T never comes before S.
+    """
+    to = stress, temperature
+    s = bent_course(xp, diagram.loading, diagram.bend, memory, *to, 1.0 - memory.oriented)
+    t = course(xp, diagram.cooling, memory, *to, 1.0 - memory.martensite)
+    r = course(xp, diagram.reverse, memory, *to, memory.martensite)
+    forward = xp.either(s.acts, t.acts)
+    enters = xp.where(s.acts, s.enters, t.enters)
+    tie = xp.both(r.enters <= enters, memory.branch <= 0.0)
+    earlier = xp.either(r.enters < enters, tie)
+    back = xp.both(r.acts, xp.either(xp.negate(forward), earlier))
+    return Courses(s, t, r, xp.both(forward, xp.negate(back)), back)
+
+
+def handover(
+    xp: Namespace, found: Courses, memory: Memory, stress: Scalar, temperature: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The point of a leg at which the first direction is done and the other may begin.
+
+    It lies some roundings beyond, so that the first is complete. The other direction needs
+    nothing to transform before: the first one makes it.
+    """
+    s, t, r = found.loading, found.cooling, found.reverse
+    two = xp.both(r.passes, xp.either(s.passes, t.passes))
+    forward = xp.where(s.acts, s.leaves, t.leaves)
+    done = xp.where(found.back, r.leaves, forward)
+    return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
+
+
+# ---------------------------------------------------------------- select, follow, commit
+
+
+def select(xp: Namespace, rule: str, diagram: Diagram, memory: Memory, found: Courses) -> Move:
+    """The direction that a leg sets off first, and from where."""
+    whole = found.loading, found.cooling, found.reverse
+    s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
+    if rule == RESUME:
+        s, t = xp.minimum(memory.loading, s), xp.minimum(memory.cooling, t)
+        r = xp.minimum(memory.reverse, r)
+    ahead = found.ahead
+    main, back = diagram.loading, diagram.reverse
+    return Move(
+        xp.store(xp.where(found.back, -1.0, xp.where(ahead, 1.0, 0.0))),
+        memory.martensite,
+        memory.oriented,
+        memory.stress,
+        memory.temperature,
+        finish=xp.store(xp.where(ahead, main.finish, back.finish)),
+        per_width=xp.store(xp.where(ahead, main.per_width, back.per_width)),
+        per_slope=xp.store(xp.where(ahead, main.per_slope, back.per_slope)),
+        bend=xp.store(xp.where(ahead, diagram.bend, 0.0)),
+        reach=xp.store(xp.where(ahead, s, r)),
+        cooling=xp.store(t),
+    )
+
+
+def distances(
+    xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
+    strip = move.strip()
+    crosses, _, turn = kink(
+        xp, move.bend, Place(move.stress, move.temperature), stress, temperature
+    )
+    end = strip.distance(stress, xp.maximum(temperature, move.bend))
+    least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
+    cooling = diagram.cooling.distance(stress, temperature)
+    return xp.clip(least, 0.0, 1.0), xp.clip(cooling, 0.0, 1.0)
+
+
+def ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
+    """(1 - P₁)/(1 - P₀) of a cosine process; 1 where nothing is left on its curve."""
+    left = reach > 0.0
+    share = xp.quarter_sine(xp.minimum(reach, distance))
+    share = share / xp.quarter_sine(xp.where(left, reach, 1.0))
+    return xp.where(left, share * share, 1.0)
+
+
+def follow(
+    xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
+) -> Fractions:
+    """Fractions if the move ends at (stress, temperature)."""
+    distance, cooled = distances(xp, diagram, move, stress, temperature)
+    first, second = ratio(xp, move.reach, distance), ratio(xp, move.cooling, cooled)
+    oriented = move.oriented + (1.0 - move.oriented) * (1.0 - first)
+    martensite = move.martensite + (1.0 - move.martensite) * (1.0 - first * second)
+    martensite = xp.maximum(martensite, oriented)
+    ahead, back = move.direction > 0.0, move.direction < 0.0
+    rest = xp.where(back, first, 1.0)
+    return Fractions(
+        xp.where(ahead, martensite, move.martensite * rest),
+        xp.where(ahead, oriented, move.oriented * rest),
+    )
+
+
+def commit(
+    xp: Namespace, rule: str, diagram: Diagram, memory: Memory, move: Move,
+    fractions: Fractions, stress: Scalar, temperature: Scalar,
+) -> Memory:  # fmt: skip
+    """The memory after the accepted move: what acts clears the reach of the other direction."""
+    ahead, back = move.direction > 0.0, move.direction < 0.0
+    branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
+    reaches = memory.loading, memory.cooling, memory.reverse
+    if rule == RESUME:
+        first, cooled = distances(xp, diagram, move, stress, temperature)
+        hair = round_off(xp, move.strip(), memory, stress, temperature)
+        falls = move.reach - first > hair
+        cools = move.cooling - cooled > round_off(xp, diagram.cooling, memory, 0.0, temperature)
+        loading = xp.where(falls, first, memory.loading)
+        cooling = xp.where(cools, cooled, memory.cooling)
+        reverse = xp.where(falls, first, memory.reverse)
+        reaches = (
+            xp.where(ahead, loading, xp.where(back, UNSET, memory.loading)),
+            xp.where(ahead, cooling, xp.where(back, UNSET, memory.cooling)),
+            xp.where(back, reverse, xp.where(ahead, UNSET, memory.reverse)),
+        )
+    return Memory(*fractions, branch, *reaches, stress, temperature)
+
+
+def crossing(
+    xp: Namespace, diagram: Diagram, memory: Memory, move: Move, stress: Scalar,
+    temperature: Scalar,
+) -> Scalar:  # fmt: skip
+    """Largest share of a strip that the selected direction crosses on a move [-]."""
+    first, cooled = distances(xp, diagram, move, stress, temperature)
+    warm = xp.maximum(memory.temperature, move.bend)
+    begin = xp.clip(move.strip().distance(memory.stress, warm), 0.0, 1.0)
+    before = xp.clip(diagram.cooling.distance(memory.stress, memory.temperature), 0.0, 1.0)
+    crossed = xp.maximum(begin - first, 0.0)
+    both = xp.maximum(crossed, before - cooled)
+    return xp.where(move.direction > 0.0, both, xp.where(move.direction < 0.0, crossed, 0.0))

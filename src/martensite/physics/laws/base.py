@@ -1,0 +1,166 @@
+"""The contract of every one-dimensional law, explicit in stress and temperature.
+
+A law remembers (`memory`), decides which process a move of stress and temperature sets off
+(`select`), says how far that process gets (`follow`), and stores what happened (`commit`).
+`kinetics` is the three in a row. Strain follows in closed form, affine in stress at frozen
+fractions. The split lets a solver ask `follow` many times at the price of one `select`.
+
+Sign convention: tension and elongation positive; strain counted from unloaded austenite at
+the reference temperature.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar, NamedTuple
+
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+
+LAWS: Registry[AbstractLaw] = Registry("law", "martensite.physics.laws", typical="liang-rogers")
+
+
+class Fractions(NamedTuple):
+    """Phase state as every law reports it."""
+
+    martensite: Scalar
+    """Total martensite fraction ξ in [0, 1]: resistance, latent heat, modulus depend on it."""
+    oriented: Scalar
+    """Net oriented (detwinned) fraction in [-ξ, ξ]: transformation strain depends on it."""
+
+
+class Doubt(NamedTuple):
+    """Where a law is not to be relied on."""
+
+    stress: float
+    """From this stress on [Pa]."""
+    sentence: str
+
+
+class AbstractLaw(Parametrised):
+    """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
+
+    Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted
+    point.
+    """
+
+    twins: ClassVar[bool] = False
+    """True if martensite may be present that is not oriented; else all of it counts."""
+    one_way: ClassVar[bool] = True
+    """True if one move changes both fractions in a fixed proportion, wherever it ends."""
+    steep: ClassVar[bool] = False
+    """True if the law offers `drive`."""
+    rate_dependent: ClassVar[bool] = False
+    """True if time acts, not only the path of stress and temperature."""
+    grouped: ClassVar[bool] = False
+    """True if the law divides the material into groups, each with a phase state of its own."""
+
+    @property
+    def constant_heat(self) -> bool:
+        """True if the heat of transformation is the latent heat of the element, whatever else."""
+        return True
+
+    def doubt(self) -> Doubt | None:
+        """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
+        return None
+
+    @abstractmethod
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
+        """Memory of a wire in a phase state that has no history."""
+
+    @abstractmethod
+    def fractions(self, memory: Any) -> Fractions:
+        """The phase state stored in a memory."""
+
+    def moved(
+        self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Any:  # fmt: skip
+        """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
+
+        What it remembers of its history goes along: a transformation that was going on goes on
+        from there, for belief is corrected and nothing happens to the wire. By default there is
+        no history.
+        """
+        return self.init(xp, fractions, stress, temperature)
+
+    @abstractmethod
+    def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
+        """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
+
+    @abstractmethod
+    def follow(
+        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions at the end of the move if it ends at (stress, temperature) after dt [s].
+
+        The oriented fraction must not fall with stress, nor the total rise with temperature.
+        """
+
+    @abstractmethod
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Any,
+        move: Any,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> Any:
+        """The memory after the accepted move."""
+
+    def kinetics(
+        self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Any, Fractions]:
+        """Advance along a straight leg to (stress, temperature) in dt [s]."""
+        move = self.select(xp, memory, stress, temperature)
+        fractions = self.follow(xp, move, stress, temperature, dt)
+        return self.commit(xp, memory, move, fractions, stress, temperature, dt), fractions
+
+    @abstractmethod
+    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+        """Strain [-] at zero stress: transformation + thermal."""
+
+    @abstractmethod
+    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """Elastic strain per stress [1/Pa]."""
+
+    def strain(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Total strain [-], affine in stress [Pa] at frozen fractions."""
+        free = self.free_strain(xp, fractions, temperature)
+        return free + self.compliance(xp, fractions) * stress
+
+    def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released per volume by the whole forward transformation [J/m³].
+
+        It is the constant `latent` heat of the element unless the law says otherwise.
+        """
+        return latent
+
+    def drive(
+        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """How far beyond balance the selected process would end, on any scale.
+
+        Nearly linear in (stress, temperature), 0 where it would come to rest: from it the solve
+        of a `steep` law, whose answer changes within a small part of a move, guesses its start.
+        """
+        return 0.0
+
+    def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
+        """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
+
+        Smooth on both sides, for a march that ends a step there. None where that is not known,
+        or where nothing bends.
+        """
+        return []
+
+    @abstractmethod
+    def crossing(
+        self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Share of a transformation strip that a move crosses [-]: for the step control."""

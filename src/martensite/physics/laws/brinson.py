@@ -1,0 +1,163 @@
+r"""Brinson law: detwinned and twinned martensite, cosine kinetics, admissible dual region.
+
+ξ = ξ_S + ξ_T. Stress forms ξ_S from austenite and from twinned martensite, cooling forms ξ_T
+from austenite, heating takes both back in proportion. With s = σ - C_M max(T - M_s, 0):
+
+    S  ds > 0   1 - p = cos²(φ/2),  φ = π (s - σ_s)/(σ_f - σ_s)
+    T  dT < 0   1 - p = sin²(ψ/2),  ψ = π (T - M_f)/(M_s - M_f)
+    R  dw > 0   1 - p = cos²(θ/2),  θ = π (w - A_s)/(A_f - A_s),   w = T - σ/C_A
+
+Each process multiplies what is left to transform by its (1 - P₁)/(1 - P₀); S and T together by
+the product (see `twinned`), which keeps ξ ≤ 1 where the published sum does not. Integrated
+constitutive equation:
+
+    ε = [σ - Θ (T - T_ref)]/E(ξ) + ε_L ξ_S,   E(ξ) = E_A + ξ (E_M - E_A)
+
+Sources: Brinson (1993), J. Intell. Mater. Syst. Struct. 4; for the dual region Chung, Heo and
+Lee (2007), Smart Mater. Struct. 16. Ratio form and history rules are this package's. Tension
+positive; Θ > 0 means that a free bar shrinks on heating.
+"""
+
+from __future__ import annotations
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics import twinned
+from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
+from martensite.physics.kinetics.history import Strip
+from martensite.physics.kinetics.twinned import Diagram, Memory, Move
+from martensite.physics.laws.base import LAWS, Doubt, Fractions
+
+PIECES = 3
+"""A leg may hold S, then reverse, then T, or these in another order; more is not possible."""
+
+
+@LAWS.register("brinson")
+class Brinson(AbstractPhaseDiagram):
+    """Brinson kinetics with two martensite fractions and a ξ-dependent Young's modulus."""
+
+    cites = ("brinson1993", "chung2007")
+    twins = True
+    one_way = False
+
+    sigma_s: Scalar = param(
+        "Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa"
+    )
+    sigma_f: Scalar = param(
+        "Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa"
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if a strip has no width."""
+        super().check()
+        if not self.sigma_s < self.sigma_f:
+            raise ParameterError(
+                f"Parameter `sigma_s` of `brinson` must be below `sigma_f`, but is "
+                f"{self.sigma_s / 1e6:.4g} MPa against {self.sigma_f / 1e6:.4g} MPa."
+            )
+
+    def cautions(self) -> list[str]:
+        """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
+        found = super().cautions()
+        if self.A_s < self.M_s:
+            found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
+        return found
+
+    def doubt(self) -> Doubt | None:
+        """Where the strips overlap."""
+        if not self.C_A > self.C_M:
+            return None
+        return Doubt(
+            self.overlap(),
+            f"C_A > C_M: the strips overlap above {self.overlap() / 1e6:.4g} MPa, and a loop at "
+            f"constant temperature creates work above {self.workless() - 273.15:.4g} degC; "
+            "prefer equal slopes there.",
+        )
+
+    def overlap(self) -> Scalar:
+        """Stress [Pa] at which the start lines of S and of the reverse process meet."""
+        ends = self.sigma_s + self.C_A * self.A_s - self.C_M * self.M_s
+        return max(self.sigma_s, self.C_A * (ends / (self.C_A - self.C_M) - self.A_s))
+
+    def workless(self) -> Scalar:
+        """Temperature [K] at which a full isothermal loop does no work at a constant modulus."""
+        ends = 0.5 * (self.sigma_s + self.sigma_f) + 0.5 * self.C_A * (self.A_s + self.A_f)
+        return (ends - self.C_M * self.M_s) / (self.C_A - self.C_M)
+
+    def diagram(self) -> Diagram:
+        """The strips of the three processes."""
+        per_slope = 1.0 / self.C_M
+        width = self.sigma_f - self.sigma_s
+        return Diagram(
+            loading=Strip(self.M_s - self.sigma_f * per_slope, self.C_M / width, per_slope),
+            cooling=Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 0.0),
+            reverse=Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A),
+            bend=self.M_s,
+        )
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
+        return twinned.init(fractions, stress, temperature)
+
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The branch in progress goes on from other fractions at another point."""
+        return twinned.moved(xp, self.diagram(), memory, fractions, stress, temperature)
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """ξ and ξ_S."""
+        return Fractions(memory.martensite, memory.oriented)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The direction set off by a straight move to (stress [Pa], temperature [K])."""
+        diagram = self.diagram()
+        found = twinned.courses(xp, diagram, memory, stress, temperature)
+        return twinned.select(xp, self.history, diagram, memory, found)
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        return twinned.follow(xp, self.diagram(), move, stress, temperature)
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Memory,
+        move: Move,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> Memory:
+        """The memory after the accepted move."""
+        end = fractions, stress, temperature
+        return twinned.commit(xp, self.history, self.diagram(), memory, move, *end)
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg; both directions may act, one after the other."""
+        diagram = self.diagram()
+        for _ in range(PIECES - 1):
+            found = twinned.courses(xp, diagram, memory, stress, temperature)
+            move = twinned.select(xp, self.history, diagram, memory, found)
+            between = twinned.handover(xp, found, memory, stress, temperature)
+            fractions = self.follow(xp, move, *between, dt)
+            memory = self.commit(xp, memory, move, fractions, *between, dt)
+        return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""
+        return self.mixture(fractions)
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Largest share of a strip crossed by the move [-]."""
+        return twinned.crossing(xp, self.diagram(), memory, move, stress, temperature)

@@ -1,0 +1,180 @@
+"""One move of a law whose end feeds back on the stress and temperature that drive it.
+
+Let z be the phase fractions at the end of a step. Load line and heat balance give stress and
+temperature as functions of z, the law gives fractions f(σ, T): the step is the fixed point
+z = f(σ(z), T(z)). With frozen fractions the move ends at the elastic trial, where the law
+overshoots to f₀, for feedback restrains every transformation: more martensite means a hotter
+and less stressed wire. On the chord from the present fractions z₀ to f₀,
+
+    z(q) = (1 - q) z₀ + q f₀,        g(q) = q - n·[f(σ(z(q)), T(z(q))) - z₀],   n·(f₀ - z₀) = 1,
+
+g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration
+cannot diverge. For laws whose fractions change in a fixed proportion the chord holds the
+solution. For the others it is near, and Newton's method in both fractions follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from martensite.kernels.bracket import SMALL, solve_bracketed
+from martensite.kernels.dual import value_and_slope, values_and_slopes
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.base import AbstractLaw, Fractions
+
+Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
+"""Stress [Pa] and temperature [K] at the end of the step, given the fractions there."""
+
+REFINED = 2
+"""Newton steps of the first guess; they do not ask the law for an answer."""
+LEAST = 1e-30
+"""Overshoot [-] below which nothing transforms."""
+NEAR = 1e-3
+"""Step on the chord from which Newton's method in both fractions goes on."""
+WHOLE = 4.0
+"""So many roundings from the whole chord are the whole chord."""
+POLISHED = 1e-13
+"""Mismatch of the fractions [-] that is none."""
+MOST = 24
+"""Steps of Newton's method in both fractions."""
+
+
+class Report(NamedTuple):
+    """What a step says about itself: the basis of its status."""
+
+    residual: Scalar
+    """Largest mismatch |z - f| of a fraction at the end of the step."""
+    crossing: Scalar
+    """Share of a transformation strip crossed by the elastic trial."""
+    ripple: Scalar = 0.0
+    """Temperature [K] that a mean of the drive leaves out."""
+
+
+def advance(
+    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
+    change: Scalar = 0.0,
+) -> tuple[Any, Report]:  # fmt: skip
+    """The memory after a step of dt [s], and how well the step was solved.
+
+    About this `change` of the martensite fraction the solve begins to look; it changes nothing
+    in what is found.
+    """
+    start = law.fractions(memory)
+    trial = settle(xp, start)
+    move = law.select(xp, memory, *trial)
+
+    def answer(xp: Namespace, fractions: Fractions) -> Fractions:
+        return law.follow(xp, move, *settle(xp, fractions), dt)
+
+    def drive(xp: Namespace, q: Scalar) -> Scalar:
+        return law.drive(xp, move, *settle(xp, _between(start, aim, q)), dt)
+
+    aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
+    guess = _guess(xp, drive) if law.steep else _expected(xp, start, aim, change)
+    enough = SMALL if law.one_way or law.steep else NEAR
+    end = _seek(xp, answer, start, aim, guess, enough, not law.steep)
+    if not law.one_way:
+        end = _polish(xp, answer, end)
+    found = answer(xp, end)
+    stress, temperature = settle(xp, end)
+    residual = xp.maximum(
+        xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented)
+    )
+    after = law.commit(xp, memory, move, end, stress, temperature, dt)
+    return after, Report(residual, law.crossing(xp, memory, move, *trial))
+
+
+def _between(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
+    """The point after a share q of the way; exact at both ends."""
+    rest = 1.0 - q
+    return Fractions(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
+
+
+def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
+    """Where on the chord the drive of a steep law vanishes: the secant, then Newton's method."""
+    first, last = drive(xp, 0.0), drive(xp, 1.0)
+    falls = first > last
+    q = xp.clip(first / xp.where(falls, first - last, 1.0), 0.0, 1.0)
+    for _ in range(REFINED):
+        value, slope = value_and_slope(xp, drive, q)
+        q = xp.clip(q - value / xp.where(slope < 0.0, slope, -1e30), 0.0, 1.0)
+    return xp.where(falls, q, 0.0)
+
+
+def _expected(xp: Namespace, start: Fractions, aim: Fractions, change: Scalar) -> Scalar:
+    """Where on the chord the martensite fraction has changed by so much; its start if nowhere."""
+    way = aim.martensite - start.martensite
+    there = xp.both(xp.abs(way) > xp.abs(change), way * change > 0.0)
+    return xp.where(there, change / xp.where(there, way, 1.0), 0.0)
+
+
+def _seek(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
+    aim: Fractions, guess: Scalar, enough: float, smooth: bool,
+) -> Fractions:  # fmt: skip
+    """The point of the chord from `start` through `aim` that the law answers with itself."""
+    m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
+    size = xp.abs(m) + xp.abs(o)
+    moves = size > LEAST
+    share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
+    per_m = xp.store(xp.where(m < 0.0, -share, share))
+    per_o = xp.store(xp.where(o < 0.0, -share, share))
+
+    def mismatch(xp: Namespace, q: Scalar) -> Scalar:
+        found = answer(xp, Fractions(*(xp.store(x) for x in _between(start, aim, q))))
+        way = per_m * (found.martensite - start.martensite)
+        return q - way - per_o * (found.oriented - start.oriented)
+
+    q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough, smooth=smooth)
+    q = xp.where(xp.abs(q - 1.0) > WHOLE * xp.eps(), q, 1.0)
+    return _between(start, aim, xp.where(moves, q, 0.0))
+
+
+def _polish(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions
+) -> Fractions:
+    """Newton's method in both fractions; a step that does not help is shortened."""
+
+    def turn(
+        _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar,
+        least: Scalar,
+    ) -> tuple[Scalar, ...]:  # fmt: skip
+        tried = _admissible(xp, m + length * step_m, o + length * step_o)
+        newton, residual = _newton(xp, answer, tried)
+        better = residual < least
+        pairs = zip((*tried, *newton), (m, o, step_m, step_o), strict=True)
+        kept = [xp.where(better, new, old) for new, old in pairs]
+        left, length = xp.where(better, residual, least), xp.where(better, 1.0, 0.25 * length)
+        far = xp.abs(kept[2]) + xp.abs(kept[3]) > SMALL
+        going = xp.both(left > POLISHED, xp.both(far, length > SMALL))
+        return (xp.where(going, 1.0, 0.0), *kept, length, left)
+
+    begin = 1.0, *start, 0.0, 0.0, 1.0, float("inf")
+    going, m, o, step_m, step_o, length, _ = xp.iterate(MOST, turn, *begin)
+    length = xp.where(going > 0.0, 0.0, length)
+    end = _admissible(xp, m + length * step_m, o + length * step_o)
+    at = Fractions(*(xp.detach(x) for x in end))
+    step, _ = _newton(xp, answer, at)
+    return Fractions(*(xp.solved(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
+
+
+def _admissible(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
+    """The nearest legal phase state: an iterate may lie outside."""
+    martensite = xp.clip(martensite, 0.0, 1.0)
+    return Fractions(martensite, xp.clip(oriented, -martensite, martensite))
+
+
+def _newton(
+    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
+) -> tuple[Fractions, Scalar]:
+    """The Newton step of z - f(z) = 0, and the size of the mismatch."""
+    found, by_m = values_and_slopes(xp, lambda xp, m: answer(xp, Fractions(m, at.oriented)), at[0])
+    _, by_o = values_and_slopes(xp, lambda xp, o: answer(xp, Fractions(at.martensite, o)), at[1])
+    by_m, by_o = ([xp.detach(slope) for slope in slopes] for slopes in (by_m, by_o))
+    a, b, c, d = 1.0 - by_m[0], -by_o[0], -by_m[1], 1.0 - by_o[1]
+    short_m, short_o = found[0] - at.martensite, found[1] - at.oriented
+    determinant = a * d - b * c
+    safe = xp.where(xp.abs(determinant) > 0.0, determinant, 1.0)
+    step = Fractions((d * short_m - b * short_o) / safe, (a * short_o - c * short_m) / safe)
+    return step, xp.maximum(xp.abs(short_m), xp.abs(short_o))

@@ -1,0 +1,251 @@
+r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
+
+One-dimensional form. Surfaces, calibration and their sources are described in
+`martensite.physics.kinetics.surfaces`, the hardening shares h in
+`martensite.physics.kinetics.hardening`
+and, with the option `hardening = "waisted"`, `martensite.physics.kinetics.waist`:
+
+    ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
+    dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
+    H(σ) = H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min
+
+Both surfaces are inverted for the fraction, which makes ξ a play operator of (σ, T):
+
+    ξ₁ = max{ξ_f(σ, T), min[ξ_r(σ, T, Λ), ξ₀]},        Λ = ε_t/ξ
+
+with ξ_f on the forward and ξ_r on the reverse surface, right for steps of any size. Any
+initial state is legal; one outside its surfaces moves onto them at once. Where both processes
+could act (unoriented martensite under high stress) forward is stronger: martensite stays if it
+would form again at once.
+
+ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress
+∫H dξ has no closed form; H is taken as a parabola in h (without waist) over the part of the way
+on which ξ grows, with the corners of h(ξ) integrated exactly. This converges with the step (in
+fourth order along prescribed legs); ξ sees it through Λ, on the next reverse transformation only.
+
+The waist is this package's own extension and is not published: a cubic in h, one for each
+direction, that makes the middle of a branch steeper and its tails longer than exponents can, as
+measured isobaric cycles of trained wires show. It acts in both surfaces like any other h.
+
+Not in the law: reorientation (martensite keeps the strain with which it formed until it
+transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.hardening import hardening, hardening_integral, transformed
+from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, Scale, Way
+from martensite.physics.kinetics.waist import waisted
+from martensite.physics.laws.base import LAWS, Fractions
+
+
+class Memory(NamedTuple):
+    """All that the law remembers."""
+
+    fraction: Scalar
+    ratio: Scalar
+    """Oriented share of the martensite, ε_t/(ξ H_sat) [-]; kept on reverse."""
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """The state before, and where on a straight way from there ξ would grow."""
+
+    fraction: Scalar
+    ratio: Scalar
+    stress: Scalar
+    temperature: Scalar
+    grows_from: Scalar
+    """Part of the way after which the forward surface is met [-]."""
+    grows_to: Scalar
+    """Part of the way after which all is martensite [-]; 1 if that is not reached."""
+
+    def way(self, stress: Scalar, temperature: Scalar) -> Way:
+        """The straight way from the state before to a point."""
+        begin = self.stress, self.temperature
+        return Way(*begin, stress - self.stress, temperature - self.temperature)
+
+
+@LAWS.register("lagoudas")
+class Lagoudas(AbstractSurfaceLaw):
+    """Boyd–Lagoudas law with smooth hardening and stress-dependent transformation strain.
+
+    With `hardening = "waisted"` branches have steeper middles and longer tails, by a cubic of
+    this package's own that is not published.
+    """
+
+    cites = ("lagoudas2012", "boyd1996", "hartl2010")
+    twins: ClassVar[bool] = True
+    one_way: ClassVar[bool] = False
+
+    alpha_A: Scalar = param(
+        "1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0
+    )
+    alpha_M: Scalar = param(
+        "1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0
+    )
+    T_ref: Scalar = param(
+        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
+    )
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
+        some = fractions.martensite > 0.0
+        ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
+        ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
+        return Memory(fractions.martensite, ratio, stress, temperature)
+
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """As if it began there; where no martensite is left, its ratio stays."""
+        found = self.init(xp, fractions, stress, temperature)
+        some = fractions.martensite > 0.0
+        return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """The phase state stored in a memory."""
+        return Fractions(memory.fraction, memory.ratio * memory.fraction)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
+        scale = self.scale(xp)
+        move = Move(*memory, grows_from=0.0, grows_to=1.0)
+        way = move.way(stress, temperature)
+        here = self.forward_hardening(xp, memory.fraction)
+        start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
+        return move._replace(grows_from=xp.store(start), grows_to=xp.store(end))
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        scale, way = self.scale(xp), move.way(stress, temperature)
+        strain = move.ratio * self.H_sat
+        share = self.reverse_share(xp, scale, strain, stress, temperature)
+        share = self.smooth(xp, share, self.waist_r)
+        left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
+        share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
+        fraction = xp.store(xp.maximum(transformed(xp, share, self.n_1, self.n_2), left))
+        gained = self._gained(xp, scale, move, way, xp.maximum(fraction, move.fraction))
+        kept = move.ratio * xp.minimum(fraction, move.fraction)
+        return Fractions(fraction, kept + gained / self.H_sat)
+
+    def _gained(
+        self, xp: Namespace, scale: Scale, move: Move, way: Way, fraction: Scalar
+    ) -> Scalar:
+        """∫H dξ [-] up to a fraction.
+
+        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right near the middle of h.
+        """
+        exponents = self.n_1, self.n_2
+        first, last = (hardening(xp, x, *exponents) for x in (move.fraction, fraction))
+        grown, climb = fraction - move.fraction, last - first
+        climbs = climb > 0.0
+        safe = xp.store(xp.where(climbs, climb, 1.0))
+
+        def reached(part: Scalar) -> tuple[Scalar, Scalar]:
+            """Stress at a part of the growth, and the share h_f reached there."""
+            stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
+            return stress, self.forward_share(xp, scale, stress, kelvin)
+
+        part = self._halfway(xp, reached(0.5)[1], first, safe)
+        middle, at = reached(part)
+        at = (self.smooth(xp, at, self.waist_f) - first) / safe
+        at = xp.store(xp.clip(at, 1.0 / 3.0, 2.0 / 3.0))
+        slow = self.current(xp, way.at(move.grows_from)[0])
+        more = self.current(xp, way.at(move.grows_to)[0]) - slow
+        areas = [hardening_integral(xp, x, *exponents) for x in (move.fraction, fraction)]
+        area = xp.where(climbs, (areas[1] - areas[0] - first * grown) / safe, 0.0)
+        bulge = (self.current(xp, middle) - slow - at * more) / (6.0 * at * (1.0 - at))
+        return grown * (slow + bulge) + area * more
+
+    def _halfway(self, xp: Namespace, middle: Scalar, first: Scalar, climb: Scalar) -> Scalar:
+        """The part of a growth after which h has done half of its climb, about.
+
+        Along it h_f is a parabola through both ends and what it reaches in the `middle`.
+        """
+        goal = 0.5
+        if self.hardening == "waisted":
+            ends = (waisted(first + part * climb, self.waist_f) for part in (0.0, 0.5, 1.0))
+            first, half, last = ends
+            climbs = last > first
+            climb = xp.store(xp.where(climbs, last - first, 1.0))
+            goal = xp.where(climbs, xp.clip((half - first) / climb, 0.125, 0.875), 0.5)
+        bend = 4.0 * xp.clip((middle - first) / climb, 0.0, 1.0) - 1.0
+        return 2.0 * goal / (bend + xp.sqrt(bend * bend + 4.0 * goal - 4.0 * goal * bend))
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: Memory,
+        move: Move,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> Memory:
+        """The memory after the accepted move."""
+        grown = fractions.martensite > memory.fraction
+        ratio = fractions.oriented / xp.where(grown, fractions.martensite, 1.0)
+        ratio = xp.where(grown, xp.clip(ratio, -1.0, 1.0), memory.ratio)
+        return Memory(fractions.martensite, ratio, stress, temperature)
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg, with stops wherever a process may turn inside it."""
+        here = memory.stress, memory.temperature
+        there = Move(*memory, grows_from=0.0, grows_to=1.0)
+        found = self.follow(xp, there, *here, 0.0)
+        memory = self.commit(xp, memory, there, found, *here, 0.0)
+        way = there.way(stress, temperature)
+        turn = way.at(self.forward_peak(xp, self.scale(xp), way))
+        memory, _ = self._advance(xp, memory, *turn, dt)
+        return self._advance(xp, memory, stress, temperature, dt)
+
+    def _advance(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a piece of a leg on which forward transformation does not turn back."""
+        way = Move(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
+        strain = memory.ratio * self.H_sat
+        turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
+        there, _ = super().kinetics(xp, memory, *turn, dt)
+        stop = there.fraction < memory.fraction
+        memory = Memory(*(xp.where(stop, a, b) for a, b in zip(there, memory, strict=True)))
+        return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
+        """H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
+        alpha = self.alpha_A + fractions.martensite * (self.alpha_M - self.alpha_A)
+        return self.H_sat * fractions.oriented + alpha * (temperature - self.T_ref)
+
+    def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""
+        return 1.0 / self.E_A + fractions.martensite * self.softening()
+
+    def crossing(
+        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """Share of a transformation range by which the move goes beyond its surface [-].
+
+        Shares without waist, since these tell how much of the fraction changes.
+        """
+        scale = self.scale(xp)
+        ahead = xp.clip(self.forward_share(xp, scale, stress, temperature), 0.0, 1.0)
+        ahead = self.smooth(xp, ahead, self.waist_f)
+        strain = memory.ratio * self.H_sat
+        behind = xp.clip(self.reverse_share(xp, scale, strain, stress, temperature), 0.0, 1.0)
+        behind = self.smooth(xp, behind, self.waist_r)
+        ahead = ahead - hardening(xp, memory.fraction, self.n_1, self.n_2)
+        behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - behind
+        return xp.maximum(xp.maximum(ahead, behind), 0.0)

@@ -1,0 +1,112 @@
+r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermally activated jumps.
+
+    dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
+    ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
+
+with the wells of `laws.shared.layers` and the rates of `laws.shared.barriers`. A plateau lies
+a little inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
+V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
+rates.
+
+With a published latent heat the free energy is rarely consistent: `heat_model =
+"free-energy"` takes the heat -T dβ/dT from it instead (β the difference of the wells at
+rest); `stress` adds the work and the elastic part σ ε_T + ½ σ² (1/E_A - 1/E_M).
+
+Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 as in a public
+implementation of the Saarland group (Ullrich 2014).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from martensite.base.parameters import option
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.barriers import (
+    Process,
+    Start,
+    begin,
+    processes,
+    rate,
+    scales,
+    wells,
+)
+from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange, mean_flows
+from martensite.physics.kinetics.layers import AbstractCrystal, Memory, Pull, Variants, together
+from martensite.physics.laws.base import LAWS, Fractions
+
+
+class Move(NamedTuple):
+    """A step from the remembered point."""
+
+    present: Variants
+    starts: tuple[Start, ...]
+    pull: Pull
+
+
+RESTING = 0.03
+"""Share of its layers that a process at rest is guessed to move in one step."""
+
+
+@LAWS.register("mas")
+class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
+    """Single crystal with austenite and two martensite variants, rate dependent."""
+
+    cites = ("seelecke2004", "ullrich2014")
+
+    rates: str = option(
+        "barrier: saddle height; well: layers at the edge of their well (erfc); "
+        "edge: saddle with a rigid bridge",
+        "barrier", "well", "edge", default="barrier",
+    )  # fmt: skip
+
+    @property
+    def form(self) -> str:
+        """Form of the rates."""
+        return self.rates
+
+    def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
+        """The four processes at a point."""
+        constants = self.material()
+        at = wells(xp, constants, self.threshold(temperature), temperature, self.form)
+        plus = processes(xp, constants, at, stress, self.form)
+        minus = processes(xp, constants, at, -stress, self.form)
+        return (*plus, *minus)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The barriers at the start of a step."""
+        found = self.barriers(xp, memory.stress, memory.temperature)
+        starts = tuple(begin(xp, process) for process in found)
+        return Move(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        ends = self.barriers(xp, stress, temperature)
+        flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
+        return together(exchange(xp, move.present, flows))
+
+    def drive(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
+        pull = move.pull
+        at = wells(xp, self.material(), self.threshold(temperature), temperature, self.form)
+        scale = scales(xp, self.material(), at, self.form)
+        slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
+        inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)
+        return self.overshoot(xp, pull, stress, temperature) + inside
+
+    def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
+        """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
+        found = self.barriers(xp, stress, temperature)
+        return Flows(*(rate(xp, process, self.layer_time) for process in found))
+
+    def jumps(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], Flows]:
+        """The same, whatever the quantile."""
+        rates = self.jump_rates(xp, stress, temperature)
+        return lambda quantile: rates

@@ -1,0 +1,130 @@
+r"""Müller–Achenbach–Seelecke law in its rate-independent limit: modes instead of rates.
+
+While a transformation runs, stress rests at its threshold; otherwise fractions are frozen.
+The modes A, M+, M-, A↔M+ and A↔M- are not switched by events but are the data themselves:
+
+    R± = ½ + (±σ - σ̂_M)/w  on [0, 1]     x± cannot stay above R±
+    F± = ½ + (±σ - σ̂_A)/w  on [0, 1]     x± rises to F± as long as there is austenite
+
+a play operator with a ramp of width w (0.1 MPa), which closes every minor loop. Thermal
+activation moves the resting stress inside the thresholds by the barrier that layers pass in
+the `transit_time` t_c,
+
+    σ̂_A = max(0, σ_A - √ln(t_c/τ)/k_A),   σ̂_M = σ_M + √ln(t_c/τ)/k_M,
+    k² = ½ λ (1/E + 1/K),   λ = V/(k_B T_L),
+
+so that plateaus lie where the rate law has them at a rate of about 1/t_c; a decade of rate is
+0.2 to 0.3 MPa. Without it (t_c ≤ τ) plateaus lie at the nominal thresholds.
+
+Source: the idea of a hybrid automaton of five modes is that of Mandolino, Ferrante and
+Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package's.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.barriers import scales, wells
+from martensite.physics.kinetics.layers import AbstractCrystal, Memory, Pull, Variants, together
+from martensite.physics.laws.base import LAWS, Fractions
+
+
+class Move(NamedTuple):
+    """A step from the remembered point."""
+
+    present: Variants
+    pull: Pull
+
+
+class Rests(NamedTuple):
+    """Stresses [Pa] at which transformations rest."""
+
+    A: Scalar
+    M: Scalar
+
+
+@LAWS.register("mas-hybrid")
+class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
+    """Single crystal without rates: stress rests at a threshold while layers switch."""
+
+    cites = ("mandolino2021", "seelecke2004")
+
+    transit_time: Scalar = param(
+        "s", "time in which layers pass the barrier that is left", above=0.0, high=1e6, default=1.0
+    )
+    ramp: Scalar = param(
+        "Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5
+    )
+
+    def inside(self, xp: Namespace) -> Rests:
+        """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""
+        constants = self.material()
+        at = wells(xp, constants, self.sigma_L, self.T_L, self.form)
+        scale = scales(xp, constants, at, self.form)
+        slow = xp.sqrt(xp.log(xp.maximum(self.transit_time / self.layer_time, 1.0)))
+        return Rests(slow / scale.A, slow / scale.M)
+
+    def rests(self, xp: Namespace, temperature: Scalar) -> Rests:
+        """Thresholds with thermal activation [Pa]."""
+        inside, threshold = self.inside(xp), self.threshold(temperature)
+        return Rests(
+            xp.maximum(threshold - inside.A, 0.0),
+            self.limited(xp, temperature) - self.Delta_sigma + inside.M,
+        )
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The state in balance at the start, and the process that is driven hardest."""
+        present = self.balance(xp, memory.present, memory.stress, memory.temperature)
+        return Move(present, self.strongest(xp, present, stress, temperature))
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the step ends at (stress, temperature); independent of dt."""
+        return together(self.balance(xp, move.present, stress, temperature))
+
+    def balance(
+        self, xp: Namespace, present: Variants, stress: Scalar, temperature: Scalar
+    ) -> Variants:
+        """What is left and what is made of the variants at a point."""
+        rests = self.rests(xp, temperature)
+
+        def reached(stress: Scalar, rest: Scalar) -> Scalar:
+            return xp.clip(0.5 + (stress - rest) / self.ramp, 0.0, 1.0)
+
+        plus = xp.minimum(present.plus, reached(stress, rests.M))
+        minus = xp.minimum(present.minus, reached(-stress, rests.M))
+        more = xp.maximum(reached(stress, rests.A) - plus, 0.0)
+        other = xp.maximum(reached(-stress, rests.A) - minus, 0.0)
+        wanted, austenite = more + other, 1.0 - plus - minus
+        short = wanted > austenite
+        share = xp.where(short, austenite / xp.where(short, wanted, 1.0), 1.0)
+        plus = plus + share * more
+        return Variants(plus, xp.minimum(minus + share * other, 1.0 - plus))
+
+    def kinetics(
+        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Memory, Fractions]:
+        """Advance along a straight leg, cut where the forward threshold reaches zero."""
+        bend = self.T_L + (self.inside(xp).A - self.sigma_L) / self.dsigma_dT
+        way = temperature - memory.temperature
+        moves = xp.abs(way) > 0.0
+        share = (bend - memory.temperature) / xp.where(moves, way, 1.0)
+        share = xp.where(moves, xp.clip(share, 0.0, 1.0), 0.0)
+        between = (
+            memory.stress + share * (stress - memory.stress), memory.temperature + share * way
+        )  # fmt: skip
+        halfway, _ = super().kinetics(xp, memory, *between, dt)
+        return super().kinetics(xp, halfway, stress, temperature, dt)
+
+    def drive(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """Distance beyond the middle of what is left of the ramp, for the pulled process [Pa]."""
+        rests, pull, now = self.rests(xp, temperature), move.pull, move.present
+        present = xp.where(pull.by_stress * pull.by_threshold < 0.0, now.plus, now.minus)
+        by_A = pull.by_threshold * rests.A - 0.5 * present * self.ramp
+        by_M = pull.by_threshold * rests.M - 0.5 * (1.0 - present) * self.ramp
+        return pull.by_stress * stress + xp.where(pull.offset < 0.0, by_M, by_A)

@@ -1,0 +1,213 @@
+r"""Müller–Achenbach–Seelecke law of a polycrystal: groups of layers in series.
+
+    ε = Σ wᵢ { ε_T (x₊ᵢ - x₋ᵢ) + σ [(x₊ᵢ + x₋ᵢ)/E_M + Aᵢ/E_A] }
+
+Every group follows the single-crystal law with the barrier form of the rates. Groups differ
+by a normal distribution of standard deviation `spread`, at the medians of equally probable
+classes, so that all weights are equal:
+
+- `barriers` (default): each group has its own threshold σ_A + δᵢ. Plateaus get slopes, minor
+  loops are smooth, a wire under tension comes back to its start.
+- `internal-stress`: each group feels its own stress σ + σᵢ. Groups with σ + σᵢ < 0 turn into
+  M- on cooling and a weak bias cannot turn them back: part of the stroke is lost. Known defect
+  of this variant for tension wires; it is here for comparison.
+
+With zero spread both are the single crystal.
+
+Sources: Heintze and Seelecke (2008) and Massad and Smith (2005) for the superposition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from statistics import NormalDist
+from typing import NamedTuple
+
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+from martensite.physics.kinetics.barriers import Process, Start, begin, edges, rate, scales, wells
+from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange, mean_flows
+from martensite.physics.kinetics.layers import PRESENT, Pull, Variants, variants
+from martensite.physics.laws.base import LAWS, Fractions
+
+Column = Sequence[Scalar]
+
+
+class Memory(NamedTuple):
+    """All that a polycrystal remembers: the variants of every group."""
+
+    plus: Column
+    minus: Column
+    mean: Fractions
+    stress: Scalar
+    temperature: Scalar
+
+
+class Move(NamedTuple):
+    """A step from the remembered point; one entry per group."""
+
+    plus: Column
+    minus: Column
+    starts: tuple[Column, ...]
+    pull: Pull
+    rest: Scalar
+    """Overshoot at the start [Pa]: a process in progress stays near it."""
+
+
+@LAWS.register("mas-polycrystal")
+class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
+    """Groups of layers with distributed barriers (or internal stresses), in series."""
+
+    grouped = True
+    cites = ("heintze2008", "massad2005", "ullrich2014")
+
+    spread: Scalar = param(
+        "Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9,
+        default=20e6,
+    )  # fmt: skip
+    groups: str = option("number of groups", "31", "15", default="31")
+    distribution: str = option(
+        "what differs between groups", "barriers", "internal-stress", default="barriers"
+    )
+
+    def quantiles(self) -> tuple[float, ...]:
+        """Deviations of the groups in standard deviations [-]."""
+        count = int(self.groups)
+        return tuple(NormalDist().inv_cdf((k + 0.5) / count) for k in range(count))
+
+    def shifts(self, quantile: Scalar) -> tuple[Scalar, Scalar]:
+        """Shift of the threshold and of the stress of a group [Pa]."""
+        shift = self.spread * quantile
+        return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
+
+    def init(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """Memory of a wire in a phase state that has no history; all groups are alike."""
+        present, count = variants(fractions), int(self.groups)
+        columns = (present.plus,) * count, (present.minus,) * count
+        return Memory(*columns, fractions, stress, temperature)
+
+    def moved(
+        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        temperature: Scalar,
+    ) -> Memory:  # fmt: skip
+        """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
+        before, after = variants(memory.mean), variants(fractions)
+
+        def shrunk(now: Scalar, then: Scalar) -> Scalar:
+            falls = now > then
+            return xp.where(falls, then / xp.where(falls, now, 1.0), 1.0)
+
+        keep = Variants(*(shrunk(a, b) for a, b in zip(before, after, strict=True)))
+        free = 1.0 - before.plus * keep.plus - before.minus * keep.minus
+        some = free > PRESENT
+        per = xp.where(some, 1.0 / xp.where(some, free, 1.0), 0.0)
+        grow = Variants(*(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True)))
+
+        def group(plus: Scalar, minus: Scalar) -> tuple[Scalar, Scalar]:
+            plus, minus = plus * keep.plus, minus * keep.minus
+            left = 1.0 - plus - minus
+            return plus + grow.plus * left, minus + grow.minus * left
+
+        columns = xp.each(group, memory.plus, memory.minus)
+        plus, minus = columns
+        return self.remember(xp, plus, minus, stress, temperature)
+
+    def populations(self, memory: Memory) -> tuple[Column, Column]:
+        """x₊ and x₋ of every group."""
+        return memory.plus, memory.minus
+
+    def remember(
+        self, xp: Namespace, plus: Column, minus: Column, stress: Scalar, temperature: Scalar
+    ) -> Memory:
+        """The memory with these populations of every group."""
+        mean = self.mean(xp, plus, minus)
+        return Memory(tuple(plus), tuple(minus), mean, stress, temperature)
+
+    def jumps(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], Flows]:
+        """Rates [1/s] of the four processes, by the quantile of a group."""
+        four, time = self.group(xp, stress, temperature), self.layer_time
+        return lambda quantile: Flows(*(rate(xp, process, time) for process in four(quantile)))
+
+    def fractions(self, memory: Memory) -> Fractions:
+        """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
+        return memory.mean
+
+    def mean(self, xp: Namespace, plus: Column, minus: Column) -> Fractions:
+        """Fractions of all groups together."""
+        share = 1.0 / len(plus)
+        a, b = share * total(plus), share * total(minus)
+        return Fractions(xp.minimum(a + b, 1.0), a - b)
+
+    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+        """The barriers of all groups at the start of a step."""
+        group = self.group(xp, memory.stress, memory.temperature)
+
+        def start(quantile: Scalar) -> tuple[Scalar, ...]:
+            return tuple(n for process in group(quantile) for n in begin(xp, process))
+
+        pull = self.strongest(xp, variants(memory.mean), stress, temperature)
+        rest = self.overshoot(xp, pull, memory.stress, memory.temperature)
+        starts = xp.each(start, self.quantiles())
+        return Move(memory.plus, memory.minus, starts, pull, rest)
+
+    def group(
+        self, xp: Namespace, stress: Scalar, temperature: Scalar
+    ) -> Callable[[Scalar], tuple[Process, ...]]:
+        """The four processes at a point, as a function of the quantile of a group.
+
+        The bridge between the wells is that of the mean threshold for all groups; beyond the
+        far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
+        """
+        constants, threshold = self.material(), self.threshold(temperature)
+        middle = wells(xp, constants, threshold, temperature, self.form)
+        scale = scales(xp, constants, middle, self.form)
+
+        def four(quantile: Scalar) -> tuple[Process, ...]:
+            barrier, inner = self.shifts(quantile)
+            rise, local = xp.maximum(threshold + barrier, 0.0), stress + inner
+            at = middle._replace(stress_A=rise, stress_M=rise - self.Delta_sigma)
+            distances = (*edges(at, scale, local), *edges(at, scale, -local))
+            return tuple(Process(y, 1.0) for y in distances)
+
+        return four
+
+    def groups_after(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[Column, Column]:
+        """Variants of all groups if the step of dt [s] ends at (stress, temperature)."""
+        group = self.group(xp, stress, temperature)
+
+        def advance(
+            quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar
+        ) -> tuple[Scalar, Scalar]:
+            starts = [Start(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
+            flows = mean_flows(xp, starts, group(quantile), dt / self.layer_time)
+            return exchange(xp, Variants(plus, minus), flows)
+
+        plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
+        return plus, minus
+
+    def follow(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Fractions:
+        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        return self.mean(xp, *self.groups_after(xp, move, stress, temperature, dt))
+
+    def commit(
+        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
+        temperature: Scalar, dt: Scalar,
+    ) -> Memory:  # fmt: skip
+        """The memory after the accepted step."""
+        plus, minus = self.groups_after(xp, move, stress, temperature, dt)
+        return self.remember(xp, plus, minus, stress, temperature)
+
+    def drive(
+        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> Scalar:
+        """Distance beyond the start of the process that the trial drives hardest [Pa]."""
+        return self.overshoot(xp, move.pull, stress, temperature) - move.rest

@@ -1,0 +1,355 @@
+r"""A step of a law of rates by a Rosenbrock method, coupled with heat and mechanism.
+
+The populations x of all groups of layers and the temperature T follow
+
+    dx/dt = f(x, σ, T),     C dT/dt = P(ξ, T, t) - Q(T) + Λ(σ, T) dξ/dt,     σ = S(ξ, oriented, T)
+
+with the stress S on the load line. Rodas4 takes six linear solves with the one matrix
+I/(γ Δt) - J, stiffly accurate and L-stable, of order four; the solution of order three inside it
+shows the error. The matrix is never set up: groups depend on each other through stress and
+temperature only, so each is a system of two, and the temperature closes them by one equation.
+
+No method of this kind keeps fractions between 0 and 1 if its step is too long. What is outside is
+set on the bound in the result, and left in the one it is compared with, so that an error control
+sees it; it is never hidden.
+
+Sources: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, section IV.7 and
+their code RODAS for the coefficients and the continuous output.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from martensite.kernels.dual import jacobian
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import total
+from martensite.physics.kinetics.exchange import AbstractExchange, Flows
+from martensite.physics.laws.base import Fractions
+
+Column = Sequence[Scalar]
+
+GAMMA = 0.25
+POINTS = (
+    (),
+    (1.544,),
+    (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
+)
+"""Where each stage asks for rates, by the ones before."""
+CARRIED = (
+    (),
+    (-5.6688,),
+    (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+    (
+        8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+        -6.058818238834054,
+    ),
+)  # fmt: skip
+"""What each stage takes over of the ones before, per step."""
+TIMES = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
+SLOPES = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
+"""Share of the rate of change with time alone."""
+INNER = (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823,
+         1.025137723295662)  # fmt: skip
+OUTER = (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386,
+         -6.594389125716872)  # fmt: skip
+"""Of the continuous output."""
+
+
+class Coupling(NamedTuple):
+    """What a law of rates is coupled with; `at` is (ξ, oriented fraction, temperature [K])."""
+
+    stress: Callable[[Namespace, Column], Scalar]
+    """On the load line [Pa]."""
+    power: Callable[[Namespace, Column], Column]
+    """Net heat flow in the middle of the step [W], and its change in time [W/s]."""
+    latent: Callable[[Namespace, Scalar, Scalar], Scalar]
+    """Heat of the whole forward transformation [J] at (stress [Pa], temperature [K])."""
+    capacity: Scalar
+    """[J/K]"""
+
+
+class _Group(NamedTuple):
+    """A group of layers, or a change of one: a population of each variant."""
+
+    plus: Scalar
+    minus: Scalar
+
+
+class _Linear(NamedTuple):
+    """Rates of all groups, linearised at the start; one entry per group."""
+
+    rates: _Columns
+    inverse: tuple[Column, Column, Column, Column]
+    """Of I/(γ Δt) - J within a group."""
+    by_stress: _Columns
+    """What a change of stress brings, through that inverse."""
+    by_temperature: _Columns
+
+
+class _Columns(NamedTuple):
+    """Populations of all groups, or changes of them."""
+
+    plus: Column
+    minus: Column
+
+    def mean(self) -> tuple[Scalar, Scalar]:
+        """Of martensite and oriented fraction over the groups."""
+        share = 1.0 / len(self.plus)
+        a, b = share * total(self.plus), share * total(self.minus)
+        return a + b, a - b
+
+
+class _Stage(NamedTuple):
+    """A change of the whole system."""
+
+    groups: _Columns
+    martensite: Scalar
+    oriented: Scalar
+    temperature: Scalar
+
+    def scalars(self) -> list[Scalar]:
+        """What is not of single groups."""
+        return [self.martensite, self.oriented, self.temperature]
+
+
+def advance_rosenbrock(
+    xp: Namespace, law: AbstractExchange, memory: Any, coupling: Coupling, dt: Scalar
+) -> tuple[Any, Any, Any]:
+    """Memory after a step of dt [s], in its middle, and after it to the lower order.
+
+    `dt` must be above 0.
+    """
+    start = _Columns(*law.populations(memory))
+    at = [*start.mean(), memory.temperature]
+    stages = _Stages(xp, law, coupling, start, at, dt).solve()
+    begin = _Stage(start, *at)
+    coarse = _sum(xp, begin, stages[:5], POINTS[5])
+    fine = _sum(xp, coarse, stages[5:], (1.0,))
+    bend = [a + 0.5 * b for a, b in zip(INNER, OUTER, strict=True)]
+    mean = _sum(xp, _sum(xp, begin, [begin], (-0.5,)), [fine], (0.5,))
+    middle = _sum(xp, mean, stages[:5], [0.25 * x for x in bend])
+    settle = _settle(xp, law, coupling)
+    return settle(fine, True), settle(middle, True), settle(coarse, False)
+
+
+class _Stages:
+    """The six linear solves of a step."""
+
+    def __init__(
+        self, xp: Namespace, law: AbstractExchange, coupling: Coupling, start: _Columns,
+        at: Sequence[Scalar], dt: Scalar,
+    ) -> None:  # fmt: skip
+        self.xp, self.law, self.coupling, self.dt = xp, law, coupling, dt
+        self.begin = _Stage(start, *at)
+        self.per_step = xp.store(1.0 / dt)
+        self.diagonal = xp.store(self.per_step * (1.0 / GAMMA))
+        stress, self.by_state = self._stress(at)
+        self.linear = self._linearise(stress)
+        self.moved = self.linear.rates.mean()[0]
+        self._close(at)
+
+    def solve(self) -> list[_Stage]:
+        """All stages, one after the other."""
+        found: list[_Stage] = []
+        for k in range(6):
+            found.append(self._solve_stage(k, found))
+        return found
+
+    def _stress(self, at: Sequence[Scalar]) -> tuple[Scalar, list[Scalar]]:
+        """Stress on the load line, and its slopes."""
+
+        def stress(xp: Namespace, at: Column) -> Column:
+            return [self.coupling.stress(xp, at)]
+
+        (value,), (slopes,) = jacobian(self.xp, stress, at)
+        return self.xp.store(value), [self.xp.store(slope) for slope in slopes]
+
+    def _linearise(self, stress: Scalar) -> _Linear:
+        xp, law, diagonal = self.xp, self.law, self.diagonal
+        temperature = self.begin.temperature
+
+        def group(quantile: Scalar, plus: Scalar, minus: Scalar) -> list[Scalar]:
+            def jumps(xp: Namespace, at: Column) -> Column:
+                return law.jumps(xp, at[0], at[1])(quantile)
+
+            flows, slopes = jacobian(xp, jumps, [stress, temperature])
+            here, rates = _Group(plus, minus), Flows(*(xp.store(x) for x in flows))
+            by_stress, by_temperature = (Flows(*column) for column in zip(*slopes, strict=True))
+            up, over = rates.to_plus, rates.to_minus
+            a, d = diagonal + up + rates.from_plus, diagonal + over + rates.from_minus
+            share = 1.0 / (a * d - up * over)
+            inverse = [xp.store(share * x) for x in (d, -up, -over, a)]
+            changes = (
+                _change(rates, here),
+                _change(by_stress, here),
+                _change(by_temperature, here),
+            )
+            one, two, three = changes
+            return [*one, *inverse, *_times(inverse, two), *_times(inverse, three)]
+
+        columns = _each(xp, group, law.quantiles(), *self.begin.groups)
+        a, b, c, d = columns[2:6]
+        pairs = (_Columns(*columns[k : k + 2]) for k in (0, 6, 8))
+        rates, by_stress, by_temperature = pairs
+        return _Linear(rates, (a, b, c, d), by_stress, by_temperature)
+
+    def _close(self, at: Sequence[Scalar]) -> None:
+        """What stress and temperature answer to a change within the groups."""
+        xp, coupling, moved = self.xp, self.coupling, self.moved
+
+        def balance(xp: Namespace, at: Column) -> Column:
+            latent = coupling.latent(xp, coupling.stress(xp, at), at[2])
+            net, slope = coupling.power(xp, at)
+            return [net - 0.5 * self.dt * slope + latent * moved, slope, latent]
+
+        (_, slope, latent), (by_state, *_) = jacobian(xp, balance, at)
+        self.slope, self.latent = xp.store(slope), xp.store(latent)
+        self.by_heat = [xp.store(x) for x in by_state]
+        by_m, by_o, by_T = self.by_state
+        (ms, os), (mT, oT) = self.linear.by_stress.mean(), self.linear.by_temperature.mean()
+        self.yields = xp.store(1.0 / (1.0 - by_m * ms - by_o * os))
+        self.stress_by_T = xp.store(self.yields * (by_m * mT + by_o * oT + by_T))
+        self.both = (xp.store(mT + ms * self.stress_by_T), xp.store(oT + os * self.stress_by_T))
+        self.of_stress = (ms, os)
+        m, o = self.both
+        rest = self.diagonal * (coupling.capacity - self.latent * m)
+        rest = rest - self.by_heat[0] * m - self.by_heat[1] * o - self.by_heat[2]
+        self.share = xp.store(1.0 / rest)
+
+    def _solve_stage(self, k: int, before: Sequence[_Stage]) -> _Stage:
+        xp, coupling = self.xp, self.coupling
+        at = self._state(POINTS[k], before)
+        stress = xp.store(coupling.stress(xp, at))
+        asked, gained, moved = self._ask_groups(k, stress, at[2], before)
+        power, slope = coupling.power(xp, at)
+        heat = power + (TIMES[k] - 0.5) * self.dt * slope
+        heat = heat + coupling.latent(xp, stress, at[2]) * moved
+        heat = heat + SLOPES[k] * self.dt * self.slope
+        own = _weighted(CARRIED[k], [one.temperature for one in before])
+        heat = heat + coupling.capacity * self.per_step * own
+        (m, o), (by_m, by_o, _) = asked.mean(), self.by_state
+        stress = self.yields * (by_m * m + by_o * o)
+        m, o = m + self.of_stress[0] * stress, o + self.of_stress[1] * stress
+        heat = heat + self.by_heat[0] * m + self.by_heat[1] * o
+        heat = heat + self.latent * (self.diagonal * m - gained)
+        change = xp.store(self.share * heat)
+        stress = xp.store(stress + self.stress_by_T * change)
+
+        def group(*row: Scalar) -> list[Scalar]:
+            return [
+                a + b * stress + c * change
+                for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)
+            ]
+
+        linear = self.linear
+        groups = _each(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
+        m, o = xp.store(m + self.both[0] * change), xp.store(o + self.both[1] * change)
+        return _Stage(_Columns(*groups), m, o, change)
+
+    def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
+        """Fractions and temperature where a stage asks for rates."""
+        changes = zip(*(one.scalars() for one in (self.begin, *before)), strict=True)
+        return [self.xp.store(x + _weighted(weights, rest)) for x, *rest in changes]
+
+    def _ask_groups(
+        self, k: int, stress: Scalar, temperature: Scalar, before: Sequence[_Stage]
+    ) -> tuple[_Columns, Scalar, Scalar]:
+        """What the groups answer at frozen stress and temperature, their gain and rate of ξ."""
+        xp, law, begin = self.xp, self.law, self.begin.groups
+        per_step, count = self.per_step, len(before)
+        jumps = law.jumps(xp, stress, temperature)
+
+        def group(quantile: Scalar, *row: Scalar) -> list[Scalar]:
+            inverse, here, rest = row[:4], row[4:6], row[6:]
+            plus, minus = rest[:count], rest[count:]
+            point = _Group(
+                here[0] + _weighted(POINTS[k], plus), here[1] + _weighted(POINTS[k], minus)
+            )
+            rates = _change(jumps(quantile), point)
+            gain = _Group(
+                rates.plus + per_step * _weighted(CARRIED[k], plus),
+                rates.minus + per_step * _weighted(CARRIED[k], minus),
+            )
+            return [*_times(inverse, gain), gain.plus + gain.minus, rates.plus + rates.minus]
+
+        columns = _each(
+            xp, group, law.quantiles(), *self.linear.inverse, *begin,
+            *(one.groups.plus for one in before), *(one.groups.minus for one in before),
+        )  # fmt: skip
+        share = 1.0 / len(columns[0])
+        gained, moved = (share * total(column) for column in columns[2:])
+        return _Columns(*columns[:2]), gained, moved
+
+
+def _change(flows: Flows, at: _Group) -> _Group:
+    """What flows between the phases of a group."""
+    austenite = 1.0 - at.plus - at.minus
+    return _Group(
+        flows.to_plus * austenite - flows.from_plus * at.plus,
+        flows.to_minus * austenite - flows.from_minus * at.minus,
+    )
+
+
+def _times(matrix: Sequence[Scalar], change: _Group) -> _Group:
+    a, b, c, d = matrix
+    return _Group(a * change.plus + b * change.minus, c * change.plus + d * change.minus)
+
+
+def _weighted(weights: Sequence[float], numbers: Sequence[Scalar]) -> Scalar:
+    result: Scalar = 0.0
+    for weight, number in zip(weights, numbers, strict=True):
+        result = result + weight * number
+    return result
+
+
+def _each(
+    xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Column
+) -> tuple[Column, ...]:
+    """Columns of results; a single row is no loop."""
+    if len(columns[0]) > 1:
+        return tuple(xp.each(body, *columns))
+    return tuple((xp.store(x),) for x in body(*(column[0] for column in columns)))
+
+
+def _sum(
+    xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]
+) -> _Stage:
+    """A state and a weighted sum of changes."""
+
+    def add(x: Scalar, *more: Scalar) -> list[Scalar]:
+        return [x + _weighted(weights, more)]
+
+    groups = (
+        _each(xp, add, column, *(one.groups[i] for one in stages))[0]
+        for i, column in enumerate(begin.groups)
+    )
+    scalars = [one.scalars() for one in stages]
+    rest = (add(x, *column)[0] for x, *column in zip(begin.scalars(), *scalars, strict=True))
+    return _Stage(_Columns(*groups), *(xp.store(x) for x in rest))
+
+
+def _settle(
+    xp: Namespace, law: AbstractExchange, coupling: Coupling
+) -> Callable[[_Stage, bool], Any]:
+    """Makes a memory of a state, with populations within their bounds if they are to be."""
+
+    def limit(plus: Scalar, minus: Scalar) -> list[Scalar]:
+        plus = xp.clip(plus, 0.0, 1.0)
+        return [plus, xp.clip(minus, 0.0, 1.0 - plus)]
+
+    def settle(state: _Stage, limited: bool) -> Any:
+        groups = state.groups
+        if limited:
+            groups = _Columns(*_each(xp, limit, *groups))
+        fractions = Fractions(*groups.mean())
+        stress = coupling.stress(xp, [*fractions, state.temperature])
+        return law.remember(xp, *groups, stress, state.temperature)
+
+    return settle

@@ -1,0 +1,207 @@
+"""Materials: one TOML file per source, read on demand.
+
+Each number carries its value with a unit, a source, where in the source it stands, and a
+kind that says how far to trust it:
+
+    datasheet   printed by the maker
+    measured    read directly from a measurement
+    fitted      obtained by fitting a model to measurements
+    assumed     chosen, for a stated reason
+    recalled    carried around in the literature; the original was not seen
+
+A fitted set of numbers holds for the law it was fitted with. [law] names that law with its
+options, and a scenario that leaves the law out takes this one; [fit] says what was fitted to
+which records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from martensite.base import units
+from martensite.base.errors import (
+    DataError,
+    ParameterError,
+    UnitError,
+    UnknownNameError,
+    suggestion,
+)
+from martensite.base.files import toml_document
+from martensite.physics.materials.names import NAMES
+
+KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
+DOUBTFUL = ("assumed", "recalled")
+"""Kinds that no measurement of this material stands behind."""
+_DATA = Path(__file__).parent / "data"
+_KEYS = ("title", "summary", "limits", "sources", "values", "law", "fit")
+_FIELDS = ("value", "kind", "source", "where", "note")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where numbers come from."""
+
+    cite: str
+    """Key in the bibliography."""
+    text: str
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of a material."""
+
+    value: float
+    """In the SI `unit`."""
+    text: str
+    """As written in the file, with its unit."""
+    unit: str
+    kind: str
+    source: str
+    """Key of a source of the material."""
+    where: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Material:
+    """The numbers of one material, from one file."""
+
+    name: str
+    title: str
+    summary: str
+    limits: str
+    """What the numbers do not cover."""
+    sources: dict[str, Source]
+    values: dict[str, Number]
+    law: dict[str, Any] | None = None
+    """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
+    if they belong to no law in particular."""
+    fit: dict[str, Any] | None = None
+    """What the fitted numbers rest on: records with their hashes, bounds, errors; None if
+    nothing was fitted here."""
+
+    def cites(self) -> list[str]:
+        """Bibliography keys of all sources that stand behind a number, in file order."""
+        used = {number.source for number in self.values.values()}
+        return list(dict.fromkeys(s.cite for key, s in self.sources.items() if key in used))
+
+
+def material_names() -> list[str]:
+    """Names of the materials that come with the package."""
+    return sorted(path.stem for path in _DATA.glob("*.toml"))
+
+
+def load_material(name: str | Path, folder: Path | None = None) -> Material:
+    """Read a material by its name, or from a file of one's own.
+
+    Args:
+        name: a name from `material_names()`, or the path of a TOML file.
+        folder: where a relative path starts; the current folder if not given.
+
+    Raises:
+        InputError: there is no such material, or its file is malformed.
+    """
+    if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
+        path = (folder or Path()) / name
+    else:
+        path = _DATA / f"{name}.toml"
+        if not path.is_file():
+            raise UnknownNameError("material", name, material_names())
+    return _material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
+
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """The document in a TOML file; `what` says in an error which kind of file it is."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise DataError(f"There is no {what} file `{path}`.") from None
+    except OSError as error:
+        raise DataError(f"Cannot read {what} file `{path}`: {error.strerror}.") from None
+    except UnicodeDecodeError as error:
+        raise DataError(f"Cannot read {what} file `{path}`: it is not UTF-8 ({error}).") from None
+    return toml_document(text, f"{what.capitalize()} file `{path}`")
+
+
+def _material(name: str, document: Mapping[str, Any], file: str) -> Material:
+    refuse_unknown(_KEYS, document, file)
+    sources = read_sources(document, file)
+    values = {
+        key: _number(key, read_table(entry, f"{file}, `{key}`"), sources, file)
+        for key, entry in read_table(document.get("values", {}), f"{file}, [values]").items()
+    }
+    title, summary, limits = (str(document.get(key, "")) for key in _KEYS[:3])
+    law, fit = (_optional(document, key, file) for key in ("law", "fit"))
+    if law is not None:
+        read_text(law, "kind", f"{file}, [law]")
+    return Material(name, title or name, summary, limits, sources, values, law, fit)
+
+
+def _optional(document: Mapping[str, Any], key: str, file: str) -> dict[str, Any] | None:
+    return read_table(document[key], f"{file}, [{key}]") if key in document else None
+
+
+def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:
+    """The sources that a file names, by key."""
+    found = read_table(document.get("sources", {}), f"{file}, [sources]")
+    return {key: _source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
+
+
+def _source(entry: Any, where: str) -> Source:
+    table = read_table(entry, where)
+    refuse_unknown(("cite", "text"), table, where)
+    return Source(read_text(table, "cite", where), read_text(table, "text", where))
+
+
+def _number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> Number:
+    if name not in NAMES:
+        raise ParameterError(f"{file}: no canonical number `{name}`. {suggestion(name, NAMES)}")
+    return read_number(entry, NAMES[name][0], sources, f"{file}, `{name}`")
+
+
+def read_number(
+    entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str
+) -> Number:
+    """A number declared in the SI `unit` from its table of value, kind, source, where and note.
+
+    Raises:
+        InputError: something is missing, unknown, or of another dimension.
+    """
+    refuse_unknown(_FIELDS, entry, where)
+    text, kind, source = (read_text(entry, key, where) for key in _FIELDS[:3])
+    if kind not in KINDS:
+        raise ParameterError(f"{where}: no kind `{kind}`. {suggestion(kind, KINDS)}")
+    if source not in sources:
+        raise ParameterError(f"{where}: no source `{source}`. {suggestion(source, sources)}")
+    try:
+        value = units.parse(text, unit)
+    except UnitError as error:
+        raise UnitError(f"{where}: {error}") from None
+    more = (str(entry.get(key, "")) for key in _FIELDS[3:])
+    return Number(value, text, unit, kind, source, *more)
+
+
+def read_table(entry: Any, where: str) -> dict[str, Any]:
+    """The entry, which must be a table."""
+    if not isinstance(entry, dict):
+        raise ParameterError(f"{where} must be a table, but is {entry!r}.")
+    return cast("dict[str, Any]", entry)
+
+
+def read_text(entry: Mapping[str, Any], key: str, where: str) -> str:
+    """The text under a key, which must be there."""
+    if key not in entry:
+        raise ParameterError(f"{where} needs `{key}`; none given.")
+    if not isinstance(entry[key], str):
+        raise ParameterError(f"{where}: `{key}` must be text in quotes, but is {entry[key]!r}.")
+    return entry[key]
+
+
+def refuse_unknown(valid: tuple[str, ...], entry: Mapping[str, Any], where: str) -> None:
+    """Raise `ParameterError` with the nearest valid key if the entry has another one."""
+    unknown = next((key for key in entry if key not in valid), None)
+    if unknown is not None:
+        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, valid)}")

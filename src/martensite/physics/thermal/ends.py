@@ -1,0 +1,66 @@
+"""What the ends of an element lose: as lumped, by the exact fin between two clamps.
+
+A wire of length l with a uniform source and ends clamped at ambient temperature is cooler near
+the clamps. With b = m l/2, m = √(4 h/(k d)), and G_c the contact conductance of one clamp, its
+steady mean overtemperature is that of the wire without ends times 1 - φ,
+
+    φ = tanh b/[b (1 + β tanh b)],   β = k A m/G_c,
+
+so that the whole loses G = h S/(1 - φ) per kelvin of mean overtemperature. The healing length
+1/m is how far a clamp is felt. `axial-wire` resolves what this lumps together.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+
+from martensite.base.parameters import Parametrised, param
+from martensite.base.registry import Registry
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.thermal.base import Cylinder
+
+ENDS: Registry[AbstractEnds] = Registry("ends", "martensite.physics.thermal")
+
+LEAST = 0.01
+"""Half lengths per healing length below which the profile counts as a parabola."""
+
+
+class AbstractEnds(Parametrised):
+    """Interface of a model of the ends."""
+
+    @abstractmethod
+    def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
+        """Heat flow per mean overtemperature [W/K] of a cylinder with a film [W/(m² K)]."""
+
+
+@ENDS.register("adiabatic")
+class AdiabaticEnds(AbstractEnds):
+    """Ends that lose nothing."""
+
+    def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
+        """h S [W/K]."""
+        return film * (math.pi * shape.diameter * shape.length)
+
+
+@ENDS.register("clamped")
+class ClampedEnds(AbstractEnds):
+    """Both ends in clamps at ambient temperature."""
+
+    thermal_conductivity: Scalar = param(
+        "W/m/K", "thermal conductivity of the wire", above=0.0, high=1e4, typical="15 W/m/K"
+    )
+    contact: Scalar = param(
+        "W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3
+    )
+
+    def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
+        """h S/(1 - φ) [W/K]."""
+        section = 0.25 * math.pi * shape.diameter * shape.diameter
+        along = self.thermal_conductivity * section
+        healing = xp.sqrt(4.0 * film / (self.thermal_conductivity * shape.diameter))
+        b = xp.maximum(0.5 * healing * shape.length, LEAST)
+        heat = xp.tanh(b)
+        contact = 2.0 * b * along / (shape.length * self.contact)
+        kept = 1.0 - heat / (b * (1.0 + contact * heat))
+        return 4.0 * along / shape.length * b * b / kept

@@ -1,5 +1,0 @@
-"""Runtimes: one kernel source, run as plain floats, arrays (numpy, JAX) or compiled C.
-
-Kernels are straight-line functions whose first argument is a `Namespace`. They are traced
-once into an expression graph, and each runtime prints that graph in its own language.
-"""

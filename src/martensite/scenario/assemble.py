@@ -1,0 +1,291 @@
+"""From the sections of a scenario to a system and the waveforms that drive it.
+
+[element], [environment] and [drive] describe the actuator of a mechanism with one port. A
+mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
+there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
+port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
+the mechanism itself, such as the voltage of a motor. [driver] is another word for [drive], for one
+that a controller has.
+
+[model] names the file of a model instead; its inputs are such signals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine, System
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
+from martensite.base.errors import ParameterError, suggestion
+from martensite.physics.electrical.base import SOURCES
+from martensite.physics.materials.base import Material, load_material
+from martensite.physics.thermal.base import Environment
+from martensite.scenario import recorded
+from martensite.scenario.build import Builder, Table, as_table, refuse_unknown, section
+from martensite.scenario.law_match import law_caution
+from martensite.scenario.scales import Scales
+from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.simulate.driven import Waveforms
+from martensite.simulate.grid import require_unit
+
+if TYPE_CHECKING:
+    from martensite.signals.records import Record
+
+COMMON = ("element", "environment")
+DRIVE, DRIVER = "drive", "driver"
+GROUP = "actuators"
+SIGNALS = "signals"
+MODEL = "model"
+
+
+@dataclass
+class Assembly:
+    """A system in the making."""
+
+    document: Table
+    folder: Path
+    """Where files that are named are looked for."""
+    log: Record | None = None
+    """What waveforms of kind `log` follow."""
+    lead: float = 0.0
+    """Time before the log [s]."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path of each number -> where it came from."""
+    waveforms: dict[str, AbstractWaveform] = field(default_factory=dict[str, AbstractWaveform])
+    end: float = math.inf
+    """When the last recorded waveform ends [s]."""
+    material: Material | None = None
+    """That of the first element which names one."""
+    follows: dict[str, str] = field(default_factory=dict[str, str])
+    """Drive -> column of the log that it follows."""
+    cautions: list[str] = field(default_factory=list[str])
+    """Sentences on materials whose numbers are used in another law than theirs."""
+    controlled: bool = False
+    """Whether a controller may have a drive, which then needs no waveform."""
+
+    @property
+    def drive(self) -> str:
+        """The section of the source."""
+        return drive_section(self.document)
+
+    def system(self) -> AbstractSystem:
+        """The system; fills the other fields on the way."""
+        if MODEL in self.document:
+            return self._model(section_of(self.document, MODEL))
+        table = section_of(self.document, "mechanism")
+        mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
+        ports = mechanism.ports()
+        made = self._single(mechanism) if len(ports) == 1 else self._machine(mechanism, ports)
+        self._signals(mechanism)
+        return made
+
+    def driven(self, system: AbstractSystem) -> Waveforms:
+        """The waveform of a system with one drive, or those of one with several by name."""
+        known = self.waveforms
+        return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
+
+    def _model(self, table: Table) -> AbstractSystem:
+        """A model from its file, driven by [signals.INPUT], or by [drive] if it has one input."""
+        from martensite.identify.chains.plant import plant
+        from martensite.scenario.model_files import read_model
+
+        refuse_unknown(table, ("file",), f"[{MODEL}]")
+        for other in ("element", "mechanism", GROUP):
+            if other in self.document:
+                raise ParameterError(f"A scenario has [{MODEL}] or [{other}], not both.")
+        if not isinstance(table.get("file"), str):
+            raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
+        made = plant(read_model(self.folder / str(table["file"])))
+        self._signals(made.mechanism)
+        names = made.mechanism.signals()
+        if self.drive in self.document:
+            if len(names) != 1 or self.waveforms:
+                raise ParameterError(
+                    f"[{self.drive}] is for a model of one input that no [{SIGNALS}] drive; this "
+                    f"one has the inputs {', '.join(names)}."
+                )
+            ((name, unit),) = names.items()
+            table = section_of(self.document, self.drive)
+            refuse_unknown(table, ("waveform",), f"[{self.drive}]")
+            self.waveforms[name] = self._waveform(table, unit, self.drive, name)
+        return made
+
+    def _single(self, mechanism: AbstractMechanism) -> System:
+        if GROUP in self.document:
+            raise ParameterError(
+                f"Mechanism `{mechanism.registered_name}` takes one element, described in "
+                f"[element]; there are no [{GROUP}]."
+            )
+        actuator = self._actuator(self.document, "", DRIVE, not self.controlled)
+        return System(mechanism=mechanism, **actuator)
+
+    def _machine(self, mechanism: AbstractMechanism, ports: tuple[str, ...]) -> Machine:
+        own = section_of(self.document, GROUP, {})
+        for name in own:
+            if name not in ports:
+                raise ParameterError(
+                    f"[{GROUP}.{name}]: `{mechanism.registered_name}` has no port of that name. "
+                    f"{suggestion(name, ports)}"
+                )
+        members: dict[str, Actuator] = {}
+        for port in ports:
+            path = f"{GROUP}.{port}"
+            different = as_table(own.get(port, {}), path)
+            common = (*COMMON, self.drive)
+            refuse_unknown(different, common, f"[{path}]")
+            tables = {
+                name: _over(section_of(self.document, name, {}), different.get(name, {}), path)
+                for name in common
+            }
+            members[port] = Actuator(**self._actuator(tables, f"{path}.", port, False))
+        return Machine(mechanism=mechanism, group=Group(**members))
+
+    def _actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
+        """Element, environment and source; notes the waveform of the drive."""
+        element = section_of(tables, "element")
+        material = self._material(element)
+        table = section_of(tables, self.drive)
+        path = f"{prefix}{self.drive}"
+        source = Builder(origins=self.origins, extra=("waveform",)).choose(
+            SOURCES, {key: value for key, value in table.items() if key != "waveform"}, path
+        )
+        if driven or "waveform" in table:
+            self.waveforms[drive] = self._waveform(table, source.unit, path, drive)
+        builder = Builder(material, origins=self.origins)
+        made = Builder(material, origins=self.origins, extra=("material",)).choose(
+            ELEMENTS, element, f"{prefix}element", draws=True
+        )
+        caution = law_caution(material, made)
+        if caution is not None and caution not in self.cautions:
+            self.cautions.append(caution)
+        return {
+            "element": made,
+            "environment": _environment(builder, tables, source.sets_temperature, prefix),
+            "source": source,
+        }
+
+    def _signals(self, mechanism: AbstractMechanism) -> None:
+        """The waveforms of the mechanism's own signals."""
+        units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
+        for name, table in tables.items():
+            if name not in units:
+                raise ParameterError(
+                    f"[{SIGNALS}.{name}]: `{mechanism.registered_name}` has no signal of that "
+                    f"name. {suggestion(name, units)}"
+                )
+            path = f"{SIGNALS}.{name}"
+            self.waveforms[name] = self._waveform({"waveform": table}, units[name], path, name)
+
+    def _material(self, element: Table) -> Material | None:
+        name = element.get("material")
+        if name is None:
+            return None
+        if not isinstance(name, str):
+            raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
+        with section("element"):
+            found = load_material(name, self.folder)
+        self.material = self.material or found
+        return found
+
+    def _waveform(self, drive: Table, unit: str, path: str, name: str) -> AbstractWaveform:
+        """The waveform of the drive of a name; one that is recorded has an end."""
+        if "waveform" not in drive:
+            kinds = suggestion("", WAVEFORMS.names())
+            raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
+        below = path if path.startswith(SIGNALS) else f"{path}.waveform"
+        return self.waveform_of(drive["waveform"], unit, below, name)
+
+    def waveform_of(self, given: Any, unit: str, below: str, name: str) -> AbstractWaveform:
+        """The waveform that a table at a path describes, with levels in a unit."""
+        table = as_table(given, below)
+        if table.get("kind") == recorded.KIND:
+            waveform, end = recorded.waveform(table, below, self.folder, unit)
+            self.end = end if math.isinf(self.end) else max(self.end, end)
+            return waveform
+        if table.get("kind") == recorded.LOG:
+            return self._followed(table, unit, below, name)
+        if "kind" in table:
+            with section(below):
+                require_unit(WAVEFORMS[str(table["kind"])], unit)
+        builder = Builder(scales=Scales(unit), origins=self.origins)
+        return builder.choose(WAVEFORMS, table, below)
+
+    def _followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
+        """The waveform that follows a column of the log, to its last row."""
+        switched = unit == "1" and not path.startswith(SIGNALS)
+        natural = recorded.DUTY if switched else recorded.NATURAL.get(unit, name)
+        waveform, self.follows[name] = recorded.followed(
+            table, path, self.log, unit, natural, self.lead
+        )
+        if self.log is not None:
+            last = recorded.from_zero(self.log, self.lead).times[-1]
+            self.end = last if math.isinf(self.end) else max(self.end, last)
+        return waveform
+
+
+def section_of(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:
+    """A section of a scenario.
+
+    Raises:
+        ParameterError: there is none, and no default.
+    """
+    if name not in document and default is None:
+        raise ParameterError(f"The scenario needs a section [{name}]; none given.")
+    return as_table(document.get(name, default), name)
+
+
+def drive_section(document: Table) -> str:
+    """What the section of the source is called: `drive`, or `driver`.
+
+    Raises:
+        ParameterError: both are there.
+    """
+    ports = [p for p in section_of(document, GROUP, {}).values() if isinstance(p, dict)]
+    found = [name for name in (DRIVE, DRIVER) if any(name in t for t in (document, *ports))]
+    if len(found) == 2:
+        raise ParameterError(f"A scenario has [{DRIVE}] or [{DRIVER}], not both.")
+    return found[0] if found else DRIVE
+
+
+def scenario_path(path: str, drive: str = DRIVE) -> str:
+    """The path by which a scenario reaches a number of its system, such as `drive.supply`."""
+    members = f"{GROUP}." if path.startswith("group.") else ""
+    path = path.removeprefix("group.")
+    head, dot, rest = path.partition("source.")
+    return members + (f"{head}{drive}.{rest}" if dot and head.count(".") <= 1 else path)
+
+
+def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
+    """The path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
+    if name in system.mechanism.signals():
+        return f"{SIGNALS}.{name}."
+    return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
+
+
+def _environment(
+    builder: Builder, tables: Table, sets_temperature: bool, prefix: str
+) -> Environment:
+    """The surroundings; where the drive sets the temperature no heat balance is solved."""
+    table = section_of(tables, "environment", {})
+    if sets_temperature and "cooling" not in table:
+        table = {**table, "cooling": {"kind": "constant", "h": "0 W/m^2/K"}}
+    return builder.build(Environment, table, f"{prefix}environment")
+
+
+def _over(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
+    """A table with the entries of another over its own; a table of another kind replaces it."""
+    over = as_table(different, path)
+    if "kind" in over and over["kind"] != common.get("kind"):
+        return over
+    found = dict(common)
+    for key, value in over.items():
+        below = found.get(key)
+        if isinstance(below, dict) and isinstance(value, dict):
+            value = _over(cast("dict[str, Any]", below), value, f"{path}.{key}")
+        found[key] = value
+    return found

@@ -1,0 +1,285 @@
+"""From tables of text to objects: one walk over the declarations builds every component.
+
+A table holds a `kind` and the parameters of that kind; a component below it is another
+table, or just its kind. Quantities with a dimension are text with a unit. What the table
+leaves out comes from the material (by canonical name, where the part may draw on one), then
+from the default; what is missing everywhere is an error that says where to write it. So does
+the law: a material whose numbers hold for one law names it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+from martensite.base import units
+from martensite.base.errors import InputError, ParameterError, UnitError, suggestion
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.registry import Registry
+from martensite.physics.materials.base import Material
+from martensite.physics.materials.names import NAMES
+from martensite.scenario.components import component_class, is_members, is_plain, plain
+from martensite.scenario.scales import Scales
+
+Table = Mapping[str, Any]
+ASSUMED_KINDS = {"resistance": "mixture"}
+"""Component -> kind that is meant when a scenario does not name one."""
+LAW = "law"
+"""Component that a material may name."""
+
+FULLY_DESCRIBED = 3
+"""More missing numbers than these are listed without their meaning."""
+
+
+@dataclass(frozen=True)
+class Builder:
+    """Builds components from tables; notes in `origins` where each number came from."""
+
+    material: Material | None = None
+    """Fills numbers that the tables leave out, in components built with `draws`."""
+    scales: Scales = field(default_factory=Scales)
+    """Units of levels of a waveform, and of readings."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path -> scenario, default, or the kind and name of the material."""
+    extra: tuple[str, ...] = ()
+    """Keys of the outermost table that are read elsewhere."""
+    plain: bool = False
+    """Whether parts that are whole numbers, or rows of numbers, may be given as such."""
+    made: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """Components of the outermost object that are made elsewhere."""
+
+    def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
+        """Build the component of `registry` that the table (or bare kind) describes."""
+        full = as_table(table, path)
+        if "kind" not in full:
+            raise ParameterError(f"[{path}] needs `kind`. {suggestion('', registry.names())}")
+        return self.build(chosen(registry, full, path), full, path, draws=draws)
+
+    def build(
+        self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
+    ) -> Any:
+        """Build a component of a known class from its table."""
+        if is_members(cls):
+            return self._members(cls, table, path, draws)
+        scales = self.scales.within(cls, table)
+        if scales is not self.scales:
+            return replace(self, scales=scales).build(cls, table, path, draws=draws)
+        names = [name for name in _parts(cls) if name not in self.made]
+        children = {name: self._child(cls, name, table, path, draws) for name in names}
+        self._refuse_unknown(cls, table, path, children)
+        values: dict[str, Any] = dict(self.made)
+        missing: list[str] = []
+        for name, declared in cls.declarations.items():
+            if name in children:
+                self._part(values, name, declared, children[name], path, draws)
+            elif declared.kind == "part":
+                if self.plain and name in table and name not in self.made:
+                    values[name] = plain(declared, name, table[name], path)
+                    self.origins[f"{path}.{name}"] = "scenario"
+            elif name in table:
+                values[name] = self._given(cls, name, declared, table[name], path)
+                self.origins[f"{path}.{name}"] = self._writer(name, table, path, draws)
+            elif draws and self.material and name in self.material.values:
+                number = self.material.values[name]
+                values[name] = number.text
+                self.origins[f"{path}.{name}"] = f"{number.kind}, {self.material.name}"
+            elif declared.default is REQUIRED:
+                missing.append(name)
+            else:
+                self.origins[f"{path}.{name}"] = "default"
+        if missing:
+            raise ParameterError(self._needs(cls, missing, path, draws))
+        with section(path):
+            return cls(**values)
+
+    def _members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
+        """Components by names of the user's own."""
+        found: dict[str, Any] = {}
+        for name, given in table.items():
+            below, full = f"{path}.{name}", as_table(given, f"{path}.{name}")
+            if cls.registry is None:
+                found[name] = self.build(cls.kind, full, below, draws=draws)
+            else:
+                found[name] = self.choose(cls.registry, full, below, draws=draws)
+        with section(path):
+            return cls(**found)
+
+    def _writer(self, name: str, table: Table, path: str, draws: bool) -> str:
+        """Who wrote a number of a table: the scenario, or the law of the material."""
+        law = self.material.law if self.material and draws else None
+        own = law is not None and path.rpartition(".")[2] == LAW and law.get(name) == table[name]
+        return f"law, {self.material.name}" if own and self.material else "scenario"
+
+    def _child(
+        self, cls: type[Parametrised], name: str, table: Table, path: str, draws: bool
+    ) -> tuple[type[Parametrised], Table] | None:
+        """Class and table of a component, or None if its default is meant."""
+        declared = cls.declarations[name]
+        given = table.get(name, ASSUMED_KINDS.get(name))
+        if name == LAW and draws and self.material and self.material.law:
+            given = self._lawful(given, self.material.law, f"{path}.{name}")
+        if declared.registry is None:
+            known = component_class(cls, name)
+            if known is None or (given is None and not isinstance(declared.default, Parametrised)):
+                return None
+            return known, (as_table(given, f"{path}.{name}") if given is not None else {})
+        if given is None:
+            return None
+        full = as_table(given, f"{path}.{name}")
+        if name in ASSUMED_KINDS:
+            full = {"kind": ASSUMED_KINDS[name], **full}
+        elif isinstance(declared.default, Parametrised):
+            full = {"kind": declared.default.registered_name, **full}
+        if "kind" not in full:
+            valid = suggestion("", declared.registry.names())
+            raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
+        return chosen(declared.registry, full, f"{path}.{name}"), full
+
+    @staticmethod
+    def _lawful(given: Any, law: Table, path: str) -> Any:
+        """The table of a law, from that of the material where the scenario names none."""
+        if given is None:
+            return law
+        full = as_table(given, path)
+        return full if "kind" in full else {**law, **full}
+
+    def _part(
+        self,
+        values: dict[str, Any],
+        name: str,
+        declared: Declared,
+        child: tuple[type[Parametrised], Table] | None,
+        path: str,
+        draws: bool,
+    ) -> None:
+        if child is not None:
+            below = replace(self, extra=(), made={})
+            values[name] = below.build(*child, f"{path}.{name}", draws=draws)
+        elif declared.default is REQUIRED:
+            known = declared.registry
+            valid = (
+                f"Write a table [{path}.{name}]."
+                if known is None
+                else suggestion("", known.names())
+            )
+            raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
+
+    def _given(
+        self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str
+    ) -> Any:
+        """The value as the constructor takes it; text keeps its unit for the messages."""
+        if declared.kind in ("option", "text"):
+            return value
+        with section(path):
+            unit = self.scales.unit(declared)
+        if not isinstance(value, str):
+            return _plain(value, name, unit, path)
+        if unit == declared.unit:
+            return value
+        with section(path):
+            return replace(declared, unit=unit).convert(_name(cls), name, value)
+
+    def _refuse_unknown(
+        self,
+        cls: type[Parametrised],
+        table: Table,
+        path: str,
+        children: Mapping[str, tuple[type[Parametrised], Table] | None],
+    ) -> None:
+        kind = ("kind",) if cls.registered_name else ()
+        simple = [
+            name
+            for name, declared in cls.declarations.items()
+            if declared.kind != "part" or name in children or (self.plain and is_plain(cls, name))
+        ]
+        valid = [*simple, *kind, *self.extra]
+        unknown = next((key for key in table if key not in valid), None)
+        if unknown is None:
+            return
+        for name, child in children.items():
+            if child is not None and unknown in child[0].declarations:
+                raise ParameterError(
+                    f"[{path}] `{_name(cls)}` has no `{unknown}`; it belongs to the {name}: "
+                    f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
+                )
+        raise ParameterError(
+            f"[{path}] `{_name(cls)}` has no `{unknown}`. {suggestion(unknown, valid)}"
+        )
+
+    def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
+        """What is missing, in which unit, who does not have it, where to write it."""
+        brief = len(missing) > FULLY_DESCRIBED
+        listed = ", ".join(self._described(cls.declarations[name], name, brief) for name in missing)
+        unit = self.scales.label(cls.declarations[missing[0]])
+        sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
+        remedy = f"write `{sample}` in [{path}]"
+        if draws and any(name in NAMES for name in missing):
+            if self.material is None:
+                remedy = f"name a `material` in [element], or {remedy}"
+            else:
+                remedy = f"material `{self.material.name}` does not hold it: {remedy}"
+        return f"[{path}] `{_name(cls)}` needs {listed}; {remedy}."
+
+    def _described(self, declared: Declared, name: str, brief: bool) -> str:
+        unit = self.scales.label(declared) if declared.kind == "parameter" else ""
+        unit = f" [{unit}]" if unit else ""
+        return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")
+
+
+def _plain(value: Any, name: str, unit: str, path: str) -> float:
+    """A number without text: only where there is no dimension."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
+    if unit != "1":
+        label = units.readable(unit)
+        raise UnitError(
+            f"[{path}] `{name}` is {value} without a unit; "
+            f'write for example `{name} = "{value} {label}"`.'
+        )
+    return float(value)
+
+
+def _parts(cls: type[Parametrised]) -> Iterator[str]:
+    """Components that a table can describe."""
+    for name, declared in cls.declarations.items():
+        if declared.registry is not None or component_class(cls, name) is not None:
+            yield name
+
+
+def _name(cls: type[Parametrised]) -> str:
+    return cls.registered_name or cls.__name__
+
+
+def chosen(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
+    """The class that `kind` names."""
+    with section(path):
+        return registry[str(table["kind"])]
+
+
+def as_table(value: Any, path: str) -> dict[str, Any]:
+    """A table; a bare text is its kind."""
+    if isinstance(value, str):
+        return {"kind": value}
+    if not isinstance(value, dict):
+        raise ParameterError(f"[{path}] must be a table or the name of a kind, but is {value!r}.")
+    return cast("dict[str, Any]", value)
+
+
+def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> None:
+    """Raise a sentence with the nearest valid name if a key is not one of the valid ones."""
+    names = list(valid)
+    unknown = next((key for key in keys if key not in names), None)
+    if unknown is not None:
+        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, names)}")
+
+
+@contextmanager
+def section(path: str) -> Iterator[None]:
+    """Put the section in front of the sentence of an error."""
+    try:
+        yield
+    except InputError as error:
+        error.args = (f"[{path}] {error}", *error.args[1:])
+        raise

@@ -1,0 +1,114 @@
+"""The catalogue of registered parts: what there is, and what is declared of each.
+
+One description for all who list parts: the command line, the forms of the web bench, the reference
+pages.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import sys
+from typing import Any
+
+from martensite.base.errors import UnknownNameError
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.registry import Registry
+from martensite.base.units import OF_READINGS
+from martensite.signals.base import DRIVE
+
+
+def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
+    """Every registry of parts, by the word for one of its entries, and that of blocks if wanted.
+
+    Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
+    all the rest.
+    """
+    from martensite.actuators.elements.base import ELEMENTS
+    from martensite.actuators.mechanisms.base import MECHANISMS
+    from martensite.control.checks.base import CHECKS
+    from martensite.control.controllers.base import CONTROLLERS
+    from martensite.control.faults.base import FAULTS
+    from martensite.control.loop.supervisor import SUPERVISORS
+    from martensite.control.observers.base import OBSERVERS
+    from martensite.control.sensors.base import SENSORS
+    from martensite.physics.electrical.base import RESISTANCES, SOURCES
+    from martensite.physics.fluids.base import FLUIDS
+    from martensite.physics.laws.base import LAWS
+    from martensite.physics.thermal.base import COOLING
+    from martensite.physics.thermal.ends import ENDS
+    from martensite.signals.base import WAVEFORMS
+
+    found: list[Registry[Any]] = [
+        ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS, SENSORS,
+        OBSERVERS, CONTROLLERS, SUPERVISORS, CHECKS, FAULTS,
+    ]  # fmt: skip
+    if blocks:
+        from martensite.identify.blocks.base import BLOCKS
+
+        found.append(BLOCKS)
+    return {registry.kind: registry for registry in found}
+
+
+def find_registry(kind: str) -> Registry[Any]:
+    """The registry of a kind of parts, by its word or the plural of it.
+
+    Raises:
+        UnknownNameError: there is no such kind.
+    """
+    known = registries(blocks=True)
+    for one in (kind, kind.removesuffix("s")):
+        if one in known:
+            return known[one]
+    raise UnknownNameError("kind of part", kind, known)
+
+
+def summary(cls: type[Any]) -> str:
+    """First line of the class's description."""
+    return (inspect.getdoc(cls) or "").partition("\n")[0]
+
+
+def described(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
+    """Everything about a registered class, ready for JSON."""
+    return {
+        "name": cls.registered_name,
+        "kind": kind,
+        "summary": summary(cls),
+        "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
+        "cites": list(cls.cites),
+        "parameters": [_declared(name, d) for name, d in cls.declarations.items()],
+    }
+
+
+def _declared(name: str, declared: Declared) -> dict[str, Any]:
+    required = declared.default is REQUIRED
+    default = None if required else declared.default
+    if isinstance(default, Parametrised):
+        default = default.registered_name or type(default).__name__
+    low, high = (v if math.isfinite(v) else None for v in declared.bounds)
+    return {
+        "name": name,
+        "unit": declared.unit if declared.kind == "parameter" else None,
+        "meaning": declared.doc,
+        "allowed": _allowed(declared),
+        "low": low,
+        "high": high,
+        "required": required,
+        "default": default,
+    }
+
+
+def _allowed(declared: Declared) -> str:
+    if declared.unit == DRIVE:
+        return "any level in the unit of the source"
+    if declared.unit in OF_READINGS:
+        return f"{declared.allowed()}, in the unit of the reading"
+    if declared.kind == "parameter":
+        return declared.allowed()
+    if declared.kind == "option":
+        return " | ".join(declared.choices)
+    if declared.kind == "text":
+        return "text, or a list of texts" if isinstance(declared.default, tuple) else "text"
+    if declared.registry is None:
+        return "table" if isinstance(declared.default, Parametrised) else "list"
+    return " | ".join(declared.registry.names())

@@ -1,0 +1,99 @@
+"""Citations: BibTeX for exactly the models and materials that a run used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import UnknownNameError
+from martensite.base.parameters import Parametrised
+from martensite.physics.materials.base import Material
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+_FILE = Path(__file__).parents[1] / "references.bib"
+_START = re.compile(r"^@\w+\{\s*([^,\s]+)\s*,", re.MULTILINE)
+_TITLE = re.compile(r"^\s*title\s*=\s*\{(.*?)\},?\s*$", re.MULTILINE | re.DOTALL)
+_FIELD = re.compile(r"(\w+)\s*=\s*\{((?:[^{}]|\{[^{}]*\})*)\}")
+_ACCENTS = {
+    r"\"a": "ä", r"\"o": "ö", r"\"u": "ü", r"\'a": "á", r"\'e": "é", r"\'i": "í", r"\'o": "ó",
+    r"\'u": "ú", r"\~a": "ã", r"\~n": "ñ", r"\`e": "è", r"\AA": "Å", r"\_": "_", r"\&": "&",
+    "--": "–",
+}  # fmt: skip
+
+
+@cache
+def bibliography() -> dict[str, str]:
+    """All entries of the package's bibliography: key -> BibTeX text."""
+    text = _FILE.read_text(encoding="utf-8")
+    return {found[1]: _entry(text, found.start()) for found in _START.finditer(text)}
+
+
+def _entry(text: str, start: int) -> str:
+    """The text of the entry that starts there, up to its closing brace."""
+    depth = 0
+    for place in range(start, len(text)):
+        depth += {"{": 1, "}": -1}.get(text[place], 0)
+        if depth == 0 and text[place] == "}":
+            return text[start : place + 1]
+    return text[start:]
+
+
+def entries(keys: Iterable[str]) -> list[str]:
+    """BibTeX entries of the given keys, in that order.
+
+    Raises:
+        UnknownNameError: a key is not in the bibliography.
+    """
+    known = bibliography()
+    wanted = list(dict.fromkeys(keys))
+    unknown = next((key for key in wanted if key not in known), None)
+    if unknown is not None:
+        raise UnknownNameError("work in the bibliography", unknown, known)
+    return [known[key] for key in wanted]
+
+
+def title(key: str) -> str:
+    """Title of a work, without BibTeX braces."""
+    found = _TITLE.search(entries([key])[0])
+    return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
+
+
+def fields(text: str) -> dict[str, str]:
+    """The fields of a BibTeX entry as plain text, by name."""
+    return {name.lower(): _plain(value) for name, value in _FIELD.findall(text)}
+
+
+def _plain(value: str) -> str:
+    value = re.sub(r"\s+", " ", value)
+    for latex, letter in _ACCENTS.items():
+        value = value.replace(latex, letter)
+    return re.sub(r"[{}]", "", value)
+
+
+def reference(key: str) -> dict[str, str]:
+    """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
+
+    Raises:
+        UnknownNameError: it is not in the bibliography.
+    """
+    found = fields(entries([key])[0])
+    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
+    places = ("journal", "booktitle", "school", "organization", "volume")
+    place = " ".join(found[name] for name in places if name in found)
+    year = f"({found['year']})" if "year" in found else ""
+    pieces = (authors, found.get("title", key), f"{place} {year}".strip())
+    text = ". ".join(piece.rstrip(".") for piece in pieces if piece) + "."
+    link = f"https://doi.org/{found['doi']}" if "doi" in found else found.get("url", "")
+    return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
+
+
+def citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
+    """Keys of the works behind the parts of a system or scenario, and of its material."""
+    every = system.tree() if isinstance(system, Parametrised) else system.parts()
+    parts = [key for part in every for key in part.cites]
+    return list(dict.fromkeys([*parts, *(material.cites() if material else [])]))

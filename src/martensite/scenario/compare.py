@@ -1,0 +1,111 @@
+"""Comparison of a run with a record: how far apart they are in every quantity both hold.
+
+The run is interpolated linearly at the times of the record; nothing is extrapolated, and samples
+that the record misses (NaN) are passed over.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import DataError
+from martensite.signals.records import Record
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
+
+HAIR = 1e-9
+"""Share of the run by which a measured time may lie outside (rounding)."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How far the computed values of one quantity are from the measured ones."""
+
+    quantity: str
+    unit: str
+    """SI unit of all numbers below but the time."""
+    rms: float
+    """Root mean square of computed minus measured."""
+    maximum: float
+    """Largest distance."""
+    time: float
+    """When it occurs [s]."""
+    range: float
+    """Largest minus smallest measured value, as a measure of the others."""
+
+
+def compare(result: Result, record: Record) -> list[Agreement]:
+    """Agreement of a run with a record, for every column both have.
+
+    Raises:
+        DataError: no column in common, other units, or times outside the run.
+    """
+    names = common(result, record)
+    if not names:
+        raise DataError(
+            f"Record `{record.name}` and the run have no column in common: the record holds "
+            f"{_listed(record.columns)}, the run {_listed(result.columns)}."
+        )
+    for name in names:
+        if record.units[name] != result.unit(name):
+            raise DataError(
+                f"Column `{name}` of record `{record.name}` is in {record.units[name]}, "
+                f"but that of the run in {result.unit(name)}."
+            )
+    _refuse_outside(result.times, record)
+    places = [_place(result.times, time) for time in record.times]
+    return [_agreement(name, result, record, places) for name in names]
+
+
+def common(result: Result, record: Record) -> list[str]:
+    """Columns that a run and a record both hold, and that are not missing throughout."""
+    return [
+        name
+        for name, column in record.columns.items()
+        if name in result.columns and any(map(math.isfinite, column))
+    ]
+
+
+def _agreement(
+    name: str, result: Result, record: Record, places: list[tuple[int, float]]
+) -> Agreement:
+    computed, measured = result[name], list(filter(math.isfinite, record[name]))
+    apart = {
+        time: (1.0 - share) * computed[i] + share * computed[i + 1] - value
+        for time, (i, share), value in zip(record.times, places, record[name], strict=True)
+        if math.isfinite(value)
+    }
+    worst = max(apart, key=lambda time: abs(apart[time]))
+    return Agreement(
+        quantity=name,
+        unit=result.unit(name),
+        rms=math.sqrt(math.fsum(d * d for d in apart.values()) / len(apart)),
+        maximum=abs(apart[worst]),
+        time=worst,
+        range=max(measured) - min(measured),
+    )
+
+
+def _place(times: list[float], time: float) -> tuple[int, float]:
+    """Index of the sample before, and the share of the way to the next one."""
+    i = min(max(bisect_right(times, time) - 1, 0), len(times) - 2)
+    share = (time - times[i]) / (times[i + 1] - times[i])
+    return i, min(max(share, 0.0), 1.0)
+
+
+def _refuse_outside(times: list[float], record: Record) -> None:
+    first, last, hair = times[0], times[-1], HAIR * (times[-1] - times[0])
+    if min(record.times) < first - hair or max(record.times) > last + hair:
+        raise DataError(
+            f"Record `{record.name}` goes from {min(record.times):.6g} to "
+            f"{max(record.times):.6g} s, but the run from {first:.6g} to {last:.6g} s; "
+            "the run must cover the record."
+        )
+
+
+def _listed(names: dict[str, list[float]]) -> str:
+    return ", ".join(f"`{name}`" for name in names if name != "time") or "none but `time`"

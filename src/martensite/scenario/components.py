@@ -1,0 +1,92 @@
+"""Components of a table that no registry names: of a declared class, by names, whole numbers, rows.
+
+A declaration `law: PidLaw = part(...)` says by its default, or by its annotation, of which class
+the component is. One that holds members by name, such as the points of a schedule, is a table of
+tables.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from inspect import get_annotations
+from types import UnionType
+from typing import Any, cast, get_args
+
+from martensite.actuators.assembly import Members
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Declared, Parametrised
+
+PLAIN = ("Any", "int")
+"""Annotations of parts that are plain values."""
+
+
+def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
+    """Class of a component that is not chosen from a registry, if it is known."""
+    declared = owner.declarations[name]
+    if declared.kind != "part" or declared.registry is not None:
+        return None
+    if isinstance(declared.default, Parametrised):
+        return type(declared.default)
+    found = _annotated(owner, name)
+    return None if found is None or found.__name__.startswith("Abstract") else found
+
+
+def is_members(cls: type[Parametrised] | None) -> bool:
+    """Whether a class holds components by names of the user's own."""
+    return cls is not None and issubclass(cls, Members)
+
+
+def nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str]]:
+    """Name and path of every value in components whose class is known, at any depth."""
+    for part in owner.declarations:
+        inner = component_class(owner, part)
+        if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
+            continue
+        for name, declared in inner.declarations.items():
+            if declared.kind != "part" or is_plain(inner, name):
+                yield name, f"{path}{part}.{name}"
+        yield from nested(inner, f"{path}{part}.")
+
+
+def is_plain(owner: type[Parametrised], name: str) -> bool:
+    """Whether a part is a whole number, or numbers in a row."""
+    declared = owner.declarations[name]
+    return declared.kind == "part" and declared.registry is None and _text(owner, name) in PLAIN
+
+
+def plain(declared: Declared, name: str, value: Any, path: str) -> Any:
+    """A whole number, or a list of numbers, for a part that is one.
+
+    Raises:
+        ParameterError: it is something else.
+    """
+    if isinstance(declared.default, int):
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ParameterError(f"[{path}] `{name}` must be a whole number, but is {value!r}.")
+        return value
+    rows = cast("list[Any]", value) if isinstance(value, list) else [None]
+    numbers = [one for one in rows if isinstance(one, int | float) and not isinstance(one, bool)]
+    if len(numbers) < len(rows):
+        raise ParameterError(f"[{path}] `{name}` must be a list of numbers, but is {value!r}.")
+    return [float(one) for one in numbers]
+
+
+def _annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
+    """The class that an annotation names, `None` beside it or not."""
+    home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
+    try:
+        found = eval(_text(owner, name), dict(vars(sys.modules[home.__module__])))
+    except NameError:  # known to the type checker only
+        return None
+    classes = get_args(found) if isinstance(found, UnionType) else (found,)
+    return next((c for c in classes if isinstance(c, type) and issubclass(c, Parametrised)), None)
+
+
+def _text(owner: type[Parametrised], name: str) -> str:
+    """The annotation of a declaration."""
+    for base in owner.__mro__:
+        own = get_annotations(base)
+        if name in own:
+            return str(own[name])
+    return ""

@@ -1,0 +1,226 @@
+"""Published measurements: listed here with licence and SHA-256, fetched from their authors.
+
+The files are not part of the package. `fetch` brings a data set into the user's cache (or
+into $MARTENSITE_DATA, where that is set), and nothing is kept or read whose SHA-256 is not
+the one listed. A copy made otherwise serves as well: $MARTENSITE_DATA/<data set>/<file>.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from http.client import HTTPException
+from pathlib import Path
+from typing import Any
+from urllib.error import HTTPError
+from urllib.request import urlopen
+
+from martensite.base.errors import DataError, UnknownNameError
+from martensite.base.files import cache_folder, replacing
+from martensite.scenario.layout import Layout
+
+VARIABLE = "MARTENSITE_DATA"
+TIMEOUT = 30.0
+"""Longest silence of a server [s]."""
+_LISTED = Path(__file__).parent / "data"
+
+
+@dataclass(frozen=True)
+class DataFile:
+    """One file of a data set."""
+
+    name: str
+    upstream: str
+    """Its name at the authors', relative to the address of the set; empty if not on record."""
+    sha256: str
+    layout: Layout
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """A series of measurements, where it comes from, and under which licence."""
+
+    name: str
+    title: str
+    summary: str
+    caution: str
+    """What the numbers are not."""
+    licence: str
+    notice: str
+    """Copyright notice, to be kept with copies."""
+    cite: str
+    """Key in the bibliography."""
+    page: str
+    """Web page of the folder that the files come from."""
+    base: str
+    """Address that the names of the files are appended to."""
+    files: dict[str, DataFile]
+
+
+def dataset_names() -> list[str]:
+    """Names of all data sets."""
+    return sorted(path.stem for path in _LISTED.glob("*.toml"))
+
+
+def describe(name: str) -> DataSet:
+    """What is listed about a data set.
+
+    Raises:
+        UnknownNameError: there is none of that name.
+    """
+    if name not in dataset_names():
+        raise UnknownNameError("data set", name, dataset_names())
+    text = (_LISTED / f"{name}.toml").read_text(encoding="utf-8")
+    document: dict[str, Any] = tomllib.loads(text)
+    shared: dict[str, Any] = document.pop("layout", {})
+    files = {file["name"]: _file(file, shared) for file in document.pop("files")}
+    return DataSet(name=name, files=files, **document)
+
+
+def _file(entry: dict[str, Any], shared: dict[str, Any]) -> DataFile:
+    lines = {**shared, **entry.get("layout", {})}
+    layout = Layout(**{**lines, "columns": tuple(lines["columns"])})
+    return DataFile(entry["name"], entry.get("upstream", ""), entry["sha256"], layout)
+
+
+def layout(key: str) -> Layout:
+    """How the file `<data set>/<file>` is to be read."""
+    return _entry(key)[1].layout
+
+
+def locate(key: str) -> Path:
+    """The verified local copy of `<data set>/<file>`.
+
+    Raises:
+        UnknownNameError: there is no such data set, or no such file in it.
+        DataError: there is no copy on this machine, or it is not the file listed.
+    """
+    dataset, file = _entry(key)
+    path = _copy(dataset, file)
+    if path is None:
+        raise DataError(f"`{key}` is not on this machine; {_remedy(dataset, file)}")
+    _verify(path, dataset, file)
+    return path
+
+
+def is_here(key: str) -> bool:
+    """Whether there is a copy of `<data set>/<file>` on this machine, verified or not.
+
+    Raises:
+        UnknownNameError: there is no such data set, or no such file in it.
+    """
+    return _copy(*_entry(key)) is not None
+
+
+def fetch(
+    name: str, force: bool = False, progress: Callable[[str, int, int], None] | None = None
+) -> Path:
+    """Download the files of a data set that are missing, and return their folder.
+
+    Args:
+        name: the data set.
+        force: download and replace the files that are there, too.
+        progress: called after each file with its name, its number, and the number of files.
+
+    Raises:
+        UnknownNameError: there is no such data set.
+        DataError: a file cannot be had, or is not the one listed; what is there stays as it is.
+    """
+    dataset = describe(name)
+    own = _own_folders(dataset)
+    folder = next((f for f in own if f.is_dir()), own[0]) if own else _cached(dataset)
+    for number, file in enumerate(dataset.files.values(), start=1):
+        path = folder / file.name
+        if path.is_file() and not force:
+            _verify(path, dataset, file)
+        else:
+            _store(path, _download(dataset, file))
+        if progress is not None:
+            progress(file.name, number, len(dataset.files))
+    return folder
+
+
+def _entry(key: str) -> tuple[DataSet, DataFile]:
+    name, _, file = key.partition("/")
+    dataset = describe(name)
+    if file not in dataset.files:
+        raise UnknownNameError(f"file of data set `{name}`", file, dataset.files)
+    return dataset, dataset.files[file]
+
+
+def _copy(dataset: DataSet, file: DataFile) -> Path | None:
+    paths = (folder / file.name for folder in (*_own_folders(dataset), _cached(dataset)))
+    return next((path for path in paths if path.is_file()), None)
+
+
+def _own_folders(dataset: DataSet) -> list[Path]:
+    """Folders in $MARTENSITE_DATA that may hold the set; none if that is not set."""
+    own = os.environ.get(VARIABLE)
+    if not own:
+        return []
+    return [Path(own) / dataset.name, Path(own) / dataset.name.replace("-", "_")]
+
+
+def _cached(dataset: DataSet) -> Path:
+    return cache_folder() / dataset.name
+
+
+def _remedy(dataset: DataSet, file: DataFile) -> str:
+    """How to get a missing file."""
+    by_hand = (
+        f"save it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
+    )
+    if file.upstream:
+        return f"run `martensite data fetch {dataset.name}`, or {by_hand}"
+    return f"its address is not on record: look for it at {dataset.page}, {by_hand}"
+
+
+def _verify(path: Path, dataset: DataSet, file: DataFile) -> None:
+    found = hashlib.sha256(path.read_bytes()).hexdigest()
+    if found != file.sha256:
+        raise DataError(
+            f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is "
+            f"{found[:12]}…, not {file.sha256[:12]}…; remove it, or replace it with "
+            f"`martensite data fetch {dataset.name} --force`."
+        )
+
+
+def _download(dataset: DataSet, file: DataFile) -> bytes:
+    """The bytes of a file, verified."""
+    if not file.upstream:
+        raise DataError(f"`{file.name}` cannot be fetched; {_remedy(dataset, file)}")
+    url = dataset.base + file.upstream
+    try:
+        with urlopen(url, timeout=TIMEOUT) as answer:
+            content: bytes = answer.read()
+    except (OSError, HTTPException) as error:
+        reason = f"answer {error.code}" if isinstance(error, HTTPError) else _reason(error)
+        raise DataError(
+            f"Cannot download {url} ({reason}). Where there is no network, take the file from "
+            f"another machine: save it as `{dataset.name}/{file.name}` in a folder, and set "
+            f"{VARIABLE} to that folder."
+        ) from None
+    found = hashlib.sha256(content).hexdigest()
+    if found != file.sha256:
+        raise DataError(
+            f"What {url} holds is not the file that data set `{dataset.name}` lists: its SHA-256 "
+            f"is {found[:12]}…, not {file.sha256[:12]}…; nothing was kept."
+        )
+    return content
+
+
+def _reason(error: Exception) -> str:
+    return str(getattr(error, "reason", "") or error or type(error).__name__)
+
+
+def _store(path: Path, content: bytes) -> None:
+    """Write a file in full or not at all."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DataError(f"Cannot make the folder `{path.parent}`: {error.strerror}.") from None
+    with replacing(path) as part:
+        part.write_bytes(content)

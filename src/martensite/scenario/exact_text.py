@@ -1,0 +1,52 @@
+"""Numbers as text with a unit: all digits, so that they read back the same, or a few."""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base import units
+from martensite.base.units import familiar
+
+
+def exact_text(value: float, unit: str, digits: int | None = None) -> str:
+    """A quantity such as `66.8 degC`; `martensite.base.units.parse` gives its value in SI again.
+
+    Args:
+        value: in the SI `unit`.
+        unit: its SI unit.
+        digits: significant digits in the unit that is written; as many as it takes if left out.
+    """
+    spelling = familiar(value, unit)
+    if digits is not None:
+        return _text(f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling)
+    near = units.from_si(value, spelling, unit)
+    short = (float(f"{near:.{most}g}") for most in (6, 12, 15, 16))
+    beside = (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
+    for number in (*short, *beside):
+        text = _text(repr(number), spelling)
+        if units.parse(text, unit) == value:
+            return text
+    return _text(repr(value), unit)
+
+
+def shown(value: float, unit: str, digits: int = 4) -> str:
+    """A quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
+    return shown_in(value, unit, familiar(value, unit), digits)
+
+
+def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
+    """Two quantities in one unit: `62.5 to 63.9 degC`."""
+    spelling = familiar(max(map(abs, ends)), unit)
+    low, high = (shown_in(end, unit, spelling, digits) for end in ends)
+    return high if low == high else f"{low.removesuffix(f' {spelling}')} to {high}"
+
+
+def shown_in(value: float, unit: str, spelling: str, digits: int = 4) -> str:
+    """A quantity in a few digits of a chosen unit."""
+    number = float(f"{units.from_si(value, spelling, unit):.{digits}g}")
+    return _text(f"{number:.{max(digits, 6)}g}", spelling)
+
+
+def _text(number: str, spelling: str) -> str:
+    number = number.removesuffix(".0")
+    return number if spelling == "1" else f"{number} {spelling}"

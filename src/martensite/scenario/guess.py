@@ -1,0 +1,192 @@
+"""What the heading of a column probably means: a known name, and the unit it is written in.
+
+`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. A guess is only ever
+offered to somebody who looks at it: what reads logs unseen (`martensite.scenario.tables`) guesses
+nothing. A unit that a heading does not name is not guessed at all.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from martensite.base import units
+from martensite.base.errors import UnitError
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED
+from martensite.signals.base import DRIVE
+
+WORDS = {
+    "time": ("time", "t", "zeit", "elapsed", "timestamp", "clock"),
+    "temperature": ("temperature", "temp", "thermocouple", "theta", "temperatur", "tc", "T"),
+    "strain": ("strain", "eps", "epsilon", "ε", "dehnung"),
+    "stress": ("stress", "sigma", "σ", "spannung_mech"),
+    "force": ("force", "load", "kraft", "loadcell", "F"),
+    "crosshead": ("crosshead",),
+    "elongation": ("elongation", "extension"),
+    "lift": ("lift",),
+    "position": ("position", "pos", "displacement", "disp", "stroke", "travel", "laser", "x"),
+    "resistance": ("resistance", "res", "R"),
+    "current": ("current", "strom", "amps", "I", "i"),
+    "voltage": ("voltage", "volt", "volts", "U", "V", "u", "v"),
+    "power": ("power", "leistung", "P"),
+    "martensite_fraction": ("martensite_fraction", "martensite", "xi", "ξ"),
+    "rotor_speed": ("rotor_speed", "speed", "omega", "rpm"),
+    "angle": ("angle", "winkel", "phi", "φ"),
+    "duty": ("duty", "pwm", "duty_cycle"),
+}
+"""Known column -> words for it; single letters count as they are written, words in any case."""
+SPELLINGS = {
+    "degC": ("degC", "°C", "C", "deg C", "celsius", "℃"),
+    "degF": ("degF", "°F", "fahrenheit"),
+    "K": ("K", "kelvin"),
+    "s": ("s", "sec", "secs", "second", "seconds"),
+    "ms": ("ms", "msec", "millisecond", "milliseconds"),
+    "us": ("us", "µs", "μs"),
+    "min": ("min", "minute", "minutes"),
+    "hour": ("h", "hr", "hour", "hours"),
+    "N": ("N", "newton"),
+    "mN": ("mN",),
+    "kN": ("kN",),
+    "Pa": ("Pa",),
+    "kPa": ("kPa",),
+    "MPa": ("MPa", "N/mm^2", "N/mm²", "N/mm2"),
+    "GPa": ("GPa",),
+    "%": ("%", "percent", "pct"),
+    "1": ("1", "-", "mm/mm", "m/m"),
+    "m": ("m", "meter", "metre"),
+    "mm": ("mm",),
+    "cm": ("cm",),
+    "um": ("um", "µm", "μm"),
+    "ohm": ("ohm", "ohms", "Ω", "Ω"),
+    "mohm": ("mohm", "mΩ", "mΩ"),
+    "A": ("A", "amp", "amps", "ampere"),
+    "mA": ("mA",),
+    "V": ("V", "volt", "volts"),
+    "mV": ("mV",),
+    "W": ("W", "watt", "watts"),
+    "mW": ("mW",),
+    "rad": ("rad",),
+    "deg": ("deg", "°"),
+    "rad/s": ("rad/s",),
+    "rpm": ("rpm", "1/min"),
+}
+"""Unit as it is written here -> as others write it."""
+BY_UNIT = {
+    "s": "time", "K": "temperature", "Pa": "stress", "N": "force", "ohm": "resistance",
+    "A": "current", "V": "voltage", "W": "power", "m": "position", "rad": "angle",
+    "rad/s": "rotor_speed",
+}  # fmt: skip
+"""SI unit -> column that has it, for headings that name nothing known."""
+
+_BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+_APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$")
+_PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
+_CELL = re.compile(r"^\s*\d{1,2}:\d{1,2}:\d{1,2}([.,]\d*)?\s*$")
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What a column may mean; empty where nothing speaks for anything."""
+
+    name: str
+    """A known column (`layout.CANONICAL`), perhaps with a port in front; empty for none."""
+    unit: str
+    """As `martensite.base.units` reads it; empty where the heading names none."""
+
+
+def guess(heading: str, cell: str = "") -> Guess:
+    """What a heading means; `cell` is one of those below it, to tell a time of day."""
+    words, spelling = _parted(heading.strip())
+    unit = _unit(spelling)
+    if _CELL.match(cell):
+        return Guess("time", CLOCK)
+    found = _PORT.match(words)
+    port, plain = (found[1], found[2]) if found else ("", words)
+    name = _named(plain, unit)
+    return Guess(f"{port.lower()}{name}" if name else "", unit)
+
+
+def guesses(headings: Iterable[str], cells: Iterable[str]) -> list[Guess]:
+    """Guesses for all columns of a table; of two that mean the same only the first is named."""
+    found: list[Guess] = []
+    for heading, cell in zip(headings, cells, strict=True):
+        one = guess(heading, cell)
+        taken = any(one.name == other.name for other in found)
+        found.append(Guess("", one.unit) if taken else one)
+    return found
+
+
+def usual_units(name: str) -> list[str]:
+    """Units that a known column may be written in, the usual one first."""
+    wanted = CANONICAL.get(name.rpartition(".")[2])
+    if wanted is None:
+        return []
+    fitting = [s for s in SPELLINGS if _fits(s, wanted)]
+    first = "%" if name == "strain" else "V" if wanted == DRIVE else units.readable(wanted)
+    clock = [CLOCK] if name == "time" else []
+    return [*sorted(fitting, key=lambda s: s != first), *clock]
+
+
+def _parted(heading: str) -> tuple[str, str]:
+    """What names the column, and what may be its unit."""
+    found = _BRACKETS.match(heading)
+    if found is not None:
+        return found[1], found[2]
+    found = _APART.match(heading)
+    if found is not None:
+        words, last = (part for part in found.groups() if part is not None)
+        if _listed(last):
+            return words, last
+    if heading.endswith("%"):
+        return heading[:-1], "%"
+    return heading, ""
+
+
+def _unit(spelling: str) -> str:
+    """A unit as it is written here; what is no unit is passed on if it can be read."""
+    spelling = spelling.strip()
+    if not spelling or spelling == IGNORED:
+        return "1" if spelling else ""
+    if spelling == CLOCK:
+        return CLOCK
+    listed = _listed(spelling)
+    if listed:
+        return listed
+    known = (si for si in (*BY_UNIT, "1", "m/s", "Hz") if _fits(spelling, si))
+    return spelling if next(known, None) else ""
+
+
+def _listed(spelling: str) -> str:
+    """A unit of the list above as it is written here; empty for another."""
+    for name, others in SPELLINGS.items():
+        if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
+            return name
+    return ""
+
+
+def _named(words: str, unit: str) -> str:
+    """The known column that some words name, if its unit agrees; else the one of that unit."""
+    plain = re.sub(r"[\s-]+", "_", words.strip())
+    if plain.lower() in CANONICAL:
+        return plain.lower()
+    parts = [re.sub(r"\d+$", "", part) for part in (plain, *re.split(r"[_:,.]+", plain))]
+    for part in parts:
+        for name, others in WORDS.items():
+            if (part in others or (len(part) > 1 and part.lower() in others)) and (
+                not unit or _fits(unit, CANONICAL[name])
+            ):
+                return name
+    return next((name for si, name in BY_UNIT.items() if unit and _fits(unit, si)), "")
+
+
+def _fits(spelling: str, wanted: str) -> bool:
+    """Whether a unit can be converted to that of a known column."""
+    options = ("V", "A", "W", "K") if wanted == DRIVE else (wanted,)
+    for unit in options:
+        try:
+            units.conversion(spelling, unit)
+        except UnitError:
+            continue
+        return True
+    return False

@@ -1,0 +1,42 @@
+"""Whether the numbers of a material meet the law that they hold for."""
+
+from __future__ import annotations
+
+from martensite.base.parameters import Parametrised
+from martensite.physics.laws.base import AbstractLaw
+from martensite.physics.materials.base import Material
+
+KIND = "kind"
+
+
+def law_words(law: AbstractLaw) -> dict[str, str]:
+    """Name and options of a law, as a scenario writes them."""
+    words = {n: getattr(law, n) for n, d in law.declarations.items() if d.kind == "option"}
+    return {KIND: law.registered_name, **words}
+
+
+def law_caution(material: Material | None, element: Parametrised) -> str | None:
+    """A sentence if an element uses the numbers of a material in another law than theirs."""
+    if material is None or material.law is None:
+        return None
+    for part in element.tree():
+        if isinstance(part, AbstractLaw):
+            used = law_words(part)
+            meant = {name: word for name, word in material.law.items() if name in (KIND, *used)}
+            if any(used.get(name) != word for name, word in meant.items()):
+                return _sentence(material.name, meant, used)
+    return None
+
+
+def _sentence(name: str, meant: dict[str, str], used: dict[str, str]) -> str:
+    if meant[KIND] != used[KIND]:
+        here = f"law `{used[KIND]}`"
+    else:
+        other = {key: used[key] for key, word in meant.items() if used[key] != word}
+        here = " and ".join(f"`{key} = {word}`" for key, word in other.items())
+    options = ", ".join(f"`{key} = {word}`" for key, word in meant.items() if key != KIND)
+    return (
+        f"The numbers of material `{name}` hold for law `{meant[KIND]}`"
+        f"{f' with {options}' if options else ''}, but {here} is used here: its errors and "
+        "intervals do not count. A scenario that leaves the law out takes that of the material."
+    )

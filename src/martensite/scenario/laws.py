@@ -1,0 +1,126 @@
+"""A bare law from a material and settings, for studies that need no scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.parameters import REQUIRED
+from martensite.physics.laws.base import LAWS, AbstractLaw
+from martensite.physics.materials.base import Material, load_material, material_names
+from martensite.scenario.build import Builder
+from martensite.scenario.law_match import law_caution
+
+
+@dataclass(frozen=True)
+class Dressed:
+    """A law with its numbers, and where they came from."""
+
+    law: AbstractLaw
+    material: Material | None
+    """None if every number was set."""
+
+    @property
+    def cautions(self) -> list[str]:
+        """Sentences about numbers that are probably not meant."""
+        other = law_caution(self.material, self.law)
+        return [*([other] if other else []), *self.law.cautions()]
+
+
+def dressed_laws(
+    names: Sequence[str], material: str | None, settings: Mapping[str, Any]
+) -> list[Dressed]:
+    """Laws by name, with numbers from settings, then from a material, then from the defaults.
+
+    Args:
+        names: names of registered laws.
+        material: name or file of a material. If None, the first shipped material that holds
+            all numbers of all laws, else the first one for each law.
+        settings: values by parameter, or by law and parameter (`brinson.sigma_s`).
+
+    Raises:
+        InputError: a name is unknown, a number is missing or a setting reaches no law.
+    """
+    classes = {name: LAWS[name] for name in names}
+    tables = {name: _own(name, settings, classes) for name in classes}
+    _refuse_idle(settings, tables)
+    needs = {name: _needs(classes[name], tables[name]) for name in classes}
+    if material is not None:
+        found = {name: load_material(material) for name in classes}
+    else:
+        everyone = _first(sorted(set().union(*needs.values())))
+        found = {name: everyone or _own_material(name, needs[name]) for name in classes}
+    return [
+        Dressed(
+            Builder(found[name]).choose(
+                LAWS, _table(name, tables[name], found[name]), name, draws=True
+            ),
+            found[name] if needs[name] or material else None,
+        )
+        for name in classes
+    ]
+
+
+def _table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
+    """A law as a scenario writes it, with the options that its material says it holds for."""
+    meant = material.law if material else None
+    given = meant if meant and meant["kind"] == name else {}
+    return {"kind": name, **given, **own}
+
+
+def _own(
+    name: str, settings: Mapping[str, Any], classes: Mapping[str, type[AbstractLaw]]
+) -> dict[str, Any]:
+    """The settings that reach one law."""
+    cut = {key.removeprefix(f"{name}."): v for key, v in settings.items()
+           if key.startswith(f"{name}.")}  # fmt: skip
+    shared = {key: v for key, v in settings.items() if "." not in key}
+    single = len(classes) == 1
+    known = classes[name].declarations
+    return {**{key: v for key, v in shared.items() if single or key in known}, **cut}
+
+
+def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, Any]]) -> None:
+    for key in settings:
+        if not any(key in table or key.startswith(f"{n}.") for n, table in tables.items()):
+            valid = {p for name in tables for p in LAWS[name].declarations}
+            raise ParameterError(
+                f"The setting `{key}` reaches none of the laws. "
+                f"{suggestion(key.rpartition('.')[2], valid)}"
+            )
+
+
+def _needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
+    """Numbers without which the law cannot be built."""
+    return [
+        name for name, declared in cls.declarations.items()
+        if declared.kind == "parameter" and declared.default is REQUIRED and name not in table
+    ]  # fmt: skip
+
+
+def _first(needed: Sequence[str]) -> Material | None:
+    """The first shipped material that holds all these numbers.
+
+    One that was fitted with certain options of a law is taken only by its name.
+    """
+    for name in material_names():
+        material = load_material(name)
+        if material.law is None and all(number in material.values for number in needed):
+            return material
+    return None
+
+
+def _own_material(law: str, needed: Sequence[str]) -> Material:
+    found = _first(needed)
+    if found is not None:
+        return found
+    nearest = max(
+        map(load_material, material_names()), key=lambda m: sum(n in m.values for n in needed)
+    )
+    missing = ", ".join(f"`{name}`" for name in needed if name not in nearest.values)
+    raise ParameterError(
+        f"No shipped material holds all numbers of the law `{law}`; `{nearest.name}` comes nearest "
+        f"and lacks {missing}: choose it as the material and set the rest."
+    )

@@ -1,0 +1,154 @@
+"""What the columns of a measured table mean: names, units, and how the file is laid out.
+
+A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The
+known names have a fixed SI unit; a heading that leaves it out is an error, since a guessed
+unit is worse than none. `-` is a column to be passed over, and the unit `clock` reads times
+of day (17:27:33) as seconds since the first row.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from martensite.base import units
+from martensite.base.errors import DataError, UnitError
+from martensite.signals.base import DRIVE
+
+CANONICAL = {
+    "time": "s",
+    "temperature": "K",
+    "strain": "1",
+    "stress": "Pa",
+    "force": "N",
+    "position": "m",
+    "resistance": "ohm",
+    "current": "A",
+    "voltage": "V",
+    "power": "W",
+    "drive": DRIVE,
+    "martensite_fraction": "1",
+    "angle": "rad",
+    "rotor_angle": "rad",
+    "rotor_speed": "rad/s",
+    "motor_current": "A",
+    "crosshead": "m",
+    "elongation": "m",
+    "lift": "m",
+    "duty": "1",
+}
+"""Known column -> its SI unit; that of the drive depends on the source. With a port in front, as
+in `protagonist.temperature`, a column means the same."""
+DRIVEN_BY = ("V", "A", "W", "K")
+CLOCK = "clock"
+IGNORED = "-"
+
+_HEADING = re.compile(r"^\s*([^\[(]*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*$")
+_UNIT = re.compile(r"^[\w%°(]([\w%°·^*/(). -]*[\w%)])?$")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a file: its name, the unit it is written in, the SI unit it is read as."""
+
+    name: str
+    spelling: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a file without (or with unusable) headings is to be read."""
+
+    columns: tuple[str, ...]
+    """Headings, one per column of the file."""
+    separator: str = "auto"
+    """`auto`, `comma`, `semicolon`, `tab` or `whitespace`."""
+    skip: int = 0
+    """Lines to pass over at the beginning."""
+    drop: bool = False
+    """Leave out rows that cannot be read, or that repeat the time before; count them."""
+
+
+def read_headings(headings: Iterable[str], where: str) -> list[Column]:
+    """Read the headings of a table.
+
+    Raises:
+        DataError: a heading is empty or double, or its unit is missing or does not fit.
+    """
+    columns: list[Column] = []
+    for number, heading in enumerate(headings, start=1):
+        column = _heading(heading, number, where)
+        if column.name != IGNORED and any(column.name == c.name for c in columns):
+            raise DataError(f"{where} has two columns `{column.name}`; rename one of them.")
+        columns.append(column)
+    return columns
+
+
+def _heading(heading: str, number: int, where: str) -> Column:
+    found = _HEADING.match(heading)
+    if found is None or not found[1]:
+        raise DataError(
+            f"{where}: heading `{heading.strip()}` of column {number} is not a name with a unit; "
+            "write for example `temperature [degC]`."
+        )
+    if found[1] == IGNORED:
+        return Column(IGNORED, "1", "1")
+    name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
+    spelling = "1" if spelling == "-" else spelling
+    unit = _known(name)
+    if not spelling and unit not in (None, "1"):
+        raise DataError(
+            f"{where}: column `{name}` has no unit; write for example `{name} [{_usual(unit)}]`."
+        )
+    if name == "time" and spelling == CLOCK:
+        return Column(name, CLOCK, "s")
+    return Column(name, spelling or "1", _si_unit(name, spelling or "1", where))
+
+
+def _known(name: str) -> str | None:
+    """SI unit of a known column."""
+    return CANONICAL.get(name.rpartition(".")[2])
+
+
+def _si_unit(name: str, spelling: str, where: str) -> str:
+    """The SI unit that a column is read in, if its unit can be converted to that."""
+    wanted = _known(name)
+    if wanted is None:
+        declared = {unit for unit, _, _ in units.EVERYDAY.values()}
+        if not spelling.endswith("Hz"):  # rpm and rad/s are no frequencies
+            declared.discard("Hz")
+        return _first_fitting(spelling, sorted(declared))
+    if wanted == DRIVE:
+        unit = _first_fitting(spelling, DRIVEN_BY)
+        if unit in DRIVEN_BY:
+            return unit
+        fault = f"The unit `{spelling}` is none of volt, ampere, watt and kelvin."
+    else:
+        fault = _misfit(spelling, wanted)
+        if not fault:
+            return wanted
+    raise DataError(
+        f"{where}, column `{name}`: {fault} Write for example `{name} [{_usual(wanted)}]`."
+    )
+
+
+def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
+    """The first SI unit that a unit converts to; the unit itself where there is none."""
+    return next((unit for unit in candidates if not _misfit(spelling, unit)), spelling)
+
+
+def _misfit(spelling: str, unit: str) -> str:
+    """Why a unit cannot be converted to an SI unit; empty if it can."""
+    if not _UNIT.match(spelling):
+        return f"`{spelling}` is not a known unit; `{unit}` is expected."
+    try:
+        units.to_si(1.0, spelling, unit)
+    except UnitError as error:
+        return str(error)
+    return ""
+
+
+def _usual(unit: str | None) -> str:
+    return "V" if unit in (None, DRIVE) else units.readable(unit)

@@ -1,0 +1,234 @@
+"""Models of blocks as files: JSON, with every number written so that it reads back the same.
+
+A file holds the blocks with their structure and fixed numbers, the free numbers of each by name,
+sample time, names and units of the signals, and whatever is said of where the model came from.
+It holds data alone: reading it runs no code, and a block is only ever one that is registered.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from martensite.base.errors import DataError, InputError, MartensiteError, suggestion
+from martensite.base.files import replacing
+from martensite.identify.blocks.base import AbstractBlock
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.scores import fit_percent, rms
+from martensite.scenario.block_tables import block_of, block_table
+from martensite.signals.sampling.sampled import Sampled
+
+if TYPE_CHECKING:
+    from martensite.identify.chains.estimate import Estimate
+
+FORMAT = "martensite-model"
+VERSION = 1
+KEYS = ("format", "version", "name", "interval", "inputs", "outputs", "units", "taps", "blocks")
+"""What every file holds."""
+
+
+def write_model(
+    chain: Chain, path: str | Path, provenance: Mapping[str, Any] | None = None
+) -> None:
+    """Write a chain as a JSON file; an existing file is replaced, whole or not at all.
+
+    Args:
+        chain: the model.
+        path: the file to write, ending in .json; its folder must exist.
+        provenance: where the model comes from, of plain values (see `model_provenance`).
+
+    Raises:
+        DataError: the path does not end in .json, or the file cannot be written.
+        InputError: a block or the provenance holds what is no plain value, or a free number is
+            not finite.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".json":
+        raise DataError(f"A model file ends in .json, but this is `{path}`.")
+    text = model_text(chain, provenance)
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str:
+    """The text of a model file; arguments and errors as of `write_model`."""
+    if not np.all(np.isfinite(chain.theta)):
+        raise InputError(f"Model `{chain.name}` has free numbers that are not finite.")
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": chain.name,
+        "structure": chain.text(),
+        "interval": chain.interval,
+        "inputs": list(chain.input_names),
+        "outputs": list(chain.output_names),
+        "units": dict(chain.units),
+        "taps": None if chain.taps is None else [list(tap) for tap in chain.taps],
+        "blocks": [
+            block_table(block) | {"numbers": _named(block, theta)}
+            for block, theta in zip(chain.blocks, chain.split(), strict=True)
+        ],
+        "provenance": dict(provenance or {}),
+        "written_by": _program(),
+    }
+    try:
+        return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    except (TypeError, ValueError) as error:
+        raise InputError(f"The provenance of a model must be plain values: {error}.") from None
+
+
+def read_model(path: str | Path) -> Chain:
+    """The chain of a file that `write_model` wrote.
+
+    Raises:
+        DataError: there is no such file, it is damaged, or it names a block that is not known.
+    """
+    document = _document(Path(path))
+    where = f"The model file `{path}`"
+    try:
+        return _chain(document)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise DataError(f"{where} is damaged: {type(error).__name__} at {error}.") from None
+    except MartensiteError as error:
+        raise DataError(f"{where} cannot be used: {error}") from None
+
+
+def read_provenance(path: str | Path) -> dict[str, Any]:
+    """What a model file says of where the model comes from; empty if nothing.
+
+    Raises:
+        DataError: there is no such file, or it is damaged.
+    """
+    found = _document(Path(path)).get("provenance", {})
+    return dict(cast("dict[str, Any]", found)) if isinstance(found, dict) else {}
+
+
+def model_provenance(found: Estimate) -> dict[str, Any]:
+    """What an estimated model rests on: records with hashes, fits, and options.
+
+    Nothing in it depends on when or where it was made.
+    """
+    return {
+        "by": _program(),
+        "options": vars(found.options) | {"begin": [c.text() for c in found.options.begin]},
+        "refined_fits": [float(fit) for fit in found.fits],
+        "agreeing": int(found.agreeing),
+        "iterations": int(found.found.iterations),
+        "converged": bool(found.found.converged),
+        "records": [_record(found, record) for record in found.records],
+    }
+
+
+def digest(record: Sampled) -> str:
+    """SHA-256 over sample time, names and numbers of a record, these as little-endian doubles."""
+    total = hashlib.sha256()
+    names = "\0".join([*record.input_names, "", *record.output_names])
+    total.update(f"{record.interval!r}\0{names}\0".encode())
+    for array in (record.inputs, record.outputs):
+        total.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+    return total.hexdigest()
+
+
+def _record(found: Estimate, record: Sampled) -> dict[str, Any]:
+    computed = found.chain.simulate(record)
+    fits = fit_percent(record.outputs, computed, found.options.skip)
+    errors = rms(record.outputs, computed, found.options.skip)
+    return {
+        "name": record.name,
+        "samples": len(record),
+        "sha256_of_numbers": digest(record),
+        "fit_percent": dict(zip(record.output_names, map(float, fits), strict=True)),
+        "rms": dict(zip(record.output_names, map(float, errors), strict=True)),
+    }
+
+
+# ---------------------------------------------------------------- writing
+
+
+def _named(block: AbstractBlock, theta: Any) -> dict[str, float]:
+    return dict(zip(block.numbers(), map(float, theta), strict=True))
+
+
+def _program() -> str:
+    try:
+        return f"martensite {version('martensite')}"
+    except PackageNotFoundError:  # run from a source tree that was not installed
+        return "martensite"
+
+
+# ---------------------------------------------------------------- reading
+
+
+def _document(path: Path) -> dict[str, Any]:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refused)
+    except FileNotFoundError:
+        beside = [other.name for other in sorted(path.parent.glob("*.json"))[:10]]
+        raise DataError(
+            f"There is no model file `{path}`. {suggestion(path.name, beside)}"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"Cannot read the model file `{path}`: {error}.") from None
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"The model file `{path}` is not valid JSON: {error}.") from None
+    if not isinstance(document, dict) or cast("Any", document).get("format") != FORMAT:
+        raise DataError(f"The file `{path}` is no model file: it lacks `format: {FORMAT}`.")
+    found = cast("dict[str, Any]", document)
+    missing = [key for key in KEYS if key not in found]
+    if missing:
+        raise DataError(f"The model file `{path}` is damaged: it lacks {', '.join(missing)}.")
+    if found["version"] != VERSION:
+        raise DataError(
+            f"The model file `{path}` is of version {found['version']}, but this program reads "
+            f"version {VERSION}."
+        )
+    return found
+
+
+def _refused(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
+
+
+def _chain(document: dict[str, Any]) -> Chain:
+    blocks: list[AbstractBlock] = []
+    theta: list[float] = []
+    for number, table in enumerate(document["blocks"], start=1):
+        block = block_of(table)
+        given, names = dict(table["numbers"]), block.numbers()
+        if set(given) != set(names):
+            lost = ", ".join(sorted(set(names) ^ set(given)))
+            raise DataError(f"the free numbers of block {number} do not fit its kind: {lost}.")
+        blocks.append(block)
+        theta += [_finite(given[name], f"`{name}` of block {number}") for name in names]
+    interval = _finite(document["interval"], "`interval`")
+    if not interval > 0.0:
+        raise DataError(f"the sample time must be above 0 s, but is {interval:g} s.")
+    taps = document["taps"]
+    return Chain(
+        tuple(blocks), np.array(theta), interval,
+        tuple(map(str, document["inputs"])), tuple(map(str, document["outputs"])),
+        {str(k): str(v) for k, v in dict(document["units"]).items()},
+        None if taps is None else _taps(taps, blocks),
+        str(document["name"]),
+    )  # fmt: skip
+
+
+def _taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:
+    found = tuple((int(block), int(output)) for block, output in taps)
+    for block, output in found:
+        if not (0 <= block < len(blocks) and 0 <= output < blocks[block].outputs):
+            raise DataError(f"there is no output {output} of block {block}.")
+    return found
+
+
+def _finite(value: Any, what: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise DataError(f"{what} must be a finite number, but is {value!r}.")
+    return float(value)

@@ -1,0 +1,193 @@
+"""Records that a scenario follows or is compared with: files it names, or a log given to it.
+
+    waveform = { kind = "table", file = "log.csv", column = "voltage" }
+    waveform = { kind = "log", column = "voltage" }
+
+`file` is relative to the scenario, or `data:…` for a published data set; `columns` names
+the columns of a file without headings, `interval` the time between rows without a clock.
+A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
+
+A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
+that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
+a scenario begins with the first row of its log (or `[run] lead` before it, at the `from` of the
+waveform), and rows that miss the column are bridged.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from martensite.base import units
+from martensite.base.errors import DataError, ParameterError, UnitError
+from martensite.scenario.build import refuse_unknown, section
+from martensite.signals.table import Table
+
+if TYPE_CHECKING:
+    from martensite.signals.records import Record
+
+KIND = "table"
+LOG = "log"
+NATURAL = {
+    "V": "voltage", "A": "current", "W": "power", "K": "temperature", "N": "force",
+    "Pa": "stress", "m": "position", "1": "strain",
+}  # fmt: skip
+"""Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
+DUTY = "duty"
+"""The same for the share of the time that a switch is closed."""
+_KEYS = ("file", "columns", "interval")
+_LISTED = ("kind", "times", "values")
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A table of measurements, not read yet."""
+
+    source: str | Path
+    columns: tuple[str, ...] | None = None
+    interval: float | None = None
+    """Time between rows [s] where the file has no time."""
+
+    def read(self) -> Record:
+        """Read the file."""
+        from martensite.scenario.tables import read_table
+
+        return read_table(self.source, self.columns, interval=self.interval)
+
+
+def recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
+    """Read the keys `file`, `columns` and `interval` of a section."""
+    refuse_unknown(table, _KEYS, f"[{path}]")
+    source = _text(table, "file", path)
+    if not source.startswith("data:"):
+        source = folder / source
+    columns = table.get("columns")
+    interval = table.get("interval")
+    return Recorded(
+        source,
+        None if columns is None else tuple(_texts(columns, "columns", path)),
+        None if interval is None else _quantity(interval, "interval", "s", path),
+    )
+
+
+def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
+    """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
+    if "file" not in table and "times" in table:
+        made = _listed(table, path, unit)
+        return made, made.times[-1]
+    refuse_unknown(table, ("kind", *_KEYS, "column"), f"[{path}]")
+    column = _text(table, "column", path)
+    found = {key: value for key, value in table.items() if key in _KEYS}
+    with section(path):
+        from martensite.signals.records import table_waveform
+
+        record = recorded(found, path, folder).read()
+        made = table_waveform(record, column)
+        if record.units[column] != unit:
+            raise DataError(
+                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, "
+                f"but the drive takes {unit}."
+            )
+    return made, record.times[-1]
+
+
+def followed(
+    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str,
+    lead: float = 0.0,
+) -> tuple[Table, str]:  # fmt: skip
+    """The waveform of kind `log` that a table describes, and the column that it follows.
+
+    Args:
+        table: the waveform, `kind`, perhaps `column`, and `from` if there is a lead.
+        path: of the table in the scenario.
+        log: what is followed; an error without.
+        unit: of the signal.
+        natural: the column that is meant if none is named.
+        lead: time before the log [s], in which the signal goes straight from `from` to its first
+            value, or is held there.
+    """
+    refuse_unknown(table, ("kind", "column", *(("from",) if lead else ())), f"[{path}]")
+    column = _text(table, "column", path) if "column" in table else natural
+    if log is None:
+        raise DataError(
+            f"[{path}] This scenario follows a log; fit it with `martensite fit LOG --scenario "
+            "SCENARIO --free …`, or run it with `martensite run SCENARIO --log LOG`."
+        )
+    with section(path):
+        _check_followed(log, column, unit)
+        rows = zip(from_zero(log, lead).times, log[column], strict=True)
+        known = [row for row in rows if math.isfinite(row[1])]
+        if lead:
+            begin = _quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
+            known.insert(0, (0.0, begin))
+        times, values = zip(*known, strict=True)
+        return Table(times=times, values=values), column
+
+
+def _check_followed(log: Record, column: str, unit: str) -> None:
+    known = sum(map(math.isfinite, log[column]))
+    if log.units[column] != unit:
+        raise DataError(
+            f"Column `{column}` of record `{log.name}` is in {log.units[column]}, but what "
+            f"follows it takes {unit}."
+        )
+    if known < 2:
+        raise DataError(
+            f"Column `{column}` of record `{log.name}` holds {known} numbers; a waveform that "
+            "follows it needs at least 2."
+        )
+
+
+def from_zero(log: Record, lead: float = 0.0) -> Record:
+    """A record with its first row at 0 s, or at a lead [s] after that."""
+    first = log.times[0] - lead
+    if first == 0.0:
+        return log
+    return replace(log, columns=log.columns | {"time": [time - first for time in log.times]})
+
+
+def _listed(table: Mapping[str, Any], path: str, unit: str) -> Table:
+    refuse_unknown(table, _LISTED, f"[{path}]")
+    times = [_quantity(t, "times", "s", path) for t in _list(table["times"], "times", path)]
+    levels = _list(table.get("values", []), "values", path)
+    values = [_quantity(value, "values", unit, path) for value in levels]
+    with section(path):
+        return Table(times=tuple(times), values=tuple(values))
+
+
+def _quantity(value: Any, name: str, unit: str, path: str) -> float:
+    if not isinstance(value, str):
+        raise UnitError(
+            f"[{path}] `{name}` must be text with a unit, such as `{value} {unit}`, "
+            f"but is {value!r}."
+        )
+    with section(path):
+        try:
+            return units.parse(value, unit)
+        except UnitError as error:
+            raise UnitError(f"`{name}`: {error}") from None
+
+
+def _text(table: Mapping[str, Any], name: str, path: str) -> Any:
+    if name not in table:
+        raise ParameterError(f"[{path}] needs `{name}`; none given.")
+    if not isinstance(table[name], str):
+        raise ParameterError(f"[{path}] `{name}` must be text, but is {table[name]!r}.")
+    return table[name]
+
+
+def _texts(value: Any, name: str, path: str) -> list[str]:
+    items = _list(value, name, path)
+    wrong = next((item for item in items if not isinstance(item, str)), None)
+    if wrong is not None:
+        raise ParameterError(f"[{path}] `{name}` must hold texts, but holds {wrong!r}.")
+    return items
+
+
+def _list(value: Any, name: str, path: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise ParameterError(f"[{path}] `{name}` must be a list, but is {value!r}.")
+    return cast("list[Any]", value)

@@ -1,0 +1,77 @@
+"""Units of numbers that have them from their place: signals of a drive, and readings.
+
+A level of a waveform is in the unit of what it drives. Levels, differences and rates of a reading
+are in the unit of the reading that their component, or one that it belongs to, names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+from martensite.base import units
+from martensite.base.errors import ParameterError, suggestion
+from martensite.base.parameters import Declared, Parametrised
+from martensite.signals.base import DRIVE
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What units are there, and which of the readings is meant."""
+
+    drive: str = "1"
+    """SI unit of the signal."""
+    readings: Mapping[str, str] = field(default_factory=dict[str, str])
+    """SI units of all readings, by name."""
+    named: tuple[str, ...] = ()
+    """Names of the readings that are meant."""
+
+    def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> Scales:
+        """Those of the numbers of a component with these texts."""
+        named = named_readings(cls, texts)
+        return replace(self, named=named) if named not in ((), self.named) else self
+
+    def unit(self, declared: Declared) -> str:
+        """The SI unit of a number; 1, a number in SI, for readings of several units.
+
+        Raises:
+            ParameterError: no reading is named, or one that there is not.
+        """
+        found = self.known(declared)
+        if found is not None:
+            return found
+        unknown = next((name for name in self.named if name not in self.readings), None)
+        if unknown is None:
+            raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
+        raise ParameterError(
+            f"There is no reading `{unknown}`. {suggestion(unknown, self.readings)}"
+        )
+
+    def known(self, declared: Declared) -> str | None:
+        """The SI unit of a number, if there is the reading that it needs."""
+        if declared.unit == DRIVE:
+            return self.drive
+        if declared.unit not in units.OF_READINGS:
+            return declared.unit
+        if not self.named or any(name not in self.readings for name in self.named):
+            return None
+        own = {units.of_reading(declared.unit, self.readings[name]) for name in self.named}
+        return own.pop() if len(own) == 1 else "1"
+
+    def label(self, declared: Declared) -> str:
+        """The unit in which a person would rather read it; nothing if there is or is known none."""
+        unit = units.readable(self.known(declared) or "1")
+        return "" if unit == "1" else unit
+
+
+def named_readings(cls: type[Parametrised], texts: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the readings that a component names by its texts, if it does."""
+    for name in cls.names_reading:
+        found = texts.get(name, cls.declarations[name].default)
+        rows = [found] if isinstance(found, str) else found
+        named = tuple(cast("Sequence[Any]", rows)) if isinstance(rows, (list, tuple)) else ()
+        named = tuple(str(one) for one in named if one)
+        if named:
+            return named
+    return ()

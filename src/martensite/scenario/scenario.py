@@ -1,0 +1,266 @@
+"""Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
+
+Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
+optionally `title`, [actuators] and [signals] (`martensite.scenario.assemble`), those of a bench,
+such
+as [sensor] and [controller] (`martensite.scenario.bench_sections`), and [measured], a record to
+compare
+with. Quantities are text with a unit. Unknown names are refused with the nearest valid one;
+nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.files import toml_document
+from martensite.base.parameters import Leaf, Parametrised, param
+from martensite.kernels.namespace import Scalar
+from martensite.physics.materials.base import Material
+from martensite.scenario import bench_sections, recorded
+from martensite.scenario.assemble import Assembly, section_of
+from martensite.scenario.bench_tables import SECTIONS as BENCH_SECTIONS
+from martensite.scenario.build import Builder, Table, refuse_unknown
+from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.places import Places
+from martensite.scenario.recorded import Recorded
+
+if TYPE_CHECKING:
+    from martensite.control.controllers.base import AbstractController
+    from martensite.control.loop.bench import Bench
+    from martensite.signals.records import Record
+    from martensite.simulate.result import Result
+
+SECTIONS = (
+    "title", "element", "environment", "mechanism", "drive", "driver", "actuators", "signals",
+    "model", "run", "measured", *BENCH_SECTIONS,
+)  # fmt: skip
+
+
+class Run(Parametrised):
+    """How long, how accurately, and with how many samples."""
+
+    duration: Scalar = param("s", "length of the run", above=0.0, default=math.inf)
+    tolerance: Scalar = param(
+        "1", "accepted change on halving the step, as a share of range",
+        above=0.0, high=0.5, default=1e-4,
+    )  # fmt: skip
+    samples: Scalar = param("1", "number of samples", low=2.0, high=1e7, default=1001)
+    step: Scalar = param(
+        "s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf
+    )
+
+    lead: Scalar = param(
+        "s", "time before a log that is followed, to come from elsewhere to its beginning",
+        low=0.0, default=0.0,
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the number of samples is no whole number."""
+        if self.samples != int(self.samples):
+            raise ParameterError(
+                f"Parameter `samples` of `Run` must be a whole number, but is {self.samples}."
+            )
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything that a run needs, and where it came from."""
+
+    system: Any
+    """A `System` of one element, or a `Machine` of several."""
+    waveform: Any
+    """The waveform of its drive, or waveforms by name; none for a drive of a controller."""
+    duration: float
+    """[s]"""
+    tolerance: float
+    samples: int
+    step: float | None
+    """Longest step [s], or None if the tolerance chooses it."""
+    title: str
+    text: str
+    """The document that was built, overrides included."""
+    path: Path | None
+    material: Material | None
+    measured: Recorded | None = None
+    """A record to compare with."""
+    origins: dict[str, str] = field(default_factory=dict[str, str])
+    """Dotted path of each number -> scenario, default, or kind and name of the material."""
+    lead: float = 0.0
+    """Time before the log that is followed [s]."""
+    follows: dict[str, str] = field(default_factory=dict[str, str])
+    """Drive -> column of the log that it follows; empty for a scenario that follows none."""
+    remarks: list[str] = field(default_factory=list[str])
+    """Sentences on how the parts were put together."""
+    bench: Bench | None = None
+    """The system with sensors, observers, controllers and faults around it, if there are any."""
+    outside: dict[str, AbstractController] = field(default_factory=dict[str, Any])
+    """Controllers that are no kernels and run outside of the bench, by drive."""
+    seed: int | None = None
+    """Of the noise on the bench; None for a run without."""
+    places: Places = field(default_factory=Places)
+    """Where the document holds each number of the system, or bench."""
+
+    @property
+    def whole(self) -> Any:
+        """What runs: the bench, or the system alone."""
+        return self.system if self.bench is None else self.bench
+
+    def parts(self) -> Iterator[Parametrised]:
+        """All components, those of controllers outside of the bench included."""
+        for one in (self.whole, *self.outside.values()):
+            yield from one.tree()
+
+    def leaves(self) -> Iterator[Leaf]:
+        """All numbers of the system or bench, and those of controllers outside of it."""
+        yield from self.whole.leaves()
+        for name, one in self.outside.items():
+            yield from one.leaves(f"controllers.{name}.")
+
+    @property
+    def cautions(self) -> list[str]:
+        """Sentences about what is allowed but probably not meant."""
+        found = [*self.remarks, *(c for part in self.parts() for c in part.cautions())]
+        return list(dict.fromkeys(found))
+
+    def run(
+        self, *, tolerance: float | None = None, runtime: str | None = None,
+        budget: float | None = None, tell: Callable[[str, float], None] | None = None,
+    ) -> Result:  # fmt: skip
+        """Simulate.
+
+        Args:
+            tolerance: replaces that of the scenario; without a meaning on a bench.
+            runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a
+                compiler.
+            budget: CPU time [s] after which the run is given up; without a meaning on a bench.
+            tell: called now and then with what is done and which share of the run; on a bench
+                only if a controller runs outside.
+        """
+        if self.bench is not None:
+            return self._run_bench(self.bench, runtime, tell)
+        from martensite.simulate.api import simulate
+
+        return simulate(
+            self.system, self.waveform, self.duration,
+            tolerance=tolerance or self.tolerance,
+            step=None if tolerance else self.step,
+            samples=self.samples, runtime=runtime or "auto", budget=budget, tell=tell,
+        )  # fmt: skip
+
+    def equal_step(self) -> float:
+        """The longest of equal steps with which a run is within the tolerance [s]."""
+        from martensite.simulate.equal_steps import find_step
+
+        case = self.system, self.waveform, self.duration
+        return find_step(*case, self.tolerance, self.samples).step
+
+    def _run_bench(
+        self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None
+    ) -> Result:
+        from martensite.control.loop.run import simulate_bench
+        from martensite.simulate.driven import by_name
+
+        return simulate_bench(
+            bench, self.duration, outside=self.outside or None, seed=self.seed, runtime=runtime,
+            waveforms=by_name(self.system, self.waveform),
+            watch=None if tell is None else lambda share: tell("simulating", share),
+        )  # fmt: skip
+
+
+def load(
+    path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None
+) -> Scenario:
+    """Read a scenario file and build what it describes.
+
+    Args:
+        path: a TOML file; files it names are found relative to it.
+        overrides: values by dotted path, such as `{"element.diameter": "0.25 mm"}`.
+        log: the record that waveforms of kind `log` follow, from its first row on.
+
+    Raises:
+        InputError: the file is missing or malformed, or a value is.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
+        raise DataError(
+            f"There is no scenario file `{path}`. {suggestion(path.name, beside)}"
+        ) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None
+    return read(text, path, overrides, log=log)
+
+
+def read(
+    text: str,
+    path: Path | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    log: Record | None = None,
+) -> Scenario:
+    """Build what the text of a scenario describes; `path` is where it came from.
+
+    `log` is the record that waveforms of kind `log` follow, from its first row on.
+    """
+    document = toml_document(text, f"`{path}`" if path else "The scenario")
+    if overrides:
+        document = changed(document, overrides)
+        text = as_toml(document)
+    refuse_unknown(document, SECTIONS, "The scenario")
+    return _built(document, text, path, log)
+
+
+def _built(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:
+    folder = path.parent if path else Path()
+    origins: dict[str, str] = {}
+    bench_sections.check_sections(document)
+    extra = ("period",) if bench_sections.is_bench(document) else ()
+    builder = Builder(origins=origins, extra=extra)
+    run = builder.build(Run, section_of(document, "run", {}), "run")
+    controlled = bench_sections.has_controllers(document)
+    assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
+    system, places = assembly.system(), Places(assembly.drive)
+    closed = bench_sections.assembled(assembly, system, places)
+    return Scenario(
+        system=system,
+        waveform=assembly.driven(system),
+        duration=_duration(run, assembly.end),
+        tolerance=run.tolerance,
+        samples=int(run.samples),
+        step=run.step if math.isfinite(run.step) else None,
+        title=str(document.get("title", path.stem if path else "scenario")),
+        text=text,
+        path=path,
+        material=assembly.material,
+        measured=_measured(document, folder),
+        origins=assembly.origins,
+        follows=assembly.follows,
+        lead=run.lead,
+        remarks=assembly.cautions,
+        bench=closed.bench if closed else None,
+        outside=closed.outside if closed else {},
+        seed=closed.seed if closed else None,
+        places=places,
+    )
+
+
+def _duration(run: Run, end: float) -> float:
+    if math.isfinite(run.duration):
+        return run.duration
+    if not math.isfinite(end):
+        raise ParameterError('[run] needs `duration`; write for example `duration = "60 s"`.')
+    return end
+
+
+def _measured(document: Table, folder: Path) -> Recorded | None:
+    if "measured" not in document:
+        return None
+    return recorded.recorded(section_of(document, "measured"), "measured", folder)

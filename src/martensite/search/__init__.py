@@ -1,0 +1,1 @@
+"""Search and inference: what fits, designs and identified models share."""

@@ -1,0 +1,115 @@
+"""The free parameters of a fit as plain numbers: names, values, search ranges, units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import DataError, ParameterError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+    Vector = NDArray[np.float64]
+
+_PROPORTIONAL = 1e-3
+_ROUNDING = 1e-15
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Free parameters at the point where a Jacobian was taken."""
+
+    names: tuple[str, ...]
+    values: tuple[float, ...]
+    """In SI."""
+    scales: tuple[float, ...]
+    """Change of each value per change of the scaled parameter, which has a range of 1, in SI.
+
+    High less low for a linear scale, value × log(high/low) for a logarithmic one.
+    """
+    units: tuple[str, ...]
+    """SI unit of each."""
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def relative(self, place: int, direction: Vector) -> float:
+        """Change of a parameter along a direction as a share of its value; NaN if that is 0."""
+        value = self.values[place]
+        return float(direction[place]) * self.scales[place] / value if value else math.nan
+
+    def jacobian(self, jacobian: Any) -> Matrix:
+        """The Jacobian per search range as an array, (residuals, parameters).
+
+        Raises:
+            DataError: it is not finite, or not of this many parameters.
+        """
+        import numpy as np
+
+        matrix = np.asarray(jacobian, np.float64)
+        if matrix.ndim != 2 or matrix.shape[1] != len(self) or not len(matrix):
+            raise DataError(
+                f"The Jacobian must have one column for each of {len(self)} parameters, "
+                f"but has the shape {matrix.shape}."
+            )
+        if not np.isfinite(matrix).all():
+            raise DataError("The Jacobian must be finite, but is not; a run has failed.")
+        return matrix
+
+
+def axes(
+    names: Sequence[str],
+    values: Sequence[float],
+    scales: Sequence[float],
+    units: Sequence[str] | None = None,
+) -> Axes:
+    """Free parameters by their names, values, scales and units (plain numbers if left out).
+
+    Raises:
+        ParameterError: they are none, or not equally many, or a scale is 0 or not finite.
+    """
+    given = units or ["1"] * len(names)
+    if not 0 < len(names) == len(values) == len(scales) == len(given):
+        raise ParameterError(
+            "Names, values, scales and units must be equally many, at least one, but are "
+            f"{len(names)}, {len(values)}, {len(scales)} and {len(given)}."
+        )
+    for name, scale in zip(names, scales, strict=True):
+        if scale == 0.0 or not math.isfinite(scale):
+            raise ParameterError(f"The scale of `{name}` must not be 0, but is {scale:g}.")
+    return Axes(
+        tuple(names), tuple(map(float, values)), tuple(map(float, scales)), tuple(given)
+    )  # fmt: skip
+
+
+def proportional(relative: Sequence[float]) -> bool:
+    """Whether relative changes of two or more parameters are all equal up to sign."""
+    sizes = [abs(one) for one in relative]
+    return len(sizes) > 1 and all(abs(s - sizes[0]) <= _PROPORTIONAL * sizes[0] for s in sizes)
+
+
+def balanced(jacobian: Matrix) -> tuple[Matrix, Vector]:
+    """Columns scaled to norm 1, or zeros where only rounding is left of them, and their norms.
+
+    Whether columns depend on each other must not depend on the search ranges.
+    """
+    import numpy as np
+
+    norms = np.linalg.norm(jacobian, axis=0)
+    seen = norms > _ROUNDING * np.max(norms)
+    sizes = np.where(seen, norms, 1.0)
+    return np.where(seen, jacobian / sizes, 0.0), sizes
+
+
+def squared(jacobian: Matrix) -> Matrix:
+    """A square matrix with the same singular values and right vectors."""
+    import numpy as np
+
+    upper: Matrix = np.asarray(np.linalg.qr(jacobian, mode="r"))
+    missing = upper.shape[1] - upper.shape[0]
+    return np.vstack([upper, np.zeros((missing, upper.shape[1]))])

@@ -1,0 +1,108 @@
+"""How well a model meets a measured record: size, place and sign of the error.
+
+With e = modelled - measured
+
+    rms = √(Σ e²/n),    fit = 100 % (1 - ‖e‖/‖y - mean(y)‖),    bias = mean(e)
+
+where y is measured (normalised root-mean-square error: Ljung (1999), System Identification).
+A fit of 100 % is perfect, one of 0 % no better than the constant mean(y), and below 0 % worse.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from martensite.base.errors import DataError
+from martensite.search.words import change, number
+
+
+@dataclass(frozen=True)
+class Score:
+    """Error of a model in one output of one record."""
+
+    record: str
+    output: str
+    part: str
+    """What the record was used for: `training`, or `held-out`."""
+    unit: str
+    """SI unit of the output."""
+    rms: float
+    """Root-mean-square error [unit]."""
+    fit_percent: float
+    """100 % for a perfect model; NaN where the output does not vary."""
+    maximum: float
+    """Largest error, whatever its sign [unit]."""
+    maximum_at: float
+    """When it occurs [s]."""
+    bias: float
+    """Mean of modelled less measured [unit]."""
+    samples: int
+
+    @property
+    def sentence(self) -> str:
+        """The numbers in everyday units."""
+        fit = "no fit: it does not vary" if math.isnan(self.fit_percent) else ""
+        return (
+            f"`{self.record}`, `{self.output}` ({self.part}): "
+            f"{fit or f'fit {self.fit_percent:.1f} %'}, rms error {self._amount(self.rms)}, "
+            f"at most {self._amount(self.maximum)} at {number(self.maximum_at)} s, "
+            f"bias {self._amount(self.bias)}."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name, for JSON."""
+        return asdict(self)
+
+    def _amount(self, value: float) -> str:
+        return change(value, self.unit, 3)
+
+
+def score(
+    times: Any,
+    measured: Any,
+    modelled: Any,
+    *,
+    record: str,
+    output: str,
+    unit: str = "1",
+    part: str = "training",
+) -> Score:
+    """Compare a modelled output with the measured one.
+
+    Args:
+        times: of the samples [s].
+        measured: the output as measured [unit].
+        modelled: the output of the model at the same times [unit].
+        record: name of the record.
+        output: name of the output.
+        unit: its SI unit.
+        part: `training` or `held-out`.
+
+    Raises:
+        DataError: the three are not equally many, at least one, or not finite.
+    """
+    import numpy as np
+
+    t, y, model = (np.asarray(row, np.float64) for row in (times, measured, modelled))
+    if not 0 < t.size == y.size == model.size:
+        raise DataError(
+            f"Times, measured and modelled values of `{output}` must be equally many, "
+            f"but are {t.size}, {y.size} and {model.size}."
+        )
+    if not np.isfinite([t, y, model]).all():
+        raise DataError(f"Measured and modelled values of `{output}` must be finite.")
+    error = model - y
+    worst = int(np.argmax(np.abs(error)))
+    varied = float(np.linalg.norm(y - y.mean()))
+    size = float(np.linalg.norm(error))
+    return Score(
+        record, output, part, unit,
+        rms=size / math.sqrt(y.size),
+        fit_percent=100.0 * (1.0 - size / varied) if varied else math.nan,
+        maximum=float(abs(error[worst])),
+        maximum_at=float(t[worst]),
+        bias=float(error.mean()),
+        samples=y.size,
+    )  # fmt: skip

@@ -1,0 +1,142 @@
+"""Which parameters the data cannot tell apart: the smallest sets of them.
+
+For a Jacobian J a unit vector v with ‖J v‖ ≤ limit is a direction in which the parameters may
+move unseen. Singular vectors of J with such singular values span all of these, but mix them:
+with two redundancies at once every singular vector holds the parameters of both. So the
+smallest sets of parameters are looked for whose columns alone have a singular value within the
+limit, and as many independent ones are kept as J has such singular values. That many exist:
+without any k of its columns J has at most k fewer (singular values interlace).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from martensite.search.axes import squared
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Matrix = NDArray[np.float64]
+    Vector = NDArray[np.float64]
+
+MANY = 20_000
+"""Sets of one size that are all tried; larger sizes are approached by leaving columns out."""
+_INDEPENDENT = 1e-3
+
+
+def weak_directions(
+    jacobian: Matrix,
+    limit: float,
+    known: Sequence[Vector] = (),
+    prefer: Callable[[Vector], bool] = lambda direction: False,
+) -> list[Vector]:
+    """Independent unit vectors v of few components each with ‖J v‖ ≤ limit.
+
+    Args:
+        jacobian: (rows, parameters).
+        limit: of ‖J v‖; as in `jacobian`.
+        known: directions found before; counted, but not returned.
+        prefer: which of two directions with equally many components to name first.
+    """
+    import numpy as np
+
+    square = squared(jacobian)
+    wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))
+    chosen = list(known)
+    sets: list[tuple[int, ...]] = []
+    for size in range(1, square.shape[1] + 1):
+        if len(chosen) >= wanted or math.comb(square.shape[1], size) > MANY:
+            break
+        found = _of_size(square, limit, size, sets)
+        sets += [tuple(np.flatnonzero(v).tolist()) for v in found]
+        for direction in sorted(found, key=lambda v: not prefer(v)):
+            if len(chosen) < wanted and _independent(direction, chosen):
+                chosen.append(direction)
+    return (chosen + _by_leaving_out(square, limit, chosen, wanted))[len(known) :]
+
+
+def _of_size(
+    square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]
+) -> list[Vector]:
+    """Weak directions of all sets of one size that hold no smaller one; the weakest first."""
+    import numpy as np
+
+    held = [set(one) for one in smaller]
+    sets = [
+        one
+        for one in combinations(range(square.shape[1]), size)
+        if not any(small <= set(one) for small in held)
+    ]
+    if not sets:
+        return []
+    columns = np.moveaxis(square[:, np.asarray(sets)], 0, 1)
+    _, sizes, right = np.linalg.svd(columns, full_matrices=False)
+    weak = [int(i) for i in np.argsort(sizes[:, -1], kind="stable") if sizes[i, -1] <= limit]
+    return [_spread(right[i, -1], sets[i], square.shape[1]) for i in weak]
+
+
+def _by_leaving_out(
+    square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int
+) -> list[Vector]:
+    """The directions still missing, of as few components as leaving columns out one by one finds.
+
+    Of every direction known the largest mover is held fixed, so that the next one is another.
+    """
+    import numpy as np
+
+    kept = list(range(square.shape[1]))
+    found: list[Vector] = []
+    for direction in chosen:
+        kept.remove(max(kept, key=lambda i: abs(float(direction[i]))))
+    while len(chosen) + len(found) < wanted and _weakest(square, kept)[0] <= limit:
+        direction = _thinned(square, kept, limit)
+        found += [direction] if _independent(direction, [*chosen, *found]) else []
+        kept.remove(int(np.argmax(np.abs(direction))))
+    return found
+
+
+def _thinned(square: Matrix, columns: Sequence[int], limit: float) -> Vector:
+    """A weak direction of which no component can be left out."""
+    left = list(columns)
+    while True:
+        _, direction = _weakest(square, left)
+        for place in sorted(left, key=lambda i: abs(float(direction[i]))):
+            fewer = [i for i in left if i != place]
+            if fewer and _weakest(square, fewer)[0] <= limit:
+                left = fewer
+                break
+        else:
+            return direction
+
+
+def _weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
+    """Smallest singular value of some columns, and its vector among all parameters."""
+    import numpy as np
+
+    if not columns:
+        return math.inf, _spread(np.zeros(0), columns, square.shape[1])
+    _, sizes, right = np.linalg.svd(square[:, np.asarray(columns)], full_matrices=False)
+    return float(sizes[-1]), _spread(right[-1], columns, square.shape[1])
+
+
+def _spread(part: Vector, columns: Sequence[int], count: int) -> Vector:
+    """A vector over some columns as one over all."""
+    import numpy as np
+
+    whole: Vector = np.zeros(count)
+    whole[list(columns)] = part
+    return whole
+
+
+def _independent(direction: Vector, others: Sequence[Vector]) -> bool:
+    import numpy as np
+
+    if not others:
+        return True
+    basis = np.linalg.qr(np.stack(others, axis=1))[0]
+    return float(np.linalg.norm(direction - basis @ (basis.T @ direction))) > _INDEPENDENT

@@ -1,0 +1,60 @@
+"""Names, amounts and changes in words, in the units a person would rather read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from martensite.base.units import conversion, from_si, readable
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number of so many digits; without an exponent as long as it is easily read."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def quantity(value: float, unit: str) -> str:
+    """A value given in the SI `unit`: `47.5 degC`."""
+    spelling = readable(unit)
+    return _with_unit(from_si(value, spelling, unit), spelling)
+
+
+def change(amount: float, unit: str, digits: int = 4) -> str:
+    """A difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
+    factor, spelling = difference(unit)
+    return _with_unit(amount / factor, spelling, digits)
+
+
+def difference(unit: str) -> tuple[float, str]:
+    """Factor to the SI `unit`, and name, of the unit in which a difference is read."""
+    factor, offset = conversion(readable(unit), unit)
+    return (1.0, unit) if offset else (factor, readable(unit))
+
+
+def quotient(above: str, below: str) -> str:
+    """Unit of a ratio: `K/MPa`, `MPa/(MPa/K)`; empty for two plain numbers."""
+    if above == below or below == "1":
+        return "" if above in ("1", below) else above
+    return f"{above}/({below})" if "/" in below else f"{above}/{below}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in backquotes: "`a`, `b` and `c`"."""
+    return joined([f"`{name}`" for name in names])
+
+
+def joined(phrases: Sequence[str]) -> str:
+    """Phrases as a list: "this, that and the other"."""
+    if len(phrases) < 2:
+        return "".join(phrases)
+    return f"{', '.join(phrases[:-1])} and {phrases[-1]}"
+
+
+def round_below(value: float) -> float:
+    """The largest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above a positive number."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return max((m * decade for m in (1.0, 2.0, 5.0) if m * decade <= value), default=decade)
+
+
+def _with_unit(value: float, spelling: str, digits: int = 4) -> str:
+    return number(value, digits) + (f" {spelling}" if spelling != "1" else "")

@@ -1,1 +1,0 @@
-"""What several sensors have in common."""

@@ -1,0 +1,269 @@
+"""The figure of a bench: reference and response, error, signals, temperatures, over time.
+
+What is true, what is measured of it and what is estimated stand in one panel; so do the signal
+that a controller wants and the one that the source got, which differ where a supervisor or a
+fault comes between them. Times of an alarm of the supervisor are shaded in every panel.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base import units
+from martensite.control.controllers.base import AbstractController
+from martensite.control.observers.base import ESTIMATED
+from martensite.show.figures.bench_loops import (
+    Loop,
+    alarmed,
+    applied,
+    bench_of,
+    estimates,
+    loops,
+    shown_error,
+    temperatures,
+)
+from martensite.show.figures.labels import around, axis, column, limits
+from martensite.show.figures.machine import colours
+from martensite.show.figures.measured import Record, check_records, draw_overlays, overlays
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, new_figure, styled
+from martensite.simulate.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, PANEL_HEIGHT = 9.0, 1.35
+HEAD, FOOT, LINE = 0.62, 0.55, 0.18
+"""Room for the title, the time axis, and each line of warnings [inch]."""
+WRAPPED = 125
+"""Letters in a line of a warning."""
+FOLLOWED: dict[str, Any] = {"color": INK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
+READ: dict[str, Any] = {"color": MEASURED[1], "linewidth": 0.8, "alpha": 0.85}
+HELD: dict[str, Any] = {"drawstyle": "steps-post"}
+WANTED: dict[str, Any] = {"linewidth": 3.0, "alpha": 0.3}
+APPLIED: dict[str, Any] = {"linewidth": 1.1}
+SURE = 2.0
+"""Standard deviations about an estimate that are tinted."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One panel: its words, and what draws it."""
+
+    title: str
+    draw: Callable[[Any], None]
+
+
+def plot_bench(
+    result: Result,
+    records: Iterable[Record] | None = None,
+    title: str | None = None,
+    outside: Mapping[str, AbstractController] | None = None,
+) -> Figure:
+    """The figure of a run on a bench.
+
+    Args:
+        result: the run to show.
+        records: measured records, drawn over the truth wherever they have the same quantity.
+        title: first line of the figure; by default what was simulated.
+        outside: controllers that ran outside of the bench, by drive.
+
+    Raises:
+        InputError: the result is none of a bench.
+        DataError: a record holds nothing that can be compared with the result.
+    """
+    bench_of(result)
+    measured = check_records(result, records)
+    with styled():
+        return _figure(result, _panels(result, measured, outside), title)
+
+
+def _figure(result: Result, panels: Sequence[Panel], title: str | None) -> Figure:
+    warnings = [line for text in result.warnings for line in textwrap.wrap(text, WRAPPED)]
+    foot = FOOT + LINE * len(warnings)
+    height = HEAD + foot + PANEL_HEIGHT * len(panels)
+    figure = new_figure(WIDTH, height)
+    grid = figure.add_gridspec(
+        len(panels), 1, left=0.09, right=0.98, top=1.0 - HEAD / height, bottom=foot / height,
+        hspace=0.42,
+    )  # fmt: skip
+    stack = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
+    for axes, panel in zip(stack, panels, strict=True):
+        panel.draw(axes)
+        _finish(axes, result, panel.title, axes is stack[-1])
+    figure.align_ylabels(stack)
+    _write(figure, result, title, warnings)
+    return figure
+
+
+def _finish(axes: Any, result: Result, title: str, last: bool) -> None:
+    """Title, time, shade of alarms and key of a panel."""
+    axes.set_title(title)
+    axes.set_xlim(result.times[0], result.times[-1])
+    axes.locator_params(axis="y", nbins=4)
+    axes.tick_params(labelbottom=last)
+    if last:
+        axes.set_xlabel(axis(result, "time").label)
+    for k, (begin, end) in enumerate(alarmed(result)):
+        label = "alarm" if k == 0 else "_nolegend_"
+        axes.axvspan(begin, end, color=HEATING, alpha=0.12, linewidth=0.0, label=label)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=6, borderpad=0.0,
+            borderaxespad=0.2, columnspacing=1.2,
+        )  # fmt: skip
+
+
+def _write(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
+    height, described = figure.get_figheight(), result.system.described()
+    plain = {"va": "center", "parse_math": False}
+    top = described[:1].upper() + described[1:] if title is None else title
+    figure.text(0.02, 1.0 - 0.24 / height, top, fontsize=12.5, fontweight="bold", **plain)
+    for i, line in enumerate(reversed(warnings)):
+        place = (0.16 + LINE * i) / height
+        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, **plain)
+
+
+# -------------------------------------------------------------------- panels
+
+
+def _panels(
+    result: Result, records: Sequence[Record], outside: Mapping[str, AbstractController] | None
+) -> list[Panel]:
+    """All panels, from top to bottom."""
+    found = loops(result, outside)
+    panels = [_response(result, loop, records) for loop in found] or _outputs(result, records)
+    panels += [_errors(result, group) for group in _by_unit(result, found)]
+    panels += _signals(result, found)
+    panels += _temperatures(result, found, records)
+    panels += [_estimate(result, name) for name in estimates(result, found)]
+    return panels
+
+
+def _response(result: Result, loop: Loop, records: Sequence[Record]) -> Panel:
+    """What shall be, what is, and what is known of it."""
+    how = axis(result, loop.truth)
+
+    def draw(axes: Any) -> None:
+        reference, seen = how.values(loop.reference), column(result, loop.reading)
+        truth, known = column(result, loop.truth), overlays(result, records, loop.truth)
+        if loop.reading != loop.truth:
+            word = "estimated" if loop.reading.startswith(ESTIMATED) else "measured"
+            axes.plot(result.times, seen, label=word, **READ)
+        axes.plot(result.times, truth, color=colours(1)[0], label="response", zorder=2.2)
+        axes.plot(result.times, reference, label="reference", zorder=2.3, **FOLLOWED)
+        draw_overlays(axes, how, known)
+        axes.set_ylabel(how.label)
+        axes.set_ylim(*around(reference, truth, seen, *(one.values for one in known)))
+
+    return Panel(how.long_name, draw)
+
+
+def _outputs(result: Result, records: Sequence[Record]) -> list[Panel]:
+    """Without a loop: what sensors look at, and their readings."""
+    bench = bench_of(result)
+    return [
+        _response(result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records)
+        for name, mounted in bench.sensors.members().items()
+        for reading, truth in [(f"measured.{name}", mounted.sees()[0])]
+        if truth in result.outputs and result.unit(truth) == result.unit(reading)
+    ]
+
+
+def _by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
+    """Loops whose errors have one unit, together."""
+    groups: dict[str, list[Loop]] = {}
+    for loop in found:
+        groups.setdefault(result.unit(loop.truth), []).append(loop)
+    return list(groups.values())
+
+
+def _errors(result: Result, group: Sequence[Loop]) -> Panel:
+    """Reference less response."""
+
+    def draw(axes: Any) -> None:
+        errors = [shown_error(result, loop) for loop in group]
+        how = axis(result, group[0].truth)
+        for loop, error, tint in zip(group, errors, colours(len(group)), strict=True):
+            size = f"rms {np.sqrt(np.mean(error**2)):.3g} {how.difference_unit}".rstrip()
+            label = size if len(group) == 1 else f"{loop.drive}: {size}"
+            axes.plot(result.times, error, color=tint, label=label)
+        axes.axhline(0.0, color=QUIET, linewidth=0.6, zorder=1.5)
+        axes.set_ylabel(f"$e$ [{how.difference_unit or '–'}]")
+        axes.set_ylim(*around(*errors))
+
+    return Panel("reference less response", draw)
+
+
+def _signals(result: Result, found: Sequence[Loop]) -> list[Panel]:
+    """Signals that controllers want, and those that the sources got; those of a unit together."""
+    got, wants = applied(result), {loop.drive: loop.wanted for loop in found if loop.wanted}
+    drives = [drive.name for drive in bench_of(result).plant.drives()]
+    groups: dict[str, list[str]] = {}
+    for drive in drives:
+        name = wants.get(drive) or got.get(drive)
+        if name is not None:
+            groups.setdefault(result.unit(name), []).append(drive)
+    return [_signal(result, group, wants, got) for group in groups.values()]
+
+
+def _signal(
+    result: Result, group: Sequence[str], wants: Mapping[str, str], got: Mapping[str, str]
+) -> Panel:
+    names = [name for drive in group for name in (wants.get(drive), got.get(drive)) if name]
+
+    def draw(axes: Any) -> None:
+        for drive, tint in zip(group, colours(len(group)), strict=True):
+            prefix = "" if len(group) == 1 else f"{drive} "
+            for word, held, look in (("wanted", wants, WANTED), ("applied", got, APPLIED)):
+                if drive in held:
+                    style = {"color": tint, "label": prefix + word, **HELD, **look}
+                    axes.plot(result.times, column(result, held[drive]), **style)
+        axes.set_ylabel(axis(result, names[-1]).label)
+        axes.set_ylim(*around(*(column(result, name) for name in names)))
+
+    return Panel("signal", draw)
+
+
+def _temperatures(result: Result, found: Sequence[Loop], records: Sequence[Record]) -> list[Panel]:
+    """Temperatures of all elements, unless another panel shows the only one."""
+    names = temperatures(result)
+    seen = {loop.truth for loop in found} | {
+        one.removeprefix(ESTIMATED) for one in estimates(result, found)
+    }
+    if not names or (len(names) == 1 and names[0] in seen):
+        return []
+
+    def draw(axes: Any) -> None:
+        for name, tint in zip(names, colours(len(names)), strict=True):
+            label = name.rpartition(".")[0] or "_nolegend_"
+            axes.plot(result.times, column(result, name), color=tint, label=label)
+            draw_overlays(axes, axis(result, name), overlays(result, records, name))
+        axes.set_ylabel(axis(result, names[0]).label)
+        axes.set_ylim(*around(*(column(result, name) for name in names)))
+
+    return [Panel(axis(result, names[0]).long_name.partition(", ")[0], draw)]
+
+
+def _estimate(result: Result, name: str) -> Panel:
+    """An estimate beside the truth, and how sure it is where that is known."""
+    truth = name.removeprefix(ESTIMATED)
+
+    def draw(axes: Any) -> None:
+        true, found = column(result, truth), column(result, name)
+        if f"{name}_std" in result.columns:
+            how = axis(result, name)
+            factor, _ = units.conversion(how.shown, how.unit)
+            wide = SURE * np.asarray(result[f"{name}_std"]) / factor
+            look = {"color": READ["color"], "alpha": 0.2, "linewidth": 0.0}
+            axes.fill_between(result.times, found - wide, found + wide, **look)
+        axes.plot(result.times, true, color=colours(1)[0], label="true")
+        axes.plot(result.times, found, label="estimated", **READ)
+        axes.set_ylabel(axis(result, truth).label)
+        axes.set_ylim(*limits(truth, true, found))
+
+    return Panel(axis(result, truth).long_name, draw)

@@ -1,0 +1,140 @@
+"""What a figure of a bench shows: its loops, and which columns of a result belong together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.control.controllers.base import AbstractController
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import (
+    ALARM,
+    MEASURED,
+    outside_references,
+    references,
+    wanted_name,
+)
+from martensite.control.observers.base import ESTIMATED
+from martensite.show.figures.labels import axis
+from martensite.simulate.result import Result
+
+TEMPERATURE = "temperature"
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A controller and what it does."""
+
+    drive: str
+    """Name of its drive."""
+    reference: Any
+    """What its reading shall be, over the times of the result [SI]."""
+    reading: str
+    """Column of its reading."""
+    truth: str
+    """Column of what is read; that of the reading itself if there is no other of its unit."""
+    wanted: str
+    """Column of the signal that it wants; empty if the result does not know it."""
+
+
+def bench_of(result: Result) -> Bench:
+    """The bench that was run.
+
+    Raises:
+        InputError: the result is that of a system alone.
+    """
+    if not isinstance(result.system, Bench):
+        raise InputError(
+            "This figure is that of a bench; use `plot_result` for a system without controllers "
+            "and sensors."
+        )
+    return result.system
+
+
+def loops(result: Result, outside: Mapping[str, AbstractController] | None = None) -> list[Loop]:
+    """The loops of a bench; controllers that ran outside of it are given by drive."""
+    bench = bench_of(result)
+    members = bench.controllers.members()
+    found = [
+        _loop(result, bench, drive, one, name)
+        for (drive, one), name in zip(members.items(), references(bench), strict=True)
+    ]
+    outer = outside or {}
+    for drive, name in outside_references(bench, outer).items():
+        found.append(_loop(result, bench, drive, outer[drive], name))
+    return [loop for loop in found if loop is not None]
+
+
+def _loop(
+    result: Result, bench: Bench, drive: str, one: AbstractController, name: str
+) -> Loop | None:
+    """The loop of a controller; none if what it follows is no column."""
+    reading = _column(result, one.measured)
+    if reading is None:
+        return None
+    truth = _truth(result, bench, one.measured, reading)
+    known = name in result.columns  # not in that of another run than `simulate_bench`
+    given = result[name] if known else [one.reference.value(time) for time in result.times]
+    wanted = wanted_name(name) if known else ""
+    return Loop(drive, np.asarray(given, dtype=np.float64), reading, truth, wanted)
+
+
+def _column(result: Result, name: str) -> str | None:
+    """The column of a reading: of a sensor, of an observer, or of the system itself."""
+    return next((c for c in (MEASURED + name, name) if c in result.outputs), None)
+
+
+def _truth(result: Result, bench: Bench, name: str, reading: str) -> str:
+    """What a reading is a reading of."""
+    sensor = bench.sensors.members().get(name)
+    seen = sensor.sees()[0] if sensor is not None else name.removeprefix(ESTIMATED)
+    known = seen in result.outputs and result.unit(seen) == result.unit(reading)
+    return seen if known else reading
+
+
+def applied(result: Result) -> dict[str, str]:
+    """Drive of the plant -> column of the signal that its source got, where there is one."""
+    plant = bench_of(result).plant
+    return {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
+
+
+def temperatures(result: Result) -> list[str]:
+    """Columns of the temperatures of all elements."""
+    plant = bench_of(result).plant
+    return [plant.label(port, TEMPERATURE) for port in plant.actuators()]
+
+
+def estimates(result: Result, found: Sequence[Loop]) -> list[str]:
+    """Columns of estimates whose truth is known, and which no loop shows."""
+    shown = {loop.reading for loop in found}
+    return [
+        name
+        for name in result.columns
+        if name.startswith(ESTIMATED)
+        and name not in shown
+        and name.removeprefix(ESTIMATED) in result.columns
+    ]
+
+
+def alarmed(result: Result) -> list[tuple[float, float]]:
+    """Times between which the supervisor raised an alarm [s]."""
+    raised = [value > 0.5 for value in result.columns.get(ALARM, ())]
+    found: list[tuple[float, float]] = []
+    begin: float | None = None
+    for time, on in zip(result.times, raised, strict=False):
+        if on and begin is None:
+            begin = time
+        if not on and begin is not None:
+            found.append((begin, time))
+            begin = None
+    return found if begin is None else [*found, (begin, result.times[-1])]
+
+
+def shown_error(result: Result, loop: Loop) -> Any:
+    """Reference less truth, in the unit that the truth is shown in."""
+    how = axis(result, loop.truth)
+    return how.values(loop.reference) - how.values(result.columns[loop.truth])

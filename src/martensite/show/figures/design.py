@@ -1,0 +1,64 @@
+"""The figure of a design: how the search went, and the motion before and after."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.base import units
+from martensite.design.optimise.designed import Designed
+from martensite.show.figures.style import HEATING, INK, QUIET, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT = 7.5, 3.2
+
+
+def plot_design(found: Designed, title: str = "") -> Figure:
+    """The best design over the runs of the search, and the first coordinate over time.
+
+    Args:
+        found: a design.
+        title: above the figure.
+    """
+    with styled():
+        figure = new_figure(WIDTH, HEIGHT)
+        figure.set_layout_engine("constrained")
+        left, right = figure.subplots(1, 2)
+        figure.suptitle(title)
+        _history(found, left)
+        _motion(found, right)
+    return figure
+
+
+def _history(found: Designed, axes: Axes) -> None:
+    """Goal of the best design so far; hollow while it does not keep all constraints."""
+    goal = found.question.goal
+    shown = units.readable(goal.unit)
+    runs = np.array([mark.runs for mark in found.history])
+    values = np.array([units.from_si(mark.goal, shown, goal.unit) for mark in found.history])
+    kept = np.array([mark.violation <= 1e-4 for mark in found.history])
+    axes.step(runs, values, where="post", color=QUIET, linewidth=0.9)
+    axes.plot(runs[~kept], values[~kept], "o", mfc="none", color=QUIET, label="misses constraints")
+    axes.plot(runs[kept], values[kept], "o", color=HEATING, label="keeps all")
+    axes.set(xlabel="runs", ylabel=f"{goal.words}{'' if shown == '1' else f' [{shown}]'}")
+    axes.legend(loc="best")
+
+
+def _motion(found: Designed, axes: Axes) -> None:
+    """The first coordinate of the scenario and of the design."""
+    designs = found.designs
+    name = next(iter(designs.system.mechanism.outputs()), "")
+    output = designs.system.outputs()[name]
+    shown = units.readable(output.unit)
+    looks = ((found.start, QUIET, "scenario"), (found.numbers, HEATING, "found"))
+    for numbers, colour, label in looks:
+        column = designs.course(np.array(numbers), name)
+        values = [units.from_si(float(v), shown, output.unit) for v in column]
+        axes.plot(designs.times, values, color=colour, label=label)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set(xlabel="time [s]", ylabel=f"{output.long_name} [{shown}]")
+    axes.legend(loc="best")

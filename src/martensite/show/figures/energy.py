@@ -1,0 +1,67 @@
+"""The figure of energies per cycle: electrical against heat, work against what was returned."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.design.analysis.energy import CycleEnergies
+from martensite.show.figures.fit import headline
+from martensite.show.figures.style import (
+    COOLING,
+    FAINT,
+    HEATING,
+    INK,
+    SIMULATED,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT, BAR = 9.0, 3.1, 0.38
+
+
+def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
+    """Draw the energies of every cycle, and the efficiency.
+
+    Args:
+        found: of `energy_per_cycle`.
+        title: headline.
+    """
+    with styled():
+        figure = new_figure(WIDTH, HEIGHT)
+        grid = figure.add_gridspec(
+            1, 3, left=0.065, right=0.985, top=0.77, bottom=0.155, wspace=0.27
+        )
+        heat, work, share = (figure.add_subplot(grid[0, k]) for k in range(3))
+        headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
+        _bars(heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0)
+        heat.set_title("into and out of the elements [J]")
+        pair = (("given", found.work, SIMULATED), ("returned", found.returned, FAINT))
+        _bars(work, pair, 1e3)
+        work.set_title("work [mJ]")
+        cycles = np.arange(1, len(found.work) + 1)
+        share.plot(cycles, 100.0 * found.efficiency, ".-", color=INK)
+        share.set_title("work over electrical energy [%]")
+        share.set_ylim(0.0, 1.08 * share.get_ylim()[1])
+        share.set_xlim(0.5, len(cycles) + 0.5)
+        for axes in (heat, work, share):
+            axes.set_xlabel("cycle")
+            axes.locator_params(axis="x", integer=True, min_n_ticks=1)
+        return figure
+
+
+def _bars(axes: Any, pairs: Any, factor: float) -> None:
+    """Two bars side by side in every cycle."""
+    for shift, (word, values, tint) in zip((-0.5, 0.5), pairs, strict=True):
+        places = np.arange(1, len(values) + 1) + shift * BAR
+        look = {"color": tint, "edgecolor": INK, "linewidth": 0.4}
+        axes.bar(places, factor * values, BAR, label=word, **look)
+    axes.grid(visible=False, axis="x")
+    axes.set_xlim(0.4, len(pairs[0][1]) + 0.6)
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.07), ncols=2, borderpad=0.0, columnspacing=1.2
+    )

@@ -1,0 +1,241 @@
+"""A fit beside what was measured: every record over time, and as a loop.
+
+What was kept back from the fit is tinted, and the model is drawn there in another colour.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.actuators.mechanisms.base import Output
+from martensite.base import units
+from martensite.base.errors import InputError
+from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
+from martensite.fit.fit_verdicts import amount
+from martensite.show.figures.labels import Axis, around
+from martensite.show.figures.style import QUIET, SIMULATED, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.fit.fit import Fit
+
+HELD = "#a03c6e"
+"""The model where it was not fitted."""
+TINT = "#f7eef3"
+"""Behind what was kept back."""
+SEEN = "#9aa2a9"
+"""What was measured."""
+DOTS = 150
+"""Rows up to which measurements are dots."""
+MOST = 12
+"""Panels at most; of more, those spread evenly over the records."""
+WARM = 1.0
+"""Least range of a measured temperature [K] over which a loop is drawn."""
+TIME = Axis("time", "time", "t", "s", "s")
+
+
+def plot_fit(fit: Fit, title: str = "") -> Figure:
+    """Draw measured and modelled outputs of all records over time.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+    """
+    rows = spread(compared(fit))
+    with styled():
+        figure, panels = grid(len(rows), title or "Measured and fitted")
+        for axes, one in zip(panels, rows, strict=True):
+            shown = output_axis(one.output, one.described)
+            _panel(axes, one, TIME, one.times, shown)
+        _common_scales(panels, rows)
+        _key(figure, rows)
+        return figure
+
+
+def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
+    """Draw outputs over the measured temperature, or stress over strain, where both exist.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+
+    Raises:
+        InputError: no record holds both.
+    """
+    found = [(one, across(one)) for one in compared(fit)]
+    rows = spread([one for one, column in found if column is not None])
+    if not rows:
+        raise InputError(
+            "No record holds a temperature that varies, or both stress and strain: there is no "
+            "loop to draw."
+        )
+    with styled():
+        figure, panels = grid(len(rows), title or "Measured and fitted, as loops")
+        for axes, one in zip(panels, rows, strict=True):
+            column = across(one) or ""
+            record = one.experiment.record
+            values = np.asarray(record[column])[one.experiment.rows]
+            horizontal = _column_axis(column, record.units[column])
+            _panel(axes, one, horizontal, values, output_axis(one.output, one.described))
+        _common_scales(panels, rows)
+        _key(figure, rows)
+        return figure
+
+
+def has_loops(fit: Fit) -> bool:
+    """Whether `plot_fit_loops` has something to draw."""
+    return any(across(one) is not None for one in compared(fit))
+
+
+# ---------------------------------------------------------------- shared with other figures
+
+
+def output_axis(name: str, described: Output) -> Axis:
+    """How an output is shown."""
+    shown = units.of_column(name, described.unit)
+    return Axis(name, described.long_name, described.symbol, described.unit, shown)
+
+
+def spread(rows: Sequence[Compared], most: int = MOST) -> list[Compared]:
+    """At most so many, evenly spread."""
+    if len(rows) <= most:
+        return list(rows)
+    return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
+
+
+def grid(count: int, title: str) -> tuple[Figure, list[Any]]:
+    """A figure of so many panels, with room for a headline and a key above."""
+    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
+    rows = math.ceil(count / columns)
+    width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
+    figure = new_figure(width, height)
+    specs = figure.add_gridspec(
+        rows, columns, left=0.62 / width, right=1.0 - 0.15 / width, top=1.0 - 1.0 / height,
+        bottom=0.48 / height, wspace=0.62 / (width / columns - 0.4), hspace=0.42,
+    )  # fmt: skip
+    headline(figure, title)
+    return figure, [figure.add_subplot(specs[k // columns, k % columns]) for k in range(count)]
+
+
+def headline(figure: Figure, title: str) -> None:
+    """The title of a figure, at the upper left."""
+    height = figure.get_size_inches()[1]
+    place = 0.2 / figure.get_size_inches()[0]
+    text = figure.text(
+        place, 1.0 - 0.22 / height, title, fontsize=11.5, fontweight="bold", va="center"
+    )
+    text.set_parse_math(False)
+
+
+def plain_title(axes: Any, text: str, **look: Any) -> None:
+    """A title of a panel in which nothing is mathematics."""
+    axes.set_title(text, **look).set_parse_math(False)
+
+
+# ---------------------------------------------------------------- one panel
+
+
+def across(one: Compared) -> str | None:
+    """Column of a record over which an output makes a loop; None if there is none."""
+    record, last = one.experiment.record, one.output.rpartition(".")[2]
+    partner = {"stress": "strain", "force": "position"}.get(last)
+    for column in ("temperature", partner):
+        if column in record.columns and column not in (None, one.column):
+            values = np.asarray(record[column])
+            span = float(np.nanmax(values) - np.nanmin(values))
+            if span > (WARM if column == "temperature" else 0.0):
+                return column
+    return None
+
+
+def _column_axis(column: str, unit: str) -> Axis:
+    symbol = {"temperature": "T", "strain": "ε", "position": "x"}[column]
+    return Axis(column, column, symbol, unit, units.of_column(column, unit))
+
+
+def _panel(axes: Any, one: Compared, horizontal: Axis, x: Any, shown: Axis) -> None:
+    """Measured and modelled values over a quantity."""
+    across, measured = horizontal.values(x), shown.values(one.measured)
+    dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
+    line = {"linewidth": 2.6, "alpha": 0.75}
+    axes.plot(across, measured, color=SEEN, zorder=1.8, **(dots if len(x) <= DOTS else line))
+    held = one.experiment.kept_back
+    model = shown.values(one.model)
+    for part, colour, above in ((~held, SIMULATED, 2.2), (_joined(held), HELD, 2.1)):
+        if part.any():
+            axes.plot(across, np.where(part, model, np.nan), color=colour, zorder=above)
+    if held.all():
+        axes.set_facecolor(TINT)
+    elif horizontal is TIME:
+        for first, last in one.experiment.held:
+            low, high = max(first, float(one.times[0])), min(last, float(one.times[-1]))
+            if low < high:
+                axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
+    axes.set_xlabel(horizontal.label)
+    axes.set_ylabel(shown.label)
+    _name(axes, one)
+
+
+def _joined(rows: Any) -> Any:
+    """Rows, and those beside them, so that lines of two colours meet."""
+    wide = rows.copy()
+    wide[1:] |= rows[:-1]
+    wide[:-1] |= rows[1:]
+    return wide
+
+
+def _name(axes: Any, one: Compared) -> None:
+    """The record above a panel, and below its name the errors."""
+    axes.set_title(short(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
+    errors = [
+        f"{amount(one.output, one.rms(part), one.described.unit)}{word}"
+        for part, word in ((TRAINING, ""), (HELD_OUT, " held out")) if _any(one, part)
+    ]  # fmt: skip
+    axes.annotate(
+        f"rms {', '.join(errors)}".replace("ohm", "Ω"), (0.0, 1.0), (0.0, 3.5),
+        xycoords="axes fraction", textcoords="offset points", fontsize=8.0,
+        color=HELD if one.held.any() and not one.used.any() else QUIET,
+    )  # fmt: skip
+
+
+def short(name: str, most: int = 34) -> str:
+    """A name, or its beginning and end: members of a series differ in either."""
+    if len(name) <= most:
+        return name
+    kept = (most - 1) // 2
+    return f"{name[: most - 1 - kept]}…{name[-kept:]}"
+
+
+def _any(one: Compared, part: str) -> bool:
+    return bool((one.used if part == TRAINING else one.held).any())
+
+
+def _common_scales(panels: Sequence[Any], rows: Sequence[Compared]) -> None:
+    """The same vertical scale for the same output, so that panels compare at a glance."""
+    for name in dict.fromkeys(one.output for one in rows):
+        own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
+        shown = output_axis(name, own[0][1].described)
+        values = [shown.values(column) for _, one in own for column in (one.measured, one.model)]
+        for axes, _ in own:
+            axes.set_ylim(*around(*values))
+
+
+def _key(figure: Figure, rows: Sequence[Compared]) -> None:
+    """What the lines are, below the headline."""
+    from matplotlib.lines import Line2D
+
+    lines = {"measured": Line2D([], [], color=SEEN, linewidth=2.6)}
+    if any(one.used.any() for one in rows):
+        lines["model, fitted to it"] = Line2D([], [], color=SIMULATED)
+    if any(one.held.any() for one in rows):
+        lines["model, not fitted to it: held out"] = Line2D([], [], color=HELD)
+    width, height = figure.get_size_inches()
+    figure.legend(
+        list(lines.values()), list(lines), loc="upper left", ncols=len(lines), borderpad=0.0,
+        borderaxespad=0.0, columnspacing=1.6, bbox_to_anchor=(0.2 / width, 1.0 - 0.4 / height),
+    )  # fmt: skip

@@ -1,0 +1,248 @@
+"""What data tell of the parameters of a fit: correlations, least certain direction, the search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.search.words import number
+from martensite.show.figures.fit import headline, plain_title, short
+from martensite.show.figures.style import (
+    COOLING,
+    FAINT,
+    HEATING,
+    INK,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.fit.fit import Fit
+
+NUMBERED = 14
+"""Parameters up to which correlations are printed as numbers."""
+CELL = 0.46
+"""Side of a cell [inch]."""
+LETTER = 0.073
+"""Width of a letter of a name [inch], roughly."""
+MOVERS = 8
+"""Parameters of a direction that are drawn."""
+LEAST = 1e-3
+"""Where singular values of 0 are drawn, below the smallest other one."""
+
+
+def plot_correlation(fit: Fit, title: str = "") -> Figure:
+    """Draw the correlations of the parameters, each pair once.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+    """
+    names, matrix = (
+        [short(name) for name in fit.uncertainty.names],
+        np.asarray(fit.uncertainty.correlation),
+    )
+    count = len(names)
+    cell = CELL if count <= NUMBERED else 0.26
+    margin = 0.25 + LETTER * max(map(len, names))
+    with styled():
+        width, height = max(margin + cell * count + 1.1, 4.6), margin + cell * count + 0.5
+        figure = new_figure(width, height)
+        box = (margin / width, margin / height, cell * count / width, cell * count / height)
+        axes = figure.add_axes(box)
+        headline(figure, title or "Correlations of the parameters")
+        shown = axes.imshow(
+            np.ma.array(matrix, mask=~np.tril(np.ones_like(matrix, bool))), cmap=_diverging(),
+            vmin=-1.0, vmax=1.0, aspect="auto",
+        )  # fmt: skip
+        _cells(axes, matrix, count <= NUMBERED)
+        _names(axes, names)
+        scale = figure.add_axes(
+            ((margin + cell * count + 0.25) / width, box[1], 0.12 / width, box[3])
+        )
+        figure.colorbar(shown, cax=scale, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0]).outline.set_visible(
+            False
+        )
+        return figure
+
+
+def plot_singular_values(fit: Fit, title: str = "") -> Figure:
+    """Draw how certain every direction of the parameters is, and what the least certain one is.
+
+    Left, singular values of the Jacobian per search range over the noise: along a direction with
+    a value of 1 the parameters are uncertain by the whole search range. Right, what moves in the
+    least certain direction.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+    """
+    longer, moves, how = _weakest(fit)
+    names = [short(name) for name in longer]
+    margin = 0.35 + LETTER * max(map(len, names))
+    with styled():
+        width = 4.55 + margin + 3.2
+        figure = new_figure(width, 3.6)
+        left = figure.add_axes((0.72 / width, 0.14, 3.7 / width, 0.67))
+        right = figure.add_axes(((4.55 + margin) / width, 0.14, 3.0 / width, 0.67))
+        headline(figure, title or "What the data determine")
+        _values(left, fit)
+        _direction(right, names, moves)
+        plain_title(right, how, color=QUIET, fontsize=8.0)
+        return figure
+
+
+def plot_search(fit: Fit, title: str = "") -> Figure:
+    """Draw how the cost fell over the runs of the search.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+    """
+    runs, costs = (np.asarray(column, float) for column in zip(*fit.history, strict=True))
+    total = fit.simulations + fit.jacobians
+    with styled():
+        figure = new_figure(6.4, 3.4)
+        axes = figure.add_axes((0.13, 0.14, 0.84, 0.68))
+        headline(figure, title or "Search")
+        axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
+        axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
+        axes.set_yscale("log")
+        axes.set_xlim(0.0, 1.03 * total)
+        _decades(axes, costs)
+        axes.set_xlabel("runs of single records, with and without derivatives")
+        axes.set_ylabel("cost")
+        ended = f"{fit.method}: {fit.reason}; cost {number(fit.cost, 3)}"
+        plain_title(axes, ended, color=QUIET, fontsize=8.0)
+        return figure
+
+
+# ---------------------------------------------------------------- correlations
+
+
+def _diverging() -> Any:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("correlation", [COOLING, "#ffffff", HEATING])
+
+
+def _cells(axes: Any, matrix: Any, numbered: bool) -> None:
+    """Numbers in the cells; hatches where a correlation is not determined."""
+    from matplotlib.patches import Rectangle
+
+    count = len(matrix)
+    for row in range(count):
+        for column in range(row + 1):
+            value = float(matrix[row, column])
+            corner = (column - 0.5, row - 0.5)
+            if math.isnan(value):
+                axes.add_patch(
+                    Rectangle(corner, 1.0, 1.0, facecolor="white", edgecolor=FAINT, hatch="////",
+                              linewidth=0.0)
+                )  # fmt: skip
+            elif numbered and row != column:
+                axes.text(
+                    column, row, f"{value:.2f}".replace("0.", ".").replace("-.00", ".00"),
+                    ha="center", va="center", fontsize=7.0,
+                    color="white" if abs(value) > 0.7 else INK,
+                )  # fmt: skip
+            own: dict[str, Any] = {"facecolor": FAINT} if row == column else {"fill": False}
+            axes.add_patch(Rectangle(corner, 1.0, 1.0, edgecolor="white", linewidth=1.0, **own))
+
+
+def _names(axes: Any, names: Sequence[str]) -> None:
+    places = range(len(names))
+    axes.set_xticks(places, names, rotation=90)
+    axes.set_yticks(places, names)
+    for label in (*axes.get_xticklabels(), *axes.get_yticklabels()):
+        label.set_parse_math(False)
+    axes.tick_params(length=0.0)
+    axes.grid(False)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+# ---------------------------------------------------------------- directions
+
+
+def _values(axes: Any, fit: Fit) -> None:
+    """Singular values over the noise, those of 0 as open marks at the lower edge."""
+    found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
+    seen = [value for value in found if 0.0 < value < math.inf]
+    bottom = LEAST * min([*seen, 1.0]) if 0.0 in found else 0.3 * min([*seen, 1.0])
+    places = np.arange(1, len(found) + 1)
+    heights = np.asarray([value if value > 0.0 else 2.0 * bottom for value in found])
+    axes.set_yscale("log")
+    axes.axhline(1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4)
+    axes.annotate(
+        "below: uncertain by more than the search range", (1.0, 1.0), (-2, -3),
+        xycoords=("axes fraction", "data"), textcoords="offset points", ha="right", va="top",
+        fontsize=7.5, color=HEATING,
+    )  # fmt: skip
+    axes.vlines(places, bottom, heights, color=FAINT, linewidth=1.2, zorder=1.5)
+    for some, fill in ((heights > 2.0 * bottom, SIMULATED), (heights <= 2.0 * bottom, "white")):
+        axes.plot(
+            places[some], heights[some], "o", color=SIMULATED, markerfacecolor=fill, markersize=5.0,
+            zorder=2.2,
+        )  # fmt: skip
+    _decades(axes, np.asarray([bottom, 1.0, *heights]))
+    axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
+    axes.set_xlim(0.4, len(found) + 0.6)
+    axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])
+    axes.set_xlabel("direction of the parameters")
+    axes.set_ylabel("singular value / noise")
+    if 0.0 in found:
+        plain_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
+
+
+def _decades(axes: Any, values: Any) -> None:
+    """Plain labels of powers of ten, and more of them where there are few decades."""
+    from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
+
+    span = math.log10(float(np.max(values)) / float(np.min(values)))
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if span > 2.0 else (1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(9.0, 9.0)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _weakest(fit: Fit) -> tuple[list[str], list[float], str]:
+    """Names and moves, as shares of the search ranges, of the least certain direction."""
+    found, names = fit.identifiability, fit.problem.names
+    if found.weak:
+        first = found.weak[0]
+        slopes = {
+            free.name: free.slope(u) for free, u in zip(fit.problem.free, fit.values, strict=True)
+        }
+        moves = {n: c / slopes[n] for n, c in zip(first.names, first.changes, strict=True)}
+        others = f", first of {len(found.weak)}" if len(found.weak) > 1 else ""
+        how = f"not determined{others}"
+    else:
+        right = np.linalg.svd(fit.evaluation.jacobian, full_matrices=False)[2]
+        moves = dict(zip(names, map(float, right[-1]), strict=True))
+        how = f"to {number(100.0 * found.uncertainties[-1], 2)} % of the search range"
+    size = math.sqrt(sum(move**2 for move in moves.values())) or 1.0
+    order = sorted(moves, key=lambda name: -abs(moves[name]))[:MOVERS]
+    sign = math.copysign(1.0, moves[order[0]]) / size
+    return order, [sign * moves[name] for name in order], f"least certain direction: {how}"
+
+
+def _direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> None:
+    places = np.arange(len(names))
+    colours = [SIMULATED if move > 0.0 else HEATING for move in moves]
+    axes.barh(places, moves, height=0.62, color=colours, zorder=2.0)
+    axes.axvline(0.0, color=QUIET, linewidth=0.7, zorder=2.5)
+    axes.set_yticks(places, names)
+    for label in axes.get_yticklabels():
+        label.set_parse_math(False)
+    axes.tick_params(axis="y", length=0.0)
+    axes.set_ylim(max(len(names), 4) - 0.4, -0.6)
+    axes.set_xlim(min(0.0, 1.15 * min(moves)), 1.08)
+    axes.grid(False, axis="y")
+    axes.set_xlabel("move, as a share of the search range")

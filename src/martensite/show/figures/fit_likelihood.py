@@ -1,0 +1,111 @@
+"""Profile likelihoods: how fast the fit gets worse when one parameter is held elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base import units
+from martensite.base.errors import InputError
+from martensite.show.figures.fit import grid, plain_title
+from martensite.show.figures.labels import Axis
+from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.fit.fit import Fit
+    from martensite.fit.profiles import Profile
+
+TOP = 2.4
+"""Height of a panel, in limits."""
+BAND = "#e8eef3"
+
+
+def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: str = "") -> Figure:
+    """Draw profile likelihoods, one panel for each parameter.
+
+    Args:
+        profiles: at least one.
+        fit: the fit that they start from; its parabola is drawn beside each.
+        title: headline.
+
+    Raises:
+        InputError: there is no profile.
+    """
+    if not profiles:
+        raise InputError("There is no profile likelihood to draw.")
+    with styled():
+        figure, panels = grid(len(profiles), title or "Profile likelihoods")
+        for axes, one in zip(panels, profiles, strict=True):
+            _panel(axes, one, fit)
+        width, height = figure.get_size_inches()
+        figure.legend(
+            *panels[0].get_legend_handles_labels(), loc="upper left", ncols=3, borderpad=0.0,
+            borderaxespad=0.0, columnspacing=1.6,
+            bbox_to_anchor=(0.2 / width, 1.0 - 0.4 / height),
+        )  # fmt: skip
+        return figure
+
+
+def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
+    shown = Axis(one.name, one.name, one.name, one.unit, units.familiar(one.value, one.unit))
+    at = shown.values([point.at for point in one.points])
+    excess = np.asarray([point.excess for point in one.points]) / one.limit
+    axes.axhline(
+        1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4,
+        label=f"{100.0 * one.level:g} % limit",
+    )  # fmt: skip
+    axes.plot(at, excess, "o", color=SIMULATED, markersize=3.2, zorder=2.2)
+    axes.plot(
+        *_between(at, excess, shown.values([one.value])[0]), color=SIMULATED, zorder=2.1,
+        marker="o", markevery=[], markersize=3.2, label="refitted",
+    )  # fmt: skip
+    seen = at[excess <= TOP]
+    low, high = float(seen.min()), float(seen.max())
+    room = 0.06 * (high - low) or 1.0
+    axes.set_xlim(low - room, high + room)
+    if fit is not None:
+        _parabola(axes, one, fit, shown)
+    ends = shown.values([one.below.at, one.above.at])
+    axes.axvspan(*ends, color=BAND, linewidth=0.0, zorder=0.4)
+    axes.axvline(float(shown.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
+    axes.set_ylim(min(-0.08, 1.1 * float(excess.min())), TOP)
+    axes.set_xlabel(f"[{shown.label.partition('[')[2]}")
+    axes.set_ylabel("cost above the least / limit")
+    plain_title(axes, one.name, fontweight="bold", color=INK)
+    plain_title(axes, _interval(one), loc="right", color=QUIET, fontsize=8.0)
+
+
+def _between(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
+    """A curve through the points of a profile, interpolated in its root: nearly straight."""
+    root = np.sign(at - best) * np.sqrt(np.maximum(excess, 0.0))
+    fine = np.linspace(at[0], at[-1], 401)
+    return fine, np.interp(fine, at, root) ** 2
+
+
+def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
+    """What the Jacobian at the optimum says of the same, in the same units."""
+    unsure = fit.uncertainty
+    error = unsure.errors[unsure.names.index(one.name)]
+    if not 0.0 < error < math.inf:
+        return
+    factor, offset = units.conversion(shown.shown, shown.unit)
+    first, last = axes.get_xlim()
+    at = np.linspace(first, last, 201)
+    moved = (at * factor + offset - one.value) / error
+    curve = (moved * unsure.noise) ** 2 / one.limit
+    axes.plot(
+        at, np.where(curve <= TOP, curve, np.nan), color=QUIET, linewidth=1.0,
+        linestyle=(0, (1, 1.4)), zorder=1.8, label="from the Jacobian",
+    )  # fmt: skip
+
+
+def _interval(one: Profile) -> str:
+    sides = [end.reason != "limit" for end in (one.below, one.above)]
+    if all(sides):
+        return "open on both sides"
+    return "" if not any(sides) else f"open {'below' if sides[0] else 'above'}"

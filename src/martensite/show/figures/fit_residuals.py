@@ -1,0 +1,113 @@
+"""What a fit leaves over: residuals over time, and how long they remember.
+
+Left, modelled less measured; right, the autocorrelation of what was fitted, with the band that
+holds 95 % of the lags if the residuals are white.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.fit.fit_rows import Compared, compared
+from martensite.search.words import difference
+from martensite.show.figures.fit import (
+    HELD,
+    TIME,
+    TINT,
+    headline,
+    output_axis,
+    plain_title,
+    short,
+    spread,
+)
+from martensite.show.figures.labels import Axis
+from martensite.show.figures.style import FAINT, INK, QUIET, SIMULATED, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.fit.fit import Fit
+    from martensite.search.whiteness import Whiteness
+
+MOST = 8
+"""Records and outputs drawn at most; of more, those spread evenly."""
+ROOM = 1.12
+"""Half the height of a panel over the largest residual."""
+
+
+def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
+    """Draw the residuals of every record and output, and their autocorrelation.
+
+    Args:
+        fit: a finished fit.
+        title: headline.
+    """
+    rows = spread(compared(fit), MOST)
+    tests = {one.record: one for one in fit.whiteness}
+    with styled():
+        height = 0.55 + 1.75 * len(rows)
+        figure = new_figure(9.2, height)
+        specs = figure.add_gridspec(
+            len(rows), 2, left=0.08, right=0.985, top=1.0 - 0.75 / height, bottom=0.48 / height,
+            wspace=0.17, hspace=0.62, width_ratios=(1.7, 1.0),
+        )  # fmt: skip
+        headline(figure, title or "Residuals: modelled less measured")
+        reach = _reach(rows)
+        for k, one in enumerate(rows):
+            last = k == len(rows) - 1
+            _over_time(figure.add_subplot(specs[k, 0]), one, reach[one.output], last)
+            axes = figure.add_subplot(specs[k, 1])
+            _memory(axes, tests.get(f"{one.record}, {one.output}"), last)
+        return figure
+
+
+def _reach(rows: list[Compared]) -> dict[str, float]:
+    """Largest residual of every output, in SI."""
+    found: dict[str, float] = {}
+    for one in rows:
+        largest = float(np.nanmax(np.abs(one.residuals)))
+        found[one.output] = max(found.get(one.output, 0.0), largest)
+    return found
+
+
+def _over_time(axes: Any, one: Compared, reach: float, last: bool) -> None:
+    shown = output_axis(one.output, one.described)
+    factor = _factor(shown)
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
+        if part.any():
+            values = np.where(part, one.residuals, np.nan) / factor
+            axes.plot(one.times, values, color=colour, linewidth=0.9, zorder=2.0)
+    if one.held.any() and not one.used.any():
+        axes.set_facecolor(TINT)
+    axes.set_ylim(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0)
+    axes.set_ylabel(f"{one.output} [{shown.difference_unit or '–'}]")
+    axes.set_xlabel(TIME.label if last else "")
+    held = " (held out)" if one.held.any() and not one.used.any() else ""
+    plain_title(axes, short(one.record) + held, fontweight="bold", color=HELD if held else INK)
+
+
+def _factor(shown: Axis) -> float:
+    """SI per unit of a difference."""
+    return 0.01 if shown.shown == "%" else difference(shown.unit)[0]
+
+
+def _memory(axes: Any, test: Whiteness | None, last: bool) -> None:
+    """Autocorrelation by lag, within or beyond its band."""
+    if test is None:
+        axes.set_axis_off()
+        return
+    lags = np.arange(1, len(test.autocorrelation) + 1)
+    axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
+    axes.set_ylim(-1.08, 1.08)
+    axes.set_xlim(0.0, len(lags) + 1.0)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_xlabel("lag [samples]" if last else "")
+    axes.set_ylabel("autocorrelation")
+    verdict = "white" if test.white else "not white"
+    probability = "p < 0.0001" if test.p_value < 1e-4 else f"p = {test.p_value:.2g}"
+    plain_title(axes, f"{verdict} ({probability})", color=QUIET, fontsize=8.0)

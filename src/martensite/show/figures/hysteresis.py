@@ -1,0 +1,228 @@
+"""Hysteresis loops, coloured by heating and cooling, with the strips of the law.
+
+The path is cut at the turning points of the temperature: heating leads up to one, cooling
+down to one. A ripple of less than 4 % of the range (pulse-width modulation) is no turn. An
+arrow shows the way along the longest run of either, a ring where the path begins. The
+strips A_s…A_f and M_s…M_f are drawn where they lie at the mean stress,
+
+    A_s + σ̄/C_A … A_f + σ̄/C_A,    M_f + σ̄/C_M … M_s + σ̄/C_M,
+
+for laws that shift both strips in this way, which is for laws that have these parameters
+and no critical stresses of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from martensite.show.figures.labels import axis, column, limits, mathematical
+from martensite.show.figures.measured import Record, pairs
+from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
+from martensite.simulate.result import Result
+
+LOOPS = (
+    ("temperature", "martensite_fraction"),
+    ("temperature", "strain"),
+    ("strain", "stress"),
+)
+"""What is drawn over what: (horizontal, vertical)."""
+SENSES = (
+    (1, "heating", HEATING, 2.0), (-1, "cooling", COOLING, 1.1), (0, "isothermal", INK, 1.3),
+)  # fmt: skip
+"""Sign of the change of temperature, name, colour, line width; the thin line lies on top."""
+RIPPLE = 0.04
+"""Share of the range of temperature below which a change is no turn."""
+STILL = 1e-6
+"""Range of temperature of an isothermal path [K]."""
+_SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
+_CRITICAL = ("sigma_s", "sigma_f", "sigma_cal")
+ROWS = (2.0, 13.0, 26.0)
+"""Heights above the axes of names, second row of names, and legend [points]."""
+SHORTEST = 0.1
+"""Share of the axes below which a way is too short for an arrow."""
+_CLOSE = 0.07
+"""Share of the axis below which two labels would touch."""
+
+
+@dataclass(frozen=True)
+class StripMark:
+    """One transformation strip on a temperature axis."""
+
+    low: float
+    high: float
+    """Its limits at the mean stress [°C]."""
+    low_name: str
+    high_name: str
+    colour: str
+
+
+def senses(temperature: Sequence[float]) -> Any:
+    """+1 (heating), -1 (cooling) or 0 (isothermal) for every segment of a path.
+
+    Args:
+        temperature: temperatures [K] along the path; a path of n points has n - 1 segments.
+    """
+    ripple = max(RIPPLE * (max(temperature) - min(temperature)), STILL)
+    found = np.zeros(len(temperature) - 1, dtype=int)
+    sense, turn, low, high = 0, 0, 0, 0
+    for i, value in enumerate(temperature):
+        low = i if value < temperature[low] else low
+        high = i if value > temperature[high] else high
+        if sense <= 0 and value - temperature[low] > ripple:
+            found[turn:low] = sense
+            sense, turn, high = 1, low if sense else 0, i
+        elif sense >= 0 and temperature[high] - value > ripple:
+            found[turn:high] = sense
+            sense, turn, low = -1, high if sense else 0, i
+    found[turn:] = sense
+    return found
+
+
+def runs(sense: Any) -> list[tuple[int, int, int]]:
+    """(sense, first point, last point) of every stretch of one sense."""
+    if not len(sense):
+        return []
+    cuts = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(sense)]
+    return [(int(sense[a]), a, b) for a, b in pairwise(cuts)]
+
+
+def strips(result: Result) -> list[StripMark]:
+    """The strips of the law at the mean stress of the run; none if it has no such strips."""
+    (actuator,) = result.system.actuators().values()
+    law = actuator.element.law
+    known = law.declarations
+    if any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
+        return []
+    values = {leaf.path: leaf.value for leaf in law.leaves()}
+    shown, stress = axis(result, "temperature"), float(np.mean(result["stress"]))
+
+    def mark(low: str, high: str, slope: str, colour: str) -> StripMark:
+        ends = shown.values([values[name] + stress / values[slope] for name in (low, high)])
+        return StripMark(float(ends[0]), float(ends[1]), low, high, colour)
+
+    return [mark("A_s", "A_f", "C_A", HEATING), mark("M_f", "M_s", "C_M", COOLING)]
+
+
+def draw_loops(panels: Sequence[Any], result: Result, records: Sequence[Record] = ()) -> None:
+    """Draw the three loops ξ–T, ε–T and σ–ε; the first carries legend and strip names."""
+    for axes, (x, y) in zip(panels, LOOPS, strict=True):
+        draw_loop(axes, result, x, y, records)
+        if x == "temperature":
+            draw_strips(axes, result, named=axes is panels[0])
+    _legend(panels[0])
+
+
+def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Record] = ()) -> None:
+    """Draw one quantity over another, with arrows; measured records lie below."""
+    points = column(result, x), column(result, y)
+    found = pairs(result, records, x, y)
+    for *measured, look in found:
+        axes.plot(*measured, label="_measured", **{**look, "zorder": 1.5})
+    stretches = runs(senses(result.columns["temperature"]))
+    axes.set_xlim(*limits(x, points[0], *(m[0] for m in found)))
+    axes.set_ylim(*limits(y, points[1], *(m[1] for m in found)))
+    for sense, label, colour, width in SENSES:
+        own = [(a, b) for s, a, b in stretches if s == sense]
+        if own:
+            line = {"color": colour, "linewidth": width, "zorder": 2.2}
+            axes.plot(*_joined(points, own), label=label, **line)
+            _arrow(axes, points, own, colour)
+    ring = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
+    axes.plot(*(c[:1] for c in points), label="start", linestyle="none", zorder=3.2, **ring)
+    axes.set_xlabel(axis(result, x).label)
+    axes.set_ylabel(axis(result, y).label)
+
+
+def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
+    """Mark the strips on a temperature axis, as far as they are in view."""
+    marks = strips(result)
+    left, right = axes.get_xlim()
+    if marks:
+        left = min(left, *(mark.low - 2.0 for mark in marks))
+        right = max(right, *(mark.high + 2.0 for mark in marks))
+        axes.set_xlim(left, right)
+    for mark in marks:
+        axes.axvspan(mark.low, mark.high, color=mark.colour, alpha=0.10, linewidth=0.0, zorder=0.5)
+    if named and marks:
+        _name_strips(axes, marks)
+        mean = np.mean(column(result, "stress"))
+        _above(
+            axes, 1.0, ROWS[2], f"strips at the mean stress of {mean:.3g} MPa", color=QUIET,
+            ha="right", fontsize=8.0,
+        )  # fmt: skip
+
+
+def _joined(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
+    """Both coordinates of all stretches, with a gap after each."""
+    return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
+
+
+def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str) -> None:
+    """An arrowhead on the flank of the longest stretch, as the eye measures length."""
+    spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    scaled = np.stack([c / span for c, span in zip(points, spans, strict=True)])
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(scaled, axis=1)))])
+    first, last = max(own, key=lambda ends: way[ends[1]] - way[ends[0]])
+    if way[last] - way[first] < SHORTEST:
+        return
+    along = way[_flank(scaled[:, first : last + 1]) + first]
+    tail, head = (
+        tuple(float(np.interp(w, way, c)) for c in points) for w in (along - 0.04, along + 0.02)
+    )
+    head_style = "-|>,head_width=0.24,head_length=0.7"
+    style = {"arrowstyle": head_style, "mutation_scale": 18.0, "color": colour, "lw": 0.0}
+    axes.annotate("", head, tail, arrowprops={**style, "shrinkA": 0.0, "shrinkB": 0.0}, zorder=3.0)
+
+
+def _flank(scaled: Any) -> int:
+    """Index of the point after 40 % of the way up or down, or across if it is level."""
+    across, up = scaled[:, -1] - scaled[:, 0]
+    if max(abs(across), abs(up)) < SHORTEST:
+        return scaled.shape[1] // 2
+    coordinate = scaled[1] if abs(up) >= SHORTEST else scaled[0]
+    done = (coordinate - coordinate[0]) / (coordinate[-1] - coordinate[0])
+    return max(int(np.argmax(done >= 0.4)) - 1, 0)
+
+
+def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
+    """Write A_s … M_f above the axes; the second row is used where names would touch."""
+    left, right = axes.get_xlim()
+    width = _CLOSE * (right - left)
+    upper, lower = marks
+    clash = min(abs(a - b) for a in _ends(upper) for b in _ends(lower)) < width
+    for row, mark in enumerate(marks):
+        narrow = mark.high - mark.low < width
+        for place, name, side in (
+            (mark.low, mark.low_name, "right"), (mark.high, mark.high_name, "left"),
+        ):  # fmt: skip
+            share = (place - left) / (right - left)
+            _above(
+                axes, share, ROWS[row if clash else 0], mathematical(name), color=mark.colour,
+                ha=side if narrow else "center", fontsize=8.5,
+            )  # fmt: skip
+
+
+def _ends(mark: StripMark) -> tuple[float, float]:
+    return mark.low, mark.high
+
+
+def _above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:
+    """Write at a share of the width and some points above the axes."""
+    axes.annotate(
+        text, (x, 1.0), (0.0, points), xycoords="axes fraction", textcoords="offset points",
+        va="bottom", annotation_clip=False, **properties,
+    )  # fmt: skip
+
+
+def _legend(axes: Any) -> None:
+    """Heating and cooling, above the axes on the left."""
+    height = axes.get_position().height * axes.figure.get_figheight() * 72.0
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0 + ROWS[2] / height), ncols=4, borderpad=0.0,
+        borderaxespad=0.0, columnspacing=1.2,
+    )  # fmt: skip

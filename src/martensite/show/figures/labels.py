@@ -1,0 +1,91 @@
+"""What stands on an axis: symbol and unit, and the numbers in that unit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.base import units
+from martensite.simulate.result import Result
+
+FRACTIONS = ("martensite_fraction",)
+_PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
+_DIFFERENCE = {"degC": "K", "1": ""}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How one quantity is shown."""
+
+    name: str
+    """Column of the result, or `time`."""
+    long_name: str
+    symbol: str
+    unit: str
+    """SI unit of the column."""
+    shown: str
+    """Unit on the axis, as `martensite.base.units` spells it."""
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit, such as T [°C]."""
+        return f"{mathematical(self.symbol)} [{_PRINTED.get(self.shown, self.shown)}]"
+
+    @property
+    def difference_unit(self) -> str:
+        """Unit of a difference of two values, for running text."""
+        return _DIFFERENCE.get(self.shown, _PRINTED.get(self.shown, self.shown))
+
+    def values(self, column: Sequence[float]) -> Any:
+        """A column in SI as an array in the shown unit."""
+        factor, offset = units.conversion(self.shown, self.unit)
+        return (np.asarray(column, dtype=np.float64) - offset) / factor
+
+
+def axis(result: Result, name: str) -> Axis:
+    """How the column `name` of a result is shown; `time` is one too."""
+    unit = result.unit(name)
+    if name == "time":
+        return Axis(name, "time", "t", unit, unit)
+    _, long_name, symbol = result.outputs[name]
+    return Axis(name, long_name, symbol, unit, units.of_column(name, unit))
+
+
+def column(result: Result, name: str) -> Any:
+    """A column of a result as an array in its shown unit."""
+    return axis(result, name).values(result[name])
+
+
+def mathematical(symbol: str) -> str:
+    """A symbol such as ξ_S as italic mathematics with its subscript."""
+    head, _, index = symbol.partition("_")
+    return f"${head}_{{{index}}}$" if index else f"${head}$"
+
+
+def limits(name: str, *columns: Any) -> tuple[float, float]:
+    """Limits of the axis of `name` around all finite values, in its shown unit.
+
+    A fraction is always seen from 0 to 1.
+    """
+    low, high = around(*columns)
+    if name.rpartition(".")[-1] in FRACTIONS:
+        return min(low, -0.06), max(high, 1.06)
+    return low, high
+
+
+def around(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
+    """Limits around all finite values, wide enough for a constant to look like one."""
+    values = np.concatenate([np.ravel(c) for c in columns])
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return 0.0, 1.0
+    low, high = float(values.min()), float(values.max())
+    size = max(abs(low), abs(high))
+    if high - low <= least * size or size == 0.0:
+        room = 0.1 * size or 1.0
+        return low - room, high + room
+    room = 0.07 * (high - low)
+    return low - room, high + room

@@ -1,0 +1,231 @@
+"""Figures of material points: stress over strain, strain over temperature, ξ, phase diagram.
+
+Paths of one law fill a figure of four panels; several laws stand side by side, one column
+each, with axes shared along every row. A single path is coloured by what its legs do, several
+paths by path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.show.figures.labels import Axis, around
+from martensite.show.figures.phase_diagram import (
+    ARROWS,
+    STRESS,
+    TEMPERATURE,
+    arrow,
+    draw_phase_diagram,
+)
+from martensite.show.figures.style import (
+    COOLING,
+    HEATING,
+    INK,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
+from martensite.simulate.point import PointResult
+from martensite.simulate.stages import stages
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CASES = (SIMULATED, "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#6f6f6f")
+"""Colours of several paths."""
+KINDS = {
+    "loading": SIMULATED, "stretching": SIMULATED, "unloading": "#009e73", "releasing": "#009e73",
+    "heating": HEATING, "cooling": COOLING,
+}  # fmt: skip
+"""Colours of the legs of a single path."""
+AXES = {
+    "strain": Axis("strain", "strain", "ε", "1", "%"),
+    "stress": STRESS,
+    "temperature": TEMPERATURE,
+    "martensite": Axis("martensite", "martensite fraction", "ξ", "1", "1"),
+}
+LOOP = ("strain", "stress")
+COLUMN, ROW, HEAD = 3.7, 2.9, 0.95
+"""Width of a column, height of a row, and room for the title [inch]."""
+
+
+def plot_point(
+    results: PointResult | Sequence[PointResult],
+    *,
+    title: str | None = None,
+    plane: tuple[str, str] = LOOP,
+) -> Figure:
+    """The figure of a material-point study.
+
+    Args:
+        results: one path, several paths of one law, or paths of several laws.
+        title: first line of the figure; the names of the laws by default.
+        plane: columns (horizontal, vertical) of the first row where laws stand side by side.
+
+    Raises:
+        InputError: there is nothing to draw.
+    """
+    every = [results] if isinstance(results, PointResult) else list(results)
+    if not every:
+        raise InputError("A figure needs at least one result of `material_point`; none given.")
+    by_law: dict[Any, list[PointResult]] = {}
+    for result in every:
+        by_law.setdefault(result.law, []).append(result)
+    with styled():
+        return _one(every, title) if len(by_law) == 1 else _beside(by_law, title, plane)
+
+
+def _one(results: Sequence[PointResult], title: str | None) -> Figure:
+    """Four panels for one law."""
+    figure, panels = _panels(2, 2, 4.6, 3.1)
+    (loop, diagram), (recovery, fraction) = panels
+    draw_curves(loop, results, *LOOP)
+    draw_curves(recovery, results, "temperature", "strain")
+    draw_fractions(fraction, results)
+    draw_phase_diagram(diagram, results[0].law, results, _leg_colours(results))
+    _write(figure, title or _names([results[0]]), _legend(results))
+    return figure
+
+
+def _beside(
+    by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]
+) -> Figure:
+    """One column per law."""
+    figure, panels = _panels(3, len(by_law), COLUMN, ROW)
+    for column, (law, results) in enumerate(by_law.items()):
+        curves, fraction, diagram = (row[column] for row in panels)
+        draw_curves(curves, results, *plane)
+        draw_fractions(fraction, results)
+        draw_phase_diagram(diagram, law, results, _leg_colours(results))
+        curves.set_title(law.registered_name or type(law).__name__, fontweight="bold")
+    for row in panels:
+        _share(row)
+    legends = [_legend(results) for results in by_law.values()]
+    alike = all(legend == legends[0] for legend in legends)
+    if not alike:  # every law has conditions of its own
+        for axes, legend in zip(panels[0], legends, strict=True):
+            axes.legend(_samples(legend), list(legend), loc="best")
+    names = _names([results[0] for results in by_law.values()])
+    _write(figure, title or names, legends[0] if alike else {})
+    return figure
+
+
+def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> None:
+    """Draw one column over another, with an arrow on every leg that shows."""
+    across, up = AXES[x], AXES[y]
+    shown = [(across.values(r[x]), up.values(r[y])) for r in results]
+    axes.set_xlim(*around(*(s[0] for s in shown)))
+    axes.set_ylim(*around(*(s[1] for s in shown)))
+    spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    for result, colour, (horizontal, vertical) in zip(
+        results, _colours(results), shown, strict=True
+    ):
+        for leg, (first, last, own) in enumerate(_legs(result, colour, alone=len(results) == 1)):
+            a, b = horizontal[first : last + 1], vertical[first : last + 1]
+            axes.plot(a, b, color=own, zorder=2.2)
+            length = np.hypot(np.ptp(a) / spans[0], np.ptp(b) / spans[1])
+            if length > 0.12 and leg < ARROWS:
+                arrow(axes, a, b, own)
+        start = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
+        axes.plot(horizontal[:1], vertical[:1], linestyle="none", zorder=3.2, **start)
+    axes.set_xlabel(across.label)
+    axes.set_ylabel(up.label)
+
+
+def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
+    """Draw ξ (solid) and the oriented part (dotted) over the legs of the paths."""
+    for result, colour in zip(results, _colours(results), strict=True):
+        for leg, (first, last, own) in enumerate(_legs(result, colour, alone=len(results) == 1)):
+            x = np.linspace(leg, leg + 1.0, last - first + 1)
+            axes.plot(x, result.martensite[first : last + 1], color=own, zorder=2.2)
+            oriented = result.oriented[first : last + 1]
+            axes.plot(x, oriented, ":", color=own, linewidth=1.6, zorder=2.3)
+    most = max(len(result.legs) for result in results)
+    axes.set_xlim(0.0, most)
+    axes.set_ylim(min(-0.06, min(min(r.oriented) for r in results) - 0.06), 1.06)
+    axes.set_xticks(range(most + 1))
+    axes.set_xlabel("leg of the path")
+    axes.set_ylabel(f"{AXES['martensite'].label}, oriented dotted")
+
+
+def _legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
+    """First sample, last sample and colour of every leg."""
+    spans = pairwise(result.ends)
+    if not alone:
+        return [(first, last, colour) for first, last in spans]
+    kinds = [stage.kind for stage in stages(result)]
+    return [(*span, KINDS.get(kind, INK)) for span, kind in zip(spans, kinds, strict=True)]
+
+
+def _leg_colours(results: Sequence[PointResult]) -> list[list[str]]:
+    """One colour per leg of each result."""
+    alone = len(results) == 1
+    return [
+        [own for _, _, own in _legs(result, colour, alone=alone)]
+        for result, colour in zip(results, _colours(results), strict=True)
+    ]
+
+
+def _colours(results: Sequence[PointResult]) -> list[str]:
+    if len(results) == 1:
+        return [INK]
+    return [CASES[i % len(CASES)] for i in range(len(results))]
+
+
+def _legend(results: Sequence[PointResult]) -> dict[str, str]:
+    """Text -> colour."""
+    if len(results) > 1:
+        colours = _colours(results)
+        return {r.label or f"path {i + 1}": colours[i] for i, r in enumerate(results)}
+    kinds = [stage.kind for stage in stages(results[0])]
+    return {kind: KINDS.get(kind, INK) for kind in kinds}
+
+
+def _names(results: Sequence[PointResult]) -> str:
+    return ", ".join(r.law.registered_name or type(r.law).__name__ for r in results)
+
+
+def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
+    size = 0.5 + columns * width, HEAD + rows * height
+    figure = new_figure(*size)
+    grid = figure.add_gridspec(
+        rows, columns, left=0.75 / size[0], right=1.0 - 0.2 / size[0],
+        top=1.0 - HEAD / size[1], bottom=0.5 / size[1], wspace=0.9 / width, hspace=0.75 / height,
+    )  # fmt: skip
+    return figure, grid.subplots(squeeze=False)
+
+
+def _share(row: Any) -> None:
+    """Give all axes of a row the limits that hold all of them."""
+    for which in ("xlim", "ylim"):
+        ends = [getattr(axes, f"get_{which}")() for axes in row]
+        both = min(low for low, _ in ends), max(high for _, high in ends)
+        for axes in row:
+            getattr(axes, f"set_{which}")(*both)
+    for axes in row[1:]:
+        axes.set_ylabel("")
+
+
+def _write(figure: Figure, title: str, legend: dict[str, str]) -> None:
+    height = figure.get_figheight()
+    place = {"va": "center", "parse_math": False}
+    figure.text(0.02, 1.0 - 0.24 / height, title, fontsize=12.5, fontweight="bold", **place)
+    if not legend:
+        return
+    figure.legend(
+        _samples(legend), list(legend), loc="upper left", ncols=min(len(legend), 7),
+        bbox_to_anchor=(0.015, 1.0 - 0.38 / height), borderpad=0.0, columnspacing=1.4,
+        labelcolor=QUIET,
+    )  # fmt: skip
+
+
+def _samples(legend: dict[str, str]) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    return [Line2D([], [], color=colour) for colour in legend.values()]

@@ -1,0 +1,174 @@
+"""Measured records beside a simulation: dots or a grey line, and the RMS difference.
+
+The difference is taken at the measured samples inside the simulated time, where the result
+is interpolated linearly; gaps (NaN) in a record are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from martensite.base.errors import DataError
+from martensite.show.figures.labels import Axis, axis
+from martensite.show.figures.style import MEASURED, SIMULATED
+from martensite.simulate.result import Result
+
+DOTS = 150
+"""Records of more samples than this are drawn as lines."""
+NAMED = 2
+"""Of more records than this the RMS is given for all together."""
+KEYED = 5
+"""Longest key: the simulation and the first records."""
+
+
+class Record(Protocol):
+    """What a figure needs of a record: columns in SI under the names of outputs."""
+
+    @property
+    def name(self) -> str:
+        """Name of the record."""
+        ...
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[float]]:
+        """Columns in SI units, `time` [s] among them."""
+        ...
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """SI unit of each column."""
+        ...
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """One measured column over time, in the unit of its axis."""
+
+    times: Any
+    values: Any
+    misfit: Any
+    """Measured less simulated at the samples inside the simulated time."""
+    line: dict[str, Any]
+    """Line properties of its record."""
+
+
+def check_records(result: Result, records: Iterable[Record] | None) -> list[Record]:
+    """The records as a list, each known to hold times and something to compare.
+
+    Raises:
+        DataError: a record has no times, or no column of the result in its unit, or lies
+            outside the simulated time.
+    """
+    found = list(records or ())
+    for record in found:
+        if "time" not in record.columns:
+            raise DataError(f"The record `{record.name}` has no column `time`.")
+        if not recorded(result, [record]):
+            listed = ", ".join(f"`{name}` [{result.unit(name)}]" for name in result.outputs)
+            raise DataError(
+                f"The record `{record.name}` has no column to compare; possible are {listed}."
+            )
+        if not _inside(result, np.asarray(record.columns["time"], np.float64)).any():
+            raise DataError(
+                f"The record `{record.name}` has no sample between 0 and "
+                f"{result.times[-1]:.6g} s, the time simulated."
+            )
+    return found
+
+
+def recorded(result: Result, records: Iterable[Record]) -> list[str]:
+    """Names of the outputs that at least one of the records holds."""
+    records = list(records)
+    return [name for name in result.outputs if any(_holds(result, r, name) for r in records)]
+
+
+def overlays(result: Result, records: Iterable[Record], name: str) -> list[Overlay]:
+    """The measured columns `name` of all records that have it, ready to draw."""
+    shown = axis(result, name)
+    return [
+        _overlay(result, r, shown, look(r, i))
+        for i, r in enumerate(records)
+        if _holds(result, r, name)
+    ]
+
+
+def pairs(
+    result: Result, records: Iterable[Record], x: str, y: str
+) -> list[tuple[Any, Any, dict[str, Any]]]:
+    """x, y (in shown units) and line properties of all records that have both columns."""
+    horizontal, vertical = axis(result, x), axis(result, y)
+    return [
+        (horizontal.values(r.columns[x]), vertical.values(r.columns[y]), look(r, i))
+        for i, r in enumerate(records)
+        if _holds(result, r, x) and _holds(result, r, y)
+    ]
+
+
+def draw_overlays(axes: Any, shown: Axis, found: Sequence[Overlay]) -> None:
+    """Draw measured columns over time, with the RMS difference in their legend entries."""
+    for i, overlay in enumerate(found):
+        if len(found) <= NAMED:
+            label = _rms(shown, [overlay])
+        else:
+            label = _rms(shown, found) if i == 0 else "_nolegend_"
+        axes.plot(overlay.times, overlay.values, label=label, **overlay.line)
+
+
+def draw_key(figure: Any, left: float, top: float, records: Sequence[Record]) -> None:
+    """Say once which line is simulated and which is which record, from (left, top) on."""
+    from matplotlib.lines import Line2D
+
+    looks = [{"color": SIMULATED}, *(look(r, i) for i, r in enumerate(records))]
+    lines = [Line2D([], [], **line) for line in looks]
+    names = ["simulated", *(_short(r.name) for r in records)]
+    shown = min(len(names), KEYED)
+    key = figure.legend(
+        lines[:shown], names[:shown], loc="upper left", bbox_to_anchor=(left, top),
+        ncols=shown, borderpad=0.0, borderaxespad=0.0, columnspacing=1.4,
+    )  # fmt: skip
+    for text in key.get_texts():
+        text.set_parse_math(False)
+
+
+def look(record: Record, i: int) -> dict[str, Any]:
+    """Line properties of the i-th record: dots if it is short, else a thin line."""
+    colour = MEASURED[i % len(MEASURED)]
+    if len(record.columns["time"]) > DOTS:
+        return {"color": colour, "linewidth": 0.9, "alpha": 0.9, "zorder": 1.8}
+    return {
+        "color": colour, "linestyle": "none", "marker": "o", "markersize": 2.8,
+        "markeredgewidth": 0.0, "zorder": 2.5,
+    }  # fmt: skip
+
+
+def _short(name: str, most: int = 36) -> str:
+    return name if len(name) <= most else name[: most - 1] + "…"
+
+
+def _rms(shown: Axis, found: Sequence[Overlay]) -> str:
+    """The root mean square of all samples together, in words."""
+    misfit = np.concatenate([overlay.misfit for overlay in found])
+    if not misfit.size:
+        return "no sample to compare"
+    value = f"{np.sqrt(np.mean(misfit**2)):.3g} {shown.difference_unit}".rstrip()
+    return f"RMS {value}" if len(found) == 1 else f"RMS {value} ({len(found)} records)"
+
+
+def _holds(result: Result, record: Record, name: str) -> bool:
+    return name in record.columns and record.units.get(name) == result.unit(name)
+
+
+def _overlay(result: Result, record: Record, shown: Axis, line: dict[str, Any]) -> Overlay:
+    times = np.asarray(record.columns["time"], np.float64)
+    values = shown.values(record.columns[shown.name])
+    use = _inside(result, times) & np.isfinite(values)
+    simulated = np.interp(times[use], result.times, shown.values(result[shown.name]))
+    return Overlay(times, values, values[use] - simulated, line)
+
+
+def _inside(result: Result, times: Any) -> Any:
+    return (times >= result.times[0]) & (times <= result.times[-1])

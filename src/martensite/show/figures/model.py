@@ -1,0 +1,153 @@
+"""A model of blocks beside what was measured: over time with its band and error, and as a loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.identify.chains.directions import rising
+from martensite.identify.chains.validation import Validation
+from martensite.show.figures.fit import SEEN, headline, plain_title
+from martensite.show.figures.labels import around
+from martensite.show.figures.model_axes import signal_label, thinned
+from martensite.show.figures.style import (
+    COOLING,
+    FAINT,
+    HEATING,
+    INK,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.identify.chains.uncertainty import Band
+
+BAND = "#bcd3e2"
+"""The band in which measurements should lie."""
+LOOPED = 20_000
+"""Points of a loop at most."""
+
+
+def plot_model(validation: Validation, band: Band | None = None, title: str = "") -> Figure:
+    """Draw inputs, then measured and computed outputs with their errors, over time.
+
+    Args:
+        validation: a chain on a record.
+        band: around the outputs, of the same record.
+        title: headline.
+    """
+    record = validation.record
+    inputs, outputs = len(record.input_names), len(record.output_names)
+    heights = [0.6] * inputs + [1.7, 0.8] * outputs
+    with styled():
+        height = 1.0 + 0.92 * sum(heights)
+        figure = new_figure(9.2, height)
+        specs = figure.add_gridspec(
+            len(heights), 1, left=0.085, right=0.985, top=1.0 - 0.5 / height,
+            bottom=0.48 / height, hspace=0.36, height_ratios=heights,
+        )  # fmt: skip
+        headline(figure, title or f"{validation.chain.name} on {record.name}: free run")
+        panels: list[Any] = []
+        for place in range(len(heights)):
+            share = panels[0] if panels else None
+            panels.append(figure.add_subplot(specs[place], sharex=share))
+        for k in range(inputs):
+            _input(panels[k], validation, k)
+        for k in range(outputs):
+            _output(panels[inputs + 2 * k], validation, k, band)
+            _error(panels[inputs + 2 * k + 1], validation, k, band)
+        for axes in panels:
+            axes.tick_params(labelbottom=axes is panels[-1])
+        panels[-1].set_xlabel("$t$ [s]")
+        panels[-1].set_xlim(record.times[0], record.times[-1])
+        figure.align_ylabels(panels)
+        return figure
+
+
+def plot_model_loop(validation: Validation, number: int = 0, title: str = "") -> Figure:
+    """Draw every output over an input, measured and computed, rising and falling in two colours.
+
+    Args:
+        validation: a chain on a record.
+        number: which input.
+        title: headline.
+    """
+    record = validation.record
+    outputs = len(record.output_names)
+    with styled():
+        figure = new_figure(9.2, 0.75 + 3.4 * outputs)
+        height = figure.get_figheight()
+        specs = figure.add_gridspec(
+            outputs, 2, left=0.085, right=0.985, top=1.0 - 0.68 / height, bottom=0.55 / height,
+            hspace=0.4, wspace=0.14,
+        )  # fmt: skip
+        headline(figure, title or f"{validation.chain.name} on {record.name}: output over input")
+        for k in range(outputs):
+            left = figure.add_subplot(specs[k, 0])
+            right = figure.add_subplot(specs[k, 1], sharex=left, sharey=left)
+            _loop(left, validation, record.outputs[:, k], number, k, "measured")
+            _loop(right, validation, validation.computed[:, k], number, k, "computed")
+            right.set_ylabel("")
+            right.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
+        return figure
+
+
+def _input(axes: Any, validation: Validation, k: int) -> None:
+    record = validation.record
+    places = thinned(record.inputs[:, k])
+    axes.plot(record.times[places], record.inputs[places, k], color=INK, linewidth=0.9)
+    axes.set_ylabel(signal_label(record.input_names[k], record.units))
+    axes.locator_params(axis="y", nbins=3)
+
+
+def _output(axes: Any, validation: Validation, k: int, band: Band | None) -> None:
+    record, computed = validation.record, validation.computed[:, k]
+    times, name = record.times, record.output_names[k]
+    measured = record.outputs[:, k]
+    if band is not None:
+        low, high = (computed + sign * band.measured[:, k] for sign in (-1.0, 1.0))
+        axes.fill_between(times, low, high, color=BAND, linewidth=0.0, label="band", zorder=1.1)
+    places = thinned(measured)
+    axes.plot(times[places], measured[places], color=SEEN, linewidth=2.0, label="measured")
+    places = thinned(computed)
+    axes.plot(times[places], computed[places], color=SIMULATED, linewidth=1.1, label="computed")
+    axes.set_ylabel(signal_label(name, record.units))
+    axes.set_ylim(*around(measured, computed))
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3)
+    fit = validation.score(name).fit_percent
+    words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
+    plain_title(axes, words, fontweight="bold", color=INK)
+
+
+def _error(axes: Any, validation: Validation, k: int, band: Band | None) -> None:
+    record, errors = validation.record, validation.residuals[:, k]
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    if band is not None:
+        width = band.measured[:, k]
+        axes.fill_between(record.times, -width, width, color=FAINT, linewidth=0.0, zorder=0.8)
+    places = thinned(errors)
+    axes.plot(record.times[places], errors[places], color=SIMULATED, linewidth=0.8)
+    reach = 1.12 * float(np.nanmax(np.abs(errors))) or 1.0
+    axes.set_ylim(-reach, reach)
+    unit = record.units.get(record.output_names[k], "")
+    axes.set_ylabel(signal_label("error", {"error": "K" if unit == "degC" else unit}))
+    axes.locator_params(axis="y", nbins=3)
+
+
+def _loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words: str) -> None:
+    """One path in two colours, thin enough to see through."""
+    record = validation.record
+    step = max(1, len(record) // LOOPED)
+    u, y = record.inputs[::step, number], y[::step]
+    up = rising(record.inputs[:, number])[::step]
+    for mask, name, colour in ((up, "rising", HEATING), (~up, "falling", COOLING)):
+        path = np.where(mask | np.roll(mask, 1), y, np.nan)
+        axes.plot(u, path, color=colour, linewidth=0.9, alpha=0.8, label=name)
+    axes.set_xlabel(signal_label(record.input_names[number], record.units))
+    axes.set_ylabel(signal_label(record.output_names[k], record.units))
+    plain_title(axes, words, fontweight="bold", color=INK)

@@ -1,0 +1,149 @@
+"""The blocks of a model one by one: curves of static ones, responses of linear ones.
+
+A static block is drawn over the range of what reached it in a record, and a little beyond, where
+nothing was seen. A linear block is drawn by its step response and its frequency response.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.identify.blocks.base import AbstractStatic
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linearise import linearise
+from martensite.show.figures.fit import SEEN, headline, plain_title
+from martensite.show.figures.style import FAINT, INK, SIMULATED, new_figure, styled
+from martensite.signals.sampling.sampled import Sampled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BEYOND = 0.15
+"""How far beyond the data a curve is drawn, as a share of their range."""
+POINTS = 401
+CONSTANTS = 6.0
+"""Length of a step response in longest time constants."""
+MOST = 4000
+"""Samples of a step response at most."""
+DECADES = 3.5
+"""Of a frequency response, below half the sample rate or around the slowest pole."""
+
+
+def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure:
+    """Draw every static block over what reaches it in a record.
+
+    Raises:
+        InputError: the chain has no static block.
+    """
+    places = [k for k, block in enumerate(chain.blocks) if isinstance(block, AbstractStatic)]
+    if not places:
+        raise InputError(f"Model `{chain.text()}` has no static block.")
+    with styled():
+        figure = new_figure(max(3.3 * len(places), 4.6), 3.5)
+        specs = figure.add_gridspec(
+            2, len(places), left=0.15 / len(places) + 0.02, right=0.98, top=0.83, bottom=0.14,
+            wspace=0.3, hspace=0.08, height_ratios=(4.0, 1.0),
+        )  # fmt: skip
+        headline(figure, title or f"Static blocks of {chain.name}")
+        for i, place in enumerate(places):
+            curve = figure.add_subplot(specs[0, i])
+            counts = figure.add_subplot(specs[1, i], sharex=curve)
+            _static(curve, counts, chain, place, record)
+        return figure
+
+
+def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
+    """Draw step and frequency responses of every linear block.
+
+    Raises:
+        InputError: the chain has no linear block.
+    """
+    places = [k for k, block in enumerate(chain.blocks) if block.linear]
+    if not places:
+        raise InputError(f"Model `{chain.text()}` has no linear block.")
+    systems = [(f"{k + 1}: {chain.blocks[k].text()}", _alone(chain, k)) for k in places]
+    return plot_linear(systems, title or f"Linear blocks of {chain.name}")
+
+
+def plot_linear(systems: list[tuple[str, Linear]], title: str = "") -> Figure:
+    """Draw step response, gain and phase of linear systems, a row each.
+
+    Args:
+        systems: names and systems; of several inputs and outputs the first are drawn.
+        title: headline.
+    """
+    with styled():
+        height = 0.85 + 2.1 * len(systems)
+        figure = new_figure(9.6, height)
+        specs = figure.add_gridspec(
+            len(systems), 3, left=0.065, right=0.985, top=1.0 - 0.62 / height,
+            bottom=0.48 / height, wspace=0.24, hspace=0.55,
+        )  # fmt: skip
+        headline(figure, title)
+        for row, (name, linear) in enumerate(systems):
+            axes = [figure.add_subplot(specs[row, i]) for i in range(3)]
+            _step(axes[0], name, linear)
+            _bode(axes[1], axes[2], linear)
+            for one in axes if row < len(systems) - 1 else ():
+                one.set_xlabel("")
+        return figure
+
+
+def _alone(chain: Chain, place: int) -> Linear:
+    """One block as a linear system."""
+    block = chain.blocks[place]
+    own = Chain(
+        (block,), chain.split()[place], chain.interval,
+        tuple(f"x{i}" for i in range(block.inputs)), tuple(f"y{i}" for i in range(block.outputs)),
+    )  # fmt: skip
+    return linearise(own, np.zeros(block.inputs))
+
+
+def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) -> None:
+    block = chain.blocks[place]
+    x = chain.before(place, record)[:, 0]
+    low, high = float(np.min(x)), float(np.max(x))
+    room = BEYOND * (high - low or 1.0)
+    levels = np.linspace(low - room, high + room, POINTS)
+    own = Chain((block,), chain.split()[place], chain.interval)
+    y = own.simulate(levels)[:, 0]
+    inside = (levels >= low) & (levels <= high)
+    curve.axvspan(low, high, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0.5)
+    curve.plot(levels, y, color=SEEN, linewidth=1.0, linestyle=(0, (4, 3)))
+    curve.plot(levels[inside], y[inside], color=SIMULATED, linewidth=1.6)
+    curve.tick_params(labelbottom=False)
+    curve.set_ylabel("output")
+    plain_title(curve, f"{place + 1}: {block.text()}", fontweight="bold", color=INK)
+    counts.hist(x, bins=60, color=SEEN)
+    counts.set_yticks([])
+    counts.set_xlabel("input (seen: shaded)")
+
+
+def _step(axes: Any, name: str, linear: Linear) -> None:
+    constants = linear.time_constants()
+    longest = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))
+    duration = min(CONSTANTS * longest, MOST * linear.interval)
+    times, y = linear.step_response(max(duration, 20.0 * linear.interval))
+    axes.step(times, y[:, 0], where="post", color=SIMULATED)
+    axes.set_xlabel("$t$ [s]")
+    axes.set_ylabel("step response")
+    plain_title(axes, name, fontweight="bold", color=INK)
+
+
+def _bode(gain: Any, phase: Any, linear: Linear) -> None:
+    half = 0.5 / linear.interval
+    constants = linear.time_constants()
+    slow = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))
+    low = min(0.02 / slow, half / 10.0**DECADES)
+    f = np.geomspace(low, 0.999 * half, 400)
+    response = linear.frequency_response(f)[:, 0, 0]
+    gain.semilogx(f, 20.0 * np.log10(np.maximum(np.abs(response), 1e-300)), color=SIMULATED)
+    phase.semilogx(f, np.degrees(np.unwrap(np.angle(response))), color=SIMULATED)
+    for axes, words in ((gain, "gain [dB]"), (phase, "phase [°]")):
+        axes.set_xlabel("$f$ [Hz]")
+        axes.set_ylabel(words)
+        axes.set_xlim(low, half)

@@ -1,0 +1,87 @@
+"""What the residuals of a model still hold: correlation with themselves and with the inputs.
+
+Left, the autocorrelation of every output with the band of white residuals; right, the
+correlation with every input and its square, with the bands of 95 % and 99 % for one lag and,
+dashed, the limit for all lags on one side together.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.identify.chains.correlations import LEVELS, Crossed
+from martensite.identify.chains.validation import Validation
+from martensite.search.whiteness import Whiteness
+from martensite.show.figures.fit import headline, plain_title
+from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, SIMULATED, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SHADES = ("#c9d0d5", FAINT)
+"""Of the bands, narrow and wide."""
+
+
+def plot_model_tests(validation: Validation, title: str = "") -> Figure:
+    """Draw the tests of the residuals of a chain on a record.
+
+    Args:
+        validation: a chain on a record.
+        title: headline.
+    """
+    outputs = validation.record.output_names
+    rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
+    columns = 1 + max((len(row) for row in rows), default=0)
+    with styled():
+        height = 0.95 + 2.3 * len(outputs)
+        figure = new_figure(3.1 * max(columns, 2), height)
+        specs = figure.add_gridspec(
+            len(outputs), columns, left=0.065, right=0.985, top=1.0 - 0.65 / height,
+            bottom=0.5 / height, wspace=0.26, hspace=0.6,
+        )  # fmt: skip
+        headline(
+            figure, title or f"Residuals of {validation.chain.name} on {validation.record.name}"
+        )
+        white = {one.record: one for one in validation.whiteness}
+        for k, name in enumerate(outputs):
+            test = white.get(f"{validation.record.name}, {name}")
+            if test is not None:
+                _memory(figure.add_subplot(specs[k, 0]), name, test)
+            for i, one in enumerate(rows[k], start=1):
+                _crossed(figure.add_subplot(specs[k, i]), one)
+        return figure
+
+
+def _memory(axes: Any, output: str, test: Whiteness) -> None:
+    lags = np.arange(1, len(test.autocorrelation) + 1)
+    axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
+    axes.set_ylim(-1.08, 1.08)
+    axes.set_xlim(0.0, len(lags) + 1.0)
+    axes.set_xlabel("lag [samples]")
+    axes.set_ylabel("autocorrelation")
+    words = "white" if test.white else "not white"
+    plain_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
+
+
+def _crossed(axes: Any, one: Crossed) -> None:
+    lags = np.array(one.lags) * one.interval
+    for level, shade in zip(reversed(LEVELS), reversed(SHADES), strict=True):
+        band = one.band(level)
+        axes.axhspan(-band, band, color=shade, linewidth=0.0, zorder=0.6)
+    for sign in (-1.0, 1.0):
+        axes.axhline(
+            sign * one.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1.1
+        )
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    colour = SIMULATED if one.explained else HEATING
+    axes.vlines(lags, 0.0, one.values, color=colour, linewidth=1.6, zorder=2.0)
+    reach = 1.15 * max(one.limit, *(abs(value) for value in one.values))
+    axes.set_ylim(-reach, reach)
+    axes.set_xlabel("lag [s]")
+    words = "nothing left" if one.explained else "something left"
+    signal = one.signal.replace("`", "")
+    plain_title(axes, f"{one.output} with {signal}: {words}", color=INK, fontsize=8.0)

@@ -1,0 +1,117 @@
+"""The figure of a Pareto front: all runs, those that no other beats, and some of their designs."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from string import ascii_uppercase
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.design.sweep.pareto import ParetoFront
+from martensite.design.sweep.table import SweepTable, short_names
+from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, new_figure, styled
+from martensite.show.figures.sweep_names import headline, label, layout
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NAMED = 6
+"""Runs of the front whose designs are told."""
+MOST_POINTS = 20_000
+PANEL, CELL, TABLE = 3.6, 1.15, 1.9
+"""Width of a panel, width of a column of the table, and height of the table [inch]."""
+MOST_PAIRS = 6
+
+
+def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figure:
+    """Draw a front in every pair of its goals.
+
+    Args:
+        found: the runs.
+        front: of `pareto_front`.
+        title: headline; by default that of the sweep.
+    """
+    pairs = list(combinations(range(len(front.goals)), 2))[:MOST_PAIRS] or [(0, 0)]
+    rows, columns = layout(len(pairs))
+    width = max(PANEL * columns, CELL * (len(found.varied) + len(front.goals) + 1), 5.5)
+    with styled():
+        figure = new_figure(width, 2.9 * rows + TABLE)
+        figure.set_layout_engine("constrained")
+        parts: Any = figure.subfigures(2, 1, height_ratios=(2.9 * rows, TABLE))
+        upper, lower = parts
+        panels = upper.subplots(rows, columns, squeeze=False).ravel()
+        named = _named(front)
+        for panel, pair in zip(panels, pairs, strict=False):
+            _pair(panel, found, front, pair, named)
+        for panel in panels[len(pairs) :]:
+            panel.set_axis_off()
+        panels[0].legend(loc="best")
+        head = upper.suptitle(title or headline(found), x=0.01, ha="left", fontweight="bold")
+        head.set_parse_math(False)
+        _designs(lower, found, front, named)
+    return figure
+
+
+def _named(front: ParetoFront) -> list[int]:
+    """Runs of the front whose designs are told: far from one another, both ends among them."""
+    goals = np.stack([one.values[front.runs] for one in front.goals], axis=1)
+    goals = (goals - goals.min(axis=0)) / np.maximum(np.ptp(goals, axis=0), 1e-300)
+    chosen = [0]
+    apart = np.linalg.norm(goals - goals[0], axis=1)
+    while len(chosen) < min(NAMED, len(goals)) and apart.max() > 0.0:
+        chosen.append(int(np.argmax(apart)))
+        apart = np.minimum(apart, np.linalg.norm(goals - goals[chosen[-1]], axis=1))
+    return [int(front.runs[k]) for k in sorted(chosen)]
+
+
+def _pair(
+    axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]
+) -> None:
+    """All runs and the front over two goals."""
+    from matplotlib.patheffects import withStroke
+
+    a, b = (front.goals[k] for k in pair)
+    x, y = a.readable(), b.readable()
+    usable = np.flatnonzero(found.good & np.isfinite(x) & np.isfinite(y))
+    if len(usable) > MOST_POINTS:
+        usable = np.random.default_rng(0).choice(usable, MOST_POINTS, replace=False)
+    axes.plot(
+        x[usable], y[usable], ".", color=QUIET, alpha=0.45, ms=3.0, mew=0.0, label="runs",
+        rasterized=True,
+    )  # fmt: skip
+    line = "-" if len(front.goals) == 2 else "none"
+    axes.plot(
+        x[front.runs], y[front.runs], color=HEATING, marker="o", ms=3.5, ls=line, lw=0.8,
+        label=f"front ({len(front.runs):,})",
+    )  # fmt: skip
+    halo = withStroke(linewidth=2.0, foreground="white")
+    axes.plot(x[named], y[named], "o", color=INK, ms=4.0, zorder=3.0)
+    for letter, run in zip(ascii_uppercase, named, strict=False):
+        axes.annotate(
+            letter, (x[run], y[run]), (4.0, 4.0), textcoords="offset points", color=INK,
+            fontweight="bold", fontsize=8.0, path_effects=[halo],
+        )  # fmt: skip
+    aims = ["max" if front.most[k] else "min" for k in pair]
+    axes.set(xlabel=f"{label(a)}, {aims[0]}", ylabel=f"{label(b)}, {aims[1]}")
+
+
+def _designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
+    """A table of the designs that have a letter."""
+    shown = front.columns(found)
+    short = short_names(list(found.varied))
+    axes = figure.subplots()
+    axes.set_axis_off()
+    heads = ["run", *(label(one, short.get(name, name)) for name, one in shown.items())]
+    cells = [
+        [f"{letter}   {run}", *(f"{float(c.readable(c.values[run])):.4g}" for c in shown.values())]
+        for letter, run in zip(ascii_uppercase, named, strict=False)
+    ]
+    table = axes.table(cells, colLabels=heads, loc="upper center", edges="horizontal")
+    table.auto_set_font_size(False)
+    table.set_fontsize(7.5)
+    table.auto_set_column_width(list(range(len(heads))))
+    for cell in table.get_celld().values():
+        cell.set(edgecolor=FAINT)
+        cell.get_text().set_parse_math(False)

@@ -1,0 +1,260 @@
+"""Phase diagram of a law: where it transforms, in the plane of temperature and stress.
+
+A band lies between the line on which a transformation starts and the one on which it is
+finished. Laws with the parameters A_s … C_M have straight bands,
+
+    M_s + σ/C_M,  M_f + σ/C_M,     A_s + σ/C_A,  A_f + σ/C_A,
+
+and with σ_s, σ_f those of detwinning under stress and of twinned martensite on cooling. What
+the parameters say is drawn if an isobar of the law confirms it. For every other law the lines
+are found by driving it along isobars, and by loading cold twinned martensite.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from martensite.physics.laws.base import AbstractLaw
+from martensite.show.figures.labels import Axis, around, mathematical
+from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
+from martensite.simulate.courses import TWINNED
+from martensite.simulate.landmarks import Marks, isobar, loaded
+from martensite.simulate.point import PointResult
+
+TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
+STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")
+BEGUN = 1e-5
+"""Share of a transformation at which a line that is found by driving counts as passed."""
+ISOBARS = 7
+LEAST_STRESS = 200e6
+"""The diagram reaches at least up to this stress [Pa]."""
+SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
+CRITICAL = ("sigma_s", "sigma_f")
+ARROWS = 4
+"""Legs that get an arrow; on more they would cover one another."""
+_ARROW = {
+    "arrowstyle": "-|>,head_width=0.22,head_length=0.6", "mutation_scale": 16.0, "lw": 0.0,
+    "shrinkA": 0.0, "shrinkB": 0.0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the diagram."""
+
+    name: str
+    temperature: tuple[float, ...]
+    """[K]"""
+    stress: tuple[float, ...]
+    """[Pa]"""
+
+
+@dataclass(frozen=True)
+class Band:
+    """A transformation between its two lines."""
+
+    process: str
+    """`forward`, `reverse`, `loading`, `cooling` or `orientation`."""
+    start: Line
+    finish: Line
+
+    @property
+    def colour(self) -> str:
+        """Vermilion for what heating does, blue for what cooling or stress does."""
+        return HEATING if self.process == "reverse" else COOLING
+
+
+def bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+    """The bands of a law up to a stress [Pa], horizontal ones from a temperature [K] on."""
+    values = {leaf.path: leaf.value for leaf in law.leaves()}
+    if all(name in values for name in SHIFTED) and confirmed(law, values):
+        if all(name in values for name in CRITICAL):
+            return _detwinning(values, highest, coldest)
+        return [_shifted(values, highest, *names) for names in _STRIPS]
+    return driven(law, np.linspace(0.0, highest, ISOBARS).tolist(), coldest)
+
+
+_STRIPS = (("forward", "M_s", "M_f", "C_M"), ("reverse", "A_s", "A_f", "C_A"))
+
+
+def confirmed(law: AbstractLaw, values: dict[str, float]) -> bool:
+    """True if isobars of the law lie where its parameters put them.
+
+    At 1 % and 99 % a cosine is still 6 % of its strip away from the lines.
+    """
+    critical = any(name in values for name in CRITICAL)
+
+    def near(found: Marks, stress: float, low: str, high: str, slope: str) -> bool:
+        room = 0.08 * (values[high] - values[low]) + 0.1
+        shift = stress / values[slope]
+        return all(abs(getattr(found, n) - values[n] - shift) < room for n in (low, high))
+
+    stress = 100e6
+    at_rest, pulled = isobar(law, 0.0), isobar(law, stress)
+    forward = near(at_rest, 0.0, "M_f", "M_s", "C_M")
+    if not critical:
+        forward = forward and near(pulled, stress, "M_f", "M_s", "C_M")
+    return forward and near(pulled, stress, "A_s", "A_f", "C_A")
+
+
+def _shifted(
+    values: dict[str, float], highest: float, process: str, start: str, finish: str, slope: str
+) -> Band:
+    def line(name: str) -> Line:
+        first = values[name]
+        return Line(name, (first, first + highest / values[slope]), (0.0, highest))
+
+    return Band(process, line(start), line(finish))
+
+
+def _detwinning(values: dict[str, float], highest: float, coldest: float) -> list[Band]:
+    """Detwinning and loading in one band with a kink at M_s, cooling, reverse."""
+    M_s, M_f, C_M = values["M_s"], values["M_f"], values["C_M"]
+    sigma_s, sigma_f = values["sigma_s"], values["sigma_f"]
+    top = max(highest, sigma_f)
+
+    def loading(name: str) -> Line:
+        low = values[name]
+        return Line(name, (coldest, M_s, M_s + (top - low) / C_M), (low, low, top))
+
+    start, finish = loading("sigma_s"), loading("sigma_f")
+    cooling = Line("M_s", (M_s, M_s), (0.0, sigma_s)), Line("M_f", (M_f, M_f), (0.0, sigma_f))
+    return [
+        Band("loading", start, finish), Band("cooling", *cooling),
+        _shifted(values, highest, *_STRIPS[1]),
+    ]  # fmt: skip
+
+
+def driven(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
+    """Bands found by driving a law along isobars [Pa] and by loading it cold."""
+    found = {stress: isobar(law, stress, BEGUN) for stress in stresses}
+
+    def line(name: str) -> Line:
+        known = [(getattr(m, name), s) for s, m in found.items() if math.isfinite(getattr(m, name))]
+        return Line(name, tuple(t for t, _ in known), tuple(s for _, s in known))
+
+    drawn = [Band(process, line(start), line(finish)) for process, start, finish, _ in _STRIPS]
+    drawn = [band for band in drawn if len(band.start.stress) > 1 < len(band.finish.stress)]
+    warmest = found[stresses[0]].M_f
+    if law.twins and math.isfinite(warmest):
+        drawn += _orientation(law, min(coldest, warmest - 1.0), warmest)
+    return drawn
+
+
+def _orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
+    """The band in which twinned martensite turns under stress; none if it does not."""
+    temperatures = coldest, warmest
+    ends = [
+        [loaded(law, round(t, 6), TWINNED, share) for t in temperatures]
+        for share in (BEGUN, 1.0 - BEGUN)
+    ]
+    lines = [
+        Line(name, temperatures, tuple(point.stress for point in points if point is not None))
+        for name, points in zip(CRITICAL, ends, strict=True)
+    ]
+    whole = all(len(line.stress) == len(temperatures) for line in lines)
+    return [Band("orientation", *lines)] if whole else []
+
+
+# ---------------------------------------------------------------- drawing
+
+
+def draw_phase_diagram(
+    axes: Any, law: AbstractLaw, results: Sequence[PointResult], colours: Sequence[Sequence[str]]
+) -> None:
+    """Draw the bands of a law, and paths through them with their direction.
+
+    Args:
+        axes: matplotlib axes.
+        law: the law of all results.
+        results: paths; the diagram is cut to show them and the bands around them.
+        colours: one per leg of each result.
+    """
+    highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
+    coldest = min(min(r.temperature) for r in results) - 8.0
+    hottest = max(max(r.temperature) for r in results) + 8.0
+    found = bands(law, highest, min(coldest, isobar(law).M_f - 15.0))
+    for band in found:
+        draw_band(axes, band)
+    for result, colour in zip(results, colours, strict=True):
+        draw_way(axes, result, colour)
+    unloaded = [line.temperature[0] for band in found for line in (band.start, band.finish)]
+    cold, hot = min([coldest, *unloaded]), max([hottest, *unloaded])
+    ends = TEMPERATURE.values([cold, hot])
+    axes.set_xlim(*around(ends))
+    lowest = min(min(r.stress) for r in results)
+    low, high = STRESS.values([min(lowest, 0.0), highest])
+    axes.set_ylim(low - 0.03 * (high - low), high)
+    axes.set_xlabel(TEMPERATURE.label)
+    axes.set_ylabel(STRESS.label)
+    _name_lines(axes, found)
+
+
+def draw_band(axes: Any, band: Band) -> None:
+    """Fill a band and draw its lines: dashed where it starts, solid where it is finished."""
+    sides = [
+        (TEMPERATURE.values(line.temperature), STRESS.values(line.stress))
+        for line in (band.start, band.finish)
+    ]
+    (x0, y0), (x1, y1) = sides
+    x, y = np.concatenate([x0, x1[::-1]]), np.concatenate([y0, y1[::-1]])
+    axes.fill(x, y, color=band.colour, alpha=0.12, linewidth=0.0, zorder=0.6)
+    for (x, y), style in zip(sides, ("--", "-"), strict=True):
+        axes.plot(x, y, style, color=band.colour, linewidth=0.9, alpha=0.8, zorder=0.9)
+
+
+def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
+    """Draw a path in the plane, with an arrow on its first legs and a ring at its start."""
+    x, y = TEMPERATURE.values(result.temperature), STRESS.values(result.stress)
+    axes.plot(x[:1], y[:1], "o", markersize=5.0, markerfacecolor="white", color=INK, zorder=3.2)
+    for leg, (first, last) in enumerate(pairwise(result.ends)):
+        a, b = x[first : last + 1], y[first : last + 1]
+        axes.plot(a, b, color=colours[leg], linewidth=1.5, zorder=2.4)
+        if leg < ARROWS:
+            arrow(axes, a, b, colours[leg])
+
+
+def arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
+    """An arrowhead part of the way along a curve; beyond its middle, so that ways back show."""
+    spans = np.ptp(x) or 1.0, np.ptp(y) or 1.0
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]))])
+    if way[-1] <= 0.0:
+        return
+    tail, head = (
+        tuple(float(np.interp(share * way[-1], way, c)) for c in (x, y))
+        for share in (at - 0.04, at + 0.02)
+    )
+    axes.annotate("", head, tail, arrowprops={**_ARROW, "color": colour}, zorder=3.0)
+
+
+def _name_lines(axes: Any, found: Sequence[Band]) -> None:
+    """Write the name of each line where it leaves the axes, or at its middle."""
+    (left, right), (_, top) = axes.get_xlim(), axes.get_ylim()
+    taken: list[tuple[float, float]] = []
+    for band in found:
+        for line in (band.start, band.finish):
+            x, y = TEMPERATURE.values(line.temperature), STRESS.values(line.stress)
+            if line.name in CRITICAL:
+                place = left + 0.02 * (right - left), float(np.interp(left, x, y))
+            else:
+                level = 0.06 * top
+                place = float(np.interp(level, y, x)), level
+            if any(abs(place[0] - a) < 0.05 * (right - left) and abs(place[1] - b) < 0.05 * top
+                   for a, b in taken):  # fmt: skip
+                place = place[0], place[1] + 0.07 * top
+            taken.append(place)
+            inside = left <= place[0] <= right and place[1] < top
+            symbol = line.name.replace("sigma", "σ")
+            if inside:
+                axes.text(
+                    *place, mathematical(symbol), color=band.colour, fontsize=8.5, zorder=2.0,
+                    ha="left", va="bottom",
+                )  # fmt: skip
+    if not found:
+        axes.text(0.5, 0.95, "no band in view", color=QUIET, transform=axes.transAxes, ha="center")

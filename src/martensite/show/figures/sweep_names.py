@@ -1,0 +1,57 @@
+"""What stands on the axes of figures of sweeps: names and units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.design.sweep.table import Column, SweepTable, short_names
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NARROW = 30.0
+"""Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
+_PRINTED = (("degC", "°C"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("*", " "))
+
+
+def label(one: Column, short: str = "") -> str:
+    """Name and unit of a column, for an axis."""
+    unit = one.shown
+    for spelling, printed in _PRINTED:
+        unit = unit.replace(spelling, printed)
+    return f"{short or one.name} [{'–' if unit == '1' else unit}]"
+
+
+def varied_labels(found: SweepTable) -> list[str]:
+    """Labels of all varied numbers."""
+    names = short_names(found.varied)
+    return [label(one, names[path]) for path, one in found.varied.items()]
+
+
+def put_on(axes: Axes, x: Column, y: Column | None = None) -> None:
+    """Give the axes of a panel the scales of their columns, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    for one, axis, name in ((x, axes.xaxis, "xscale"), (y, axes.yaxis, "yscale")):
+        if one is not None and one.log:
+            axes.set(**{name: "log"})
+            values = one.values[np.isfinite(one.values)]
+            narrow = not values.size or values.max() < NARROW * values.min()
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if narrow else (1.0,)))
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def headline(found: SweepTable) -> str:
+    """Title of a sweep, and how many runs it has."""
+    failed = f", {found.failed:,} failed" if found.failed else ""
+    missing = f", {found.missing:,} not made yet" if found.missing else ""
+    return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
+
+
+def layout(count: int) -> tuple[int, int]:
+    """Rows and columns of panels."""
+    columns = 2 if count == 4 else min(count, 3)
+    return -(-count // columns), columns

@@ -1,0 +1,93 @@
+"""Scatter of samples: every pair of varied numbers coloured by a measure, and the measure below."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.status import Status
+from martensite.design.sweep.table import Column, SweepTable
+from martensite.show.figures.style import HEATING
+from martensite.show.figures.sweep_names import label, put_on, varied_labels
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_AXES = 6
+MOST_POINTS = 4000
+"""Runs that are drawn at most, chosen at random."""
+CELL = 1.7
+"""Size of a panel [inch]."""
+MAP = "viridis"
+
+
+def matrix_size(found: SweepTable) -> tuple[float, float]:
+    """Width and height of the figure [inch]."""
+    count = min(len(found.varied), MOST_AXES)
+    return CELL * count + 1.4, CELL * count + 0.6
+
+
+def draw_matrix(figure: Figure, found: SweepTable, one: Column) -> None:
+    """Draw the lower triangle of all pairs, and the measure over each number in the last row.
+
+    Of more than six varied numbers, those are drawn whose ranks go most with the measure.
+    """
+    columns, names = list(found.varied.values()), varied_labels(found)
+    usable = found.good & np.isfinite(one.values)
+    shown = _leading(columns, one, usable)
+    rows, failed = _some(usable), _some(found.status >= Status.UNSOLVED)
+    colours = one.readable()
+    count = len(shown)
+    panels: Any = figure.subplots(count, count, squeeze=False)
+    drawn: Any = None
+    for i, j in np.ndindex(count, count):
+        panel, below = panels[i, j], i == count - 1
+        if j > i:
+            panel.set_axis_off()
+            continue
+        x = columns[shown[j]]
+        y = one if below else columns[shown[i + 1]]
+        drawn = panel.scatter(
+            x.readable()[rows], y.readable()[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP,
+            rasterized=True,
+        )  # fmt: skip
+        if not below:
+            panel.plot(x.readable()[failed], y.readable()[failed], "x", color=HEATING, ms=3.5)
+        put_on(panel, x, y)
+        _name(panel, names[shown[j]], label(one) if below else names[shown[i + 1]], below, j == 0)
+    bar = figure.colorbar(drawn, ax=panels.ravel().tolist(), pad=0.02, aspect=35)
+    bar.set_label(label(one))
+    bar.outline.set_visible(False)
+
+
+def _name(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
+    """Names at the left and below the matrix only."""
+    if below:
+        panel.set_xlabel(x)
+    else:
+        panel.tick_params(labelbottom=False)
+    if left:
+        panel.set_ylabel(y)
+    else:
+        panel.tick_params(labelleft=False)
+
+
+def _leading(columns: list[Column], one: Column, usable: NDArray[np.bool_]) -> list[int]:
+    """Places of the varied numbers that are drawn, in their order."""
+    if len(columns) <= MOST_AXES:
+        return list(range(len(columns)))
+    from martensite.design.sweep.given_data import ranks
+
+    y = ranks(one.values[usable])
+    strengths = [abs(np.corrcoef(ranks(c.values[usable]), y)[0, 1]) for c in columns]
+    return sorted(np.argsort(strengths)[::-1][:MOST_AXES].tolist())
+
+
+def _some(rows: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Places of runs, at most as many as can be seen."""
+    places = np.flatnonzero(rows)
+    if len(places) <= MOST_POINTS:
+        return places
+    return np.sort(np.random.default_rng(0).choice(places, MOST_POINTS, replace=False))

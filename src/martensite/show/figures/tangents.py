@@ -1,0 +1,219 @@
+"""Tangents of isobaric cycles: the lines and points of each, and what they say over stress.
+
+Left, one panel per cycle: strain over temperature, the three lines of each branch, and where they
+meet. Right: stress over temperature with the lines of common slope and the strips between them,
+and the transformation strain over stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.show.figures.labels import Axis, around, mathematical
+from martensite.show.figures.style import (
+    COOLING,
+    HEATING,
+    INK,
+    QUIET,
+    SIMULATED,
+    new_figure,
+    styled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.characterise.clausius_clapeyron import Direction
+    from martensite.characterise.isobaric_cycles import Branch
+    from martensite.characterise.tangent_fit import TangentFit
+    from martensite.characterise.tangent_lines import BranchTangents
+    from martensite.characterise.tangent_points import TangentPoints
+
+TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
+STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")
+STRAIN = Axis("strain", "strain", "ε", "1", "%")
+TRANSFORMATION = Axis("H", "transformation strain", "H", "1", "%")
+MOST_PANELS = 6
+"""Cycles drawn at most; of more, those spread evenly over the stresses."""
+DOTS = 120
+"""Rows of a branch up to which they are drawn as dots, too."""
+_MARKS = {"A_s": "o", "A_f": "s", "M_s": "s", "M_f": "o"}
+
+
+def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
+    """Draw the tangents of one cycle, or of cycles under several stresses with their fit.
+
+    Args:
+        found: what `tangent_fit` or `tangent_points` found.
+        title: headline.
+    """
+    from martensite.characterise.tangent_points import TangentPoints
+
+    with styled():
+        if isinstance(found, TangentPoints):
+            figure = new_figure(6.0, 4.4)
+            grid = figure.add_gridspec(1, 1, left=0.11, right=0.97, top=0.85, bottom=0.12)
+            _cycle(figure.add_subplot(grid[0, 0]), found)
+        else:
+            figure = _several(found)
+        figure.text(0.02, 0.965, title or "Tangents", fontsize=11.5, fontweight="bold", va="center")
+        return figure
+
+
+def _several(found: TangentFit) -> Figure:
+    """Panels of the cycles, and beside them what they say together."""
+    shown = _spread(found.levels)
+    columns = 1 if len(shown) < 3 else 2
+    rows = -(-len(shown) // columns)
+    figure = new_figure(11.5, max(2.3 * rows, 5.6))
+    whole = figure.add_gridspec(
+        1, 2, left=0.06, right=0.985, top=0.89, bottom=0.09, wspace=0.15,
+        width_ratios=(0.85 * columns, 1.0),
+    )  # fmt: skip
+    left = whole[0, 0].subgridspec(rows, columns, hspace=0.32, wspace=0.16)
+    first: Any = None
+    for k, points in enumerate(shown):
+        axes = figure.add_subplot(left[k // columns, k % columns], sharex=first)
+        first = first or axes
+        _cycle(axes, points)
+        bottom, edge = k + columns >= len(shown), k % columns == 0
+        axes.tick_params(labelbottom=bottom)
+        axes.set_xlabel(TEMPERATURE.label if bottom else "")
+        axes.set_ylabel(STRAIN.label if edge else "")
+    right = whole[0, 1].subgridspec(2, 1, hspace=0.32, height_ratios=(1.5, 1.0))
+    _diagram(figure.add_subplot(right[0, 0]), found)
+    _strain(figure.add_subplot(right[1, 0]), found)
+    return figure
+
+
+def _spread(levels: Sequence[TangentPoints]) -> list[TangentPoints]:
+    if len(levels) <= MOST_PANELS:
+        return list(levels)
+    places = np.linspace(0, len(levels) - 1, MOST_PANELS).round().astype(int)
+    return [levels[k] for k in places]
+
+
+# ---------------------------------------------------------------- one cycle
+
+
+def _cycle(axes: Any, points: TangentPoints) -> None:
+    """Strain over temperature with lines and points."""
+    _branch(axes, points.cycle.heating, points.heating, ("A_s", "A_f"), HEATING)
+    _branch(axes, points.cycle.cooling, points.cooling, ("M_f", "M_s"), COOLING)
+    H = TRANSFORMATION.values([points.H])[0]
+    axes.set_title(f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %")
+    axes.set_xlabel(TEMPERATURE.label)
+    axes.set_ylabel(STRAIN.label)
+
+
+def _branch(
+    axes: Any, rows: Branch, found: BranchTangents, names: tuple[str, str], colour: str
+) -> None:
+    """One branch: its rows, the outer lines up to the transformation, and the steep one."""
+    x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)
+    dots = {"marker": "o", "markersize": 1.8, "markeredgewidth": 0.0} if len(x) <= DOTS else {}
+    axes.plot(x, y, color=colour, linewidth=0.8, alpha=0.55, zorder=1.8, **dots)
+    low, high = found.low, found.high
+    beyond = 0.18 * (high - low)
+    pieces = (
+        (found.cold, found.span[0], low + beyond), (found.steep, low - beyond, high + beyond),
+        (found.hot, high - beyond, found.span[1]),
+    )  # fmt: skip
+    for line, begin, end in pieces:
+        at = [begin, end]
+        axes.plot(
+            TEMPERATURE.values(at), STRAIN.values([line.value(t) for t in at]), color=INK,
+            linewidth=0.7, zorder=2.2,
+        )  # fmt: skip
+    for name, at, line in zip(names, (low, high), (found.cold, found.hot), strict=True):
+        _point(axes, name, at, float(line.value(at)), colour)
+
+
+def _point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
+    """A mark where two lines meet, named on the side away from the rows."""
+    x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
+    axes.plot(
+        [x], [y], _MARKS[name], color=colour, markersize=4.2, markeredgecolor="white",
+        markeredgewidth=0.6, zorder=3.0,
+    )  # fmt: skip
+    right, above = name.startswith("A"), name in ("A_s", "M_f")
+    axes.annotate(
+        mathematical(name), (x, y), (5 if right else -5, 4 if above else -4),
+        textcoords="offset points", color=colour, fontsize=8.0,
+        ha="left" if right else "right", va="bottom" if above else "top", zorder=3.0,
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- over stress
+
+
+def _diagram(axes: Any, found: TangentFit) -> None:
+    """Stress over temperature: points, lines of common slope and their bands."""
+    top = 1.12 * max(points.stress for points in found.levels)
+    for one, colour in ((found.reverse, HEATING), (found.forward, COOLING)):
+        _lines(axes, found, one, top, colour)
+        for name in one.names:
+            x = TEMPERATURE.values([getattr(points, name) for points in found.levels])
+            y = STRESS.values([points.stress for points in found.levels])
+            filled = colour if name in ("A_f", "M_f") else "white"
+            axes.plot(
+                x, y, _MARKS[name], color=colour, markerfacecolor=filled, markersize=4.4,
+                linestyle="none", zorder=3.0,
+            )  # fmt: skip
+    low, high = axes.get_xlim()
+    axes.set_xlim(low - 0.05 * (high - low), high)
+    axes.set_ylim(0.0, STRESS.values([top])[0])
+    axes.set_xlabel(TEMPERATURE.label)
+    axes.set_ylabel(STRESS.label)
+    slopes = (
+        f"${symbol}$ = {one.slope / 1e6:.3g}{_half(one)} MPa/K"
+        for symbol, one in (("C_A", found.reverse), ("C_M", found.forward))
+    )
+    axes.set_title(",  ".join(slopes))
+
+
+def _half(one: Direction) -> str:
+    """Half the interval of a slope, if there is one."""
+    low, high = one.slope_interval()
+    return f" ± {0.5e-6 * (high - low):.2g}" if np.isfinite(high - low) else ""
+
+
+def _lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
+    """The two lines of one direction, filled between, each with its name."""
+    stress = [0.0, top]
+    sides = [
+        TEMPERATURE.values([end.value + one.shift.value * s for s in stress])
+        for end in (one.start, one.finish)
+    ]
+    y = STRESS.values(stress)
+    axes.fill_betweenx(y, *sides, color=colour, alpha=0.10, linewidth=0.0, zorder=0.6)
+    for name, x in zip(one.names, sides, strict=True):
+        style = "-" if name in ("A_f", "M_f") else "--"
+        axes.plot(x, y, style, color=colour, linewidth=1.0, zorder=1.5)
+        left = name in ("A_s", "M_f")
+        axes.annotate(
+            mathematical(name), (x[0], y[0]), (-4 if left else 8, 4), textcoords="offset points",
+            ha="right" if left else "left", color=colour, fontsize=8.5,
+        )  # fmt: skip
+
+
+def _strain(axes: Any, found: TangentFit) -> None:
+    """Transformation strain over stress, of both branches, and its fit."""
+    stress = [points.stress for points in found.levels]
+    x = STRESS.values(stress)
+    for way, colour in (("heating", HEATING), ("cooling", COOLING)):
+        y = [getattr(points, way).transformation_strain for points in found.levels]
+        axes.plot(x, TRANSFORMATION.values(y), "o", color=colour, markersize=3.6, label=way)
+    at = np.linspace(0.0, 1.12 * max(stress), 101).tolist()
+    fitted = TRANSFORMATION.values([found.strain.value(s) for s in at])
+    axes.plot(STRESS.values(at), fitted, color=SIMULATED, label=f"{found.strain.form} $H(σ)$")
+    strokes = TRANSFORMATION.values([points.stroke for points in found.levels])
+    axes.plot(x, strokes, "x", color=QUIET, markersize=4.0, label="stroke")
+    axes.set_xlim(0.0, STRESS.values([at[-1]])[0])
+    axes.set_ylim(0.0, around([0.0], strokes, fitted)[1])
+    axes.set_xlabel(STRESS.label)
+    axes.set_ylabel(TRANSFORMATION.label)
+    axes.legend(loc="lower right", ncols=2)

@@ -1,0 +1,60 @@
+"""Time series: one small panel per quantity, all sharing the time axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from martensite.show.figures.labels import axis, column, limits
+from martensite.show.figures.measured import Record, draw_overlays, overlays, recorded
+from martensite.show.figures.style import SIMULATED
+from martensite.simulate.result import Result
+
+PANELS = (
+    "drive", "temperature", "martensite_fraction", "strain", "stress", "mechanism", "resistance",
+)  # fmt: skip
+"""Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
+
+
+def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
+    """The quantities to show: the usual ones, and others that were measured.
+
+    A drive that prescribes the temperature is the temperature, and is not shown twice.
+    """
+    (actuator,) = result.system.actuators().values()
+    twice = actuator.source.sets_temperature
+    own = list(result.system.of_mechanism())
+    usual = [
+        shown
+        for name in PANELS if not (twice and name == "drive")
+        for shown in (own if name == "mechanism" else [name])
+    ]  # fmt: skip
+    return usual + [name for name in recorded(result, records) if name not in usual]
+
+
+def draw_timeseries(
+    panels: Sequence[Any], result: Result, names: Sequence[str], records: Sequence[Record] = ()
+) -> None:
+    """Draw one quantity per axes, measured records over it; only the last names the time."""
+    for axes, name in zip(panels, names, strict=True):
+        draw_panel(axes, result, name, records)
+        axes.tick_params(labelbottom=axes is panels[-1])
+    panels[-1].set_xlabel(axis(result, "time").label)
+
+
+def draw_panel(axes: Any, result: Result, name: str, records: Sequence[Record] = ()) -> None:
+    """Draw one quantity over time [s]."""
+    shown, values = axis(result, name), column(result, name)
+    found = overlays(result, records, name)
+    axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
+    draw_overlays(axes, shown, found)
+    axes.set_title(shown.long_name)
+    axes.set_ylabel(shown.label)
+    axes.set_xlim(result.times[0], result.times[-1])
+    axes.set_ylim(*limits(name, values, *(overlay.values for overlay in found)))
+    axes.locator_params(axis="y", nbins=4)
+    if found:
+        axes.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.03), ncols=3, borderpad=0.0,
+            borderaxespad=0.0, columnspacing=1.2,
+        )  # fmt: skip

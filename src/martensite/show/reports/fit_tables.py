@@ -1,0 +1,163 @@
+"""The tables of a fit: records, parameters, errors, and all numbers in full."""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base import units
+from martensite.base.confidence import Interval
+from martensite.fit.fit import Fit
+from martensite.fit.fit_provenance import digest
+from martensite.fit.fit_rows import HELD_OUT, Compared, compared
+from martensite.fit.fit_verdicts import amount
+from martensite.fit.free import Free
+from martensite.scenario.exact_text import shown
+from martensite.search.scores import Score
+from martensite.search.words import number
+from martensite.show.reports.blocks import Grid, Row
+
+DIGITS = 4
+"""Digits of a number without an error."""
+PRINTED = {"degC": "°C", "ohm": "Ω", "1": ""}
+TAG = "held out"
+
+
+def printed(unit: str) -> str:
+    """A unit as it is printed."""
+    return PRINTED.get(unit, unit).replace("^2", "²").replace("^3", "³").replace("*", " ")
+
+
+def records(fit: Fit) -> Grid:
+    """Which records, from which data, and how many of their rows."""
+    rows = compared(fit)
+    return Grid(
+        ("record", "data", "compared", "rows", "fitted", "kept back", "missing"),
+        [_record(one) for one in rows],
+        right=(3, 4, 5, 6),
+        wrapped=(0, 1),
+        note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
+        "are those that were compared: long records are thinned evenly.",
+    )
+
+
+def _record(one: Compared) -> Row:
+    record = one.experiment.record
+    found = digest(record)
+    name = f"`{found['file']}` " if "file" in found else "columns "
+    data = name + f"`{found.get('sha256') or found['sha256_of_columns']}`"
+    if record.dropped:
+        data += f" ({record.dropped} rows left out on reading)"
+    what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
+    counts = (len(one.times), int(one.used.sum()), int(one.held.sum()), one.missing)
+    tag = TAG if one.held.any() and not one.used.any() else ""
+    return Row((one.record, data, what, *map(str, counts)), tag)
+
+
+def parameters(fit: Fit) -> Grid:
+    """What was found, how sure it is, and from where it was searched."""
+    return Grid(
+        ("parameter", "value", "unit", "95 % interval", "if samples were independent", "start",
+         "bounds", "meaning"),
+        [_parameter(fit, free) for free in fit.problem.free],
+        right=(1,),
+        wrapped=(7,),
+        note="The first interval is widened for the autocorrelation of the residuals, the second "
+        "is not. Both hold for this model and are linear about the optimum.",
+    )  # fmt: skip
+
+
+def _parameter(fit: Fit, free: Free) -> Row:
+    found, value = fit.uncertainty, fit[free.name]
+    spelling = units.familiar(value, free.unit)
+    plain, wide = found.interval(free.name), found.widened(free.name)
+    decimals = _decimals(plain, free.unit, spelling)
+    start, *bounds = (
+        _in(end, free.unit, spelling, None) for end in (free.start, free.low, free.high)
+    )
+    bound = " (at a bound)" if free.name in fit.at_bound() else ""
+    return Row(
+        (
+            f"`{free.name}`",
+            _in(value, free.unit, spelling, decimals),
+            printed(spelling),
+            _interval(wide, free.unit, spelling, decimals),
+            _interval(plain, free.unit, spelling, decimals),
+            start,
+            " to ".join(bounds) + bound,
+            free.doc,
+        )
+    )
+
+
+def _decimals(interval: Interval, unit: str, spelling: str) -> int | None:
+    """Decimals that show two digits of half an interval; None if it has no ends."""
+    half = 0.5 * (interval[1] - interval[0]) / units.conversion(spelling, unit)[0]
+    if not 0.0 < half < math.inf:
+        return None
+    return max(0, 1 - math.floor(math.log10(half)))
+
+
+def _in(value: float, unit: str, spelling: str, decimals: int | None) -> str:
+    """A number in a chosen unit."""
+    read = units.from_si(value, spelling, unit)
+    if decimals is None or decimals > 9:
+        return f"{float(f'{read:.{DIGITS}g}'):.{DIGITS}g}"
+    return f"{read:.{decimals}f}"
+
+
+def _interval(ends: Interval, unit: str, spelling: str, decimals: int | None) -> str:
+    if not math.isfinite(ends[1] - ends[0]):
+        return "not determined"
+    return " to ".join(_in(end, unit, spelling, decimals) for end in ends)
+
+
+def own_numbers(fit: Fit) -> Grid | None:
+    """What records that were kept back have for themselves; None if that is nothing."""
+    known = {free.ending: free for free in fit.problem.free}
+    rows = list[Row]()
+    for kept in fit.kept:
+        for name, value in kept.numbers.items():
+            free = known.get(name.rpartition("@")[0])
+            text = f"{value:.6g}" if free is None else shown(value, free.unit)
+            rows.append(Row((f"`{name}`", text, free.doc if free else ""), TAG))
+    note = "Fitted to the record that is kept back, with everything else as found."
+    return Grid(("parameter", "value", "meaning"), rows, right=(1,), note=note) if rows else None
+
+
+def errors(fit: Fit) -> Grid:
+    """How well every record is met, those that the fit did not see marked."""
+    return Grid(
+        ("record", "output", "rms error", "fit", "largest error", "at", "bias", "rows"),
+        [_errors(score) for score in fit.scores],
+        right=(2, 3, 4, 5, 6, 7),
+        note="A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
+        "Bias is modelled less measured.",
+    )
+
+
+def _errors(score: Score) -> Row:
+    fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
+    sizes = (amount(score.output, v, score.unit) for v in (score.rms, score.maximum))
+    rms, largest = sizes
+    bias = amount(score.output, _small(score.bias, score.rms), score.unit)
+    at = f"{number(score.maximum_at)} s"
+    cells = (score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples))
+    return Row(cells, TAG if score.part == HELD_OUT else "")
+
+
+def _small(value: float, beside: float) -> float:
+    """Zero for what is nothing beside another number."""
+    return 0.0 if abs(value) < 1e-6 * beside else value
+
+
+def in_full(fit: Fit) -> Grid:
+    """All free parameters in SI with all digits."""
+    return Grid(
+        ("parameter", "value", "standard error", "SI unit"),
+        [
+            Row((f"`{free.name}`", f"{fit[free.name]!r}", f"{error:.6g}", f"`{free.unit}`"))
+            for free, error in zip(fit.problem.free, fit.uncertainty.errors, strict=True)
+        ],
+        right=(1, 2),
+        note="Standard errors are those for independent samples.",
+    )

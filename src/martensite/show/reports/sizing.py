@@ -1,0 +1,153 @@
+"""A sizing in words and rows: what the command line prints and the web bench shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from martensite.design.sizing.candidates import Candidate, Sizing
+from martensite.design.sizing.cycle import Cycle
+from martensite.design.sizing.request import WireRequest
+from martensite.physics.materials.base import DOUBTFUL, Number, load_material
+
+COLUMNS = ("", "wire\nmm", "alloy\n°C", "strands", "length\nmm", "stress\nMPa", "pulse\nA",
+           "\nV", "cycle\nJ", "heats\ns", "cools\ns", "verdict")  # fmt: skip
+
+
+def report(sizing: Sizing, chosen: int | None, files: list[str]) -> dict[str, Any]:
+    """Everything in SI."""
+    request = sizing.request
+    return {
+        "request": {name: getattr(request, name) for name in request.declarations},
+        "chosen": None if chosen is None else chosen + 1,
+        "candidates": [candidate.to_dict() for candidate in sizing.candidates],
+        "files": files,
+    }
+
+
+def row(number: int, found: Candidate) -> tuple[str, ...]:
+    """Its cells below `COLUMNS`; the number is the place in the list."""
+    static, drive, cycle = found.statics, found.drive, found.cycle
+    stress = f"{static.hot_stress / 1e6:.0f}"
+    if static.cold_stress < static.hot_stress:
+        stress = f"{static.cold_stress / 1e6:.0f}..{stress}"
+    electric = ("", "", "")
+    if drive is not None:
+        electric = (f"{drive.current:.3g}", f"{drive.voltage:.3g}", f"{drive.energy:.3g}")
+    times = ("", "")
+    if cycle is not None:
+        times = (f"{cycle.heating:.2g}", seconds(cycle.cooling))
+    wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
+    verdict = "does" if found.feasible else "no"
+    wire, strands = bare(found.size.name), f"{static.count}{wiring}"
+    length = f"{1e3 * static.strand.length:.1f}"
+    return (str(number), wire, found.alloy, strands, length, stress, *electric, *times, verdict)
+
+
+def bare(size: str) -> str:
+    """Name of a size without the unit that the heading has."""
+    return size.removesuffix(" mm")
+
+
+def seconds(time: float | None) -> str:
+    """A time [s], or that it never comes."""
+    return "never" if time is None else f"{time:.3g}"
+
+
+def percent(share: float, digits: int = 0) -> str:
+    """A share in percent."""
+    return f"{100.0 * share:.{digits}f} %"
+
+
+def headline(found: Candidate) -> str:
+    """The wire in one sentence."""
+    static = found.statics
+    each = "" if static.count == 1 else " each"
+    many = "" if static.count == 1 else f"{static.count} strands of "
+    return (
+        f"{many}Flexinol {found.size.name}, {found.alloy} °C, "
+        f"{1e3 * static.strand.length:.1f} mm{each}: {percent(static.strain, 2)} strain over "
+        f"the stroke (at most {percent(static.reachable, 2)}), "
+        f"{static.strand.resistance:.3g} ohm{each}."
+    )
+
+
+def sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
+    """Return, margins, pulse, temperatures, life, and what the maker's table says."""
+    yield _return(request, found)
+    yield _margins(request, found)
+    if found.cycle is not None:
+        yield from _electric(request, found, found.cycle)
+    yield f"Life: {found.life}."
+    yield _catalogue_says(found)
+
+
+def _return(request: WireRequest, found: Candidate) -> str:
+    static = found.statics
+    if static.stiffness > 0.0:
+        return (
+            f"Return spring: preload {static.preload:.4g} N, rate {static.stiffness / 1e3:.4g} "
+            f"N/mm; at the end of the stroke the wire pulls {static.work_force:.4g} N, "
+            f"{request.force:.4g} N of it for the load."
+        )
+    extra = f", of which {static.extra:.4g} N only stretch the wire" if static.extra > 0.0 else ""
+    return f"Return by a weight of {static.preload:.4g} N{extra}."
+
+
+def _margins(request: WireRequest, found: Candidate) -> str:
+    static = found.statics
+    finish = static.strand.shifted("M_f", static.cold_stress) - request.ambient
+    return (
+        f"Margins: stress {static.hot_stress / 1e6:.4g} MPa of {request.stress / 1e6:.4g} MPa "
+        f"({percent(1.0 - static.hot_stress / request.stress)} left), strain "
+        f"{percent(static.strain, 2)} of {percent(request.strain, 2)}, "
+        f"M_f {finish:.1f} K above the ambient."
+    )
+
+
+def _electric(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]:
+    drive, static = found.drive, found.statics
+    if drive is None:
+        return []
+    each = f" ({cycle.current:.3g} A per strand)" if static.count > 1 else ""
+    running = ""
+    if cycle.running is not None:
+        running = f" in the first cycle, {cycle.running - 273.15:.0f} °C when it is repeated"
+    cooling = seconds(cycle.cooling) + ("" if cycle.cooling is None else " s")
+    duty = (drive.voltage / request.supply) ** 2
+    lines = [
+        f"Pulse: {drive.current:.3g} A{each} at {drive.voltage:.3g} V, {drive.power:.3g} W for "
+        f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle; switched straight from "
+        f"{request.supply:.4g} V it is a PWM of {percent(duty)} duty with peaks of "
+        f"{drive.current * request.supply / drive.voltage:.3g} A.",
+        f"Up to {cycle.hottest - 273.15:.0f} °C{running}; cooling {cooling}; in the "
+        f"long run {found.overheating_current:.3g} A per strand bring the wire to its limit of "
+        f"{found.temperature_limit - 273.15:.4g} °C.",
+    ]
+    if cycle.fastest is not None:
+        asked = f"{request.rate:.4g} Hz are asked for"
+        lines.append(f"Fastest cycle with this pulse: {cycle.fastest:.3g} Hz; {asked}.")
+    return lines
+
+
+def _catalogue_says(found: Candidate) -> str:
+    cooling = found.size.cooling_70 if found.alloy == "70" else found.size.cooling_90
+    return (
+        f"The maker's table for this size: {_cell(found.size.current)} for contraction in 1 s, "
+        f"{_cell(cooling)} of cooling, under its own conditions."
+    )
+
+
+def _cell(cell: Number) -> str:
+    return f"{cell.text} ({cell.kind})"
+
+
+def doubts(found: Candidate) -> list[str]:
+    """Which numbers behind it are assumed or recalled."""
+    name = f"flexinol-{found.alloy}"
+    numbers = load_material(name).values.items()
+    doubtful = [key for key, number in numbers if number.kind in DOUBTFUL]
+    lines = [f"Assumed or recalled numbers of {name}: {', '.join(doubtful)}."]
+    if found.recalled:
+        lines.insert(0, f"Recalled cells of the catalogue: {', '.join(found.recalled)}.")
+    return lines

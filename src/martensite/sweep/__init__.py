@@ -1,1 +1,0 @@
-"""Sweeps: many variants of a scenario, in chunks that survive whatever happens to the rest."""
