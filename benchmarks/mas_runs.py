@@ -170,8 +170,8 @@ def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], A
             whole, waveform(), DURATION, over,
             step=step, samples=SAMPLES, chunk=chunk,
         )  # fmt: skip
-        failed = np.array([status.failed for status in found.status])
-        return np.where(failed[:, None], np.nan, 1e3 * found.columns["position"])
+        failed = np.array([status.failed for status in found.variants.status])
+        return np.where(failed[:, None], np.nan, 1e3 * found["position"])
 
     return run
 

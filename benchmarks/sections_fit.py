@@ -18,9 +18,9 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.fit.api import fit
+from martensite.fit.api import fit_logs
 from martensite.fit.experiment import Experiment
-from martensite.fit.problem import Problem, problem
+from martensite.fit.problem import Problem, build_problem
 from martensite.scenario import datasets
 from martensite.scenario.scenario import read
 from martensite.signals.records import Record
@@ -99,7 +99,7 @@ def five_records(text: str, levels: Sequence[float], names: Sequence[str]) -> Pr
         Experiment(str(level), one.system, one.waveform, record, {"strain": "strain"}, step=STEP)
         for level, one in zip(levels, scenarios, strict=True)
     ]
-    return problem(made, read_wishes(list(names), [one.system for one in made]))
+    return build_problem(made, read_wishes(list(names), [one.system for one in made]))
 
 
 def slopes_error(task: Problem) -> Any:
@@ -148,7 +148,8 @@ def fits(options: Options) -> list[Table]:
         return next(one.rms for one in found.scores if one.part == "held-out")
 
     runs = [
-        Candidate(name, lambda name=name: fit(ROOT / "examples" / name), held_out) for name in WHOLE
+        Candidate(name, lambda name=name: fit_logs(ROOT / "examples" / name), held_out)
+        for name in WHOLE
     ]
     rows = rows_of(measure(runs, min(options.repeats, 3), WHOLE[0]), "s", 1.0)
     note = "err: strain at 172 MPa, which the fit does not see. Compiled before."

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.control.loop.parts import Controllers
-from martensite.export.gymnasium_vector import SmaVectorEnv
-from martensite.export.learning_task import Task
-from martensite.scenario.scenario import load
+from martensite import load
+from martensite.control import Controllers
+from martensite.export import LearningTask as Task
+from martensite.export import SmaVectorEnv
 
 HERE = Path(__file__).parent
 STROKE, PERIOD = 4e-3, 0.02

@@ -16,8 +16,8 @@ import numpy as np
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free import Wish
-from martensite.fit.problem import problem
-from martensite.fit.solve import solve
+from martensite.fit.problem import build_problem
+from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
@@ -74,7 +74,7 @@ def truth(load: str, noise: float = NOISE, zero: float = 0.0) -> dict[str, list[
     error = np.random.default_rng(seed).normal(0.0, noise, len(result.times))
     return {
         "time": list(result.times),
-        "temperature": list(result["temperature"]),
+        "temperature": result["temperature"].tolist(),
         "strain": (np.asarray(result["strain"]) + error + zero).tolist(),
     }
 
@@ -111,7 +111,7 @@ def sample(folder: Path, free: Wishes = FREE, each: Wishes = ("offset",), **how:
         experiment("light", light), experiment("middle", middle, (70.0, 90.0)),
         experiment("heavy", heavy), experiment("kept", kept, whole),
     )  # fmt: skip
-    fit = solve(problem(experiments, free, each=each), **how)
+    fit = solve_problem(build_problem(experiments, free, each=each), **how)
     files = {one.name: one.record.source for one in experiments if one.record.source}
     return Sample(fit, scenario(), folder, files)
 

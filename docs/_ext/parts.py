@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import martensite
@@ -104,12 +107,37 @@ def parameters_of(cls: type[Parametrised]) -> str:
 
 
 def public_names() -> str:
-    """What `import martensite` offers."""
-    names = [name for name in dir(martensite) if not name.startswith("_")]
-    found = {name: getattr(martensite, name) for name in names}
-    return table(
-        ("name", "what it is"), [(code(n), catalogue.summary(o)) for n, o in found.items()]
-    )
+    """What `import martensite` offers: the names at the top, then a section per package."""
+    inner = [n for n in dir(martensite) if isinstance(getattr(martensite, n), ModuleType)]
+    sections = [_section("martensite", [n for n in dir(martensite) if n not in inner])]
+    for name in inner:
+        package = getattr(martensite, name)
+        names = [n for n in dir(package) if not n.startswith("_") and n in _offered(package)]
+        words = (inspect.getdoc(package) or "").partition("\n")[0]
+        sections += [f"## ms.{name}\n\n{plain(words)}\n", _section(package.__name__, names)]
+    return "\n".join(sections)
+
+
+def _offered(package: ModuleType) -> Iterable[str]:
+    """Names that a package promises; `testing` lists them itself."""
+    return getattr(package, "__all__", None) or dir(package)
+
+
+def _section(home: str, names: Iterable[str]) -> str:
+    """Directives for the names of a package."""
+    package = import_module(home)
+    lines: list[str] = []
+    for name in names:
+        found = getattr(package, name)
+        if inspect.isclass(found):
+            lines.append(f".. autoclass:: {home}.{name}")
+            if not issubclass(found, Parametrised | BaseException | tuple):
+                lines.append("   :members:")
+        elif inspect.isfunction(found):
+            lines.append(f".. autofunction:: {home}.{name}")
+        else:
+            lines += [f".. py:data:: {name}", ""]
+    return "```{eval-rst}\n" + "\n".join(lines) + "\n```\n"
 
 
 def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:

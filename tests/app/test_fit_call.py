@@ -22,7 +22,7 @@ from martensite.app.drawer import Drawer
 from martensite.app.identify.thin import corners
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError, SolveError
-from martensite.fit.api import fit as library_fit
+from martensite.fit.api import fit_logs as library_fit
 from martensite.fit.losses import LOSSES
 from martensite.fit.material_files import write_material
 from martensite.fit.solve import METHODS

@@ -12,7 +12,7 @@ import math
 import numpy as np
 import pytest
 
-from martensite.fit.profiled import profiled
+from martensite.fit.profiled import profile_likelihood
 from martensite.studies.base import Claim
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record, resistance_numbers
@@ -205,7 +205,7 @@ def test_readme_has_what_was_identified() -> None:
     free = ", ".join(f"{h:.0f}" for h in model.free_films())
     assert f"| {free} |" in text
     lower, middle, upper = (f"{heating.heated(offset)['h']:.0f}" for offset in OFFSETS)
-    low, high = profiled(heating.heated(STATED.offset), "h").interval
+    low, high = profile_likelihood(heating.heated(STATED.offset), "h").interval
     assert f"| {lower}, {middle} (95 %: {low:.0f} to {high:.0f}), {upper} |" in text
     camera = heating.apparent_films(STATED.offset)
     assert f"| {camera[0]:.0f}, {camera[10]:.0f}, {camera[-1]:.0f} |" in text

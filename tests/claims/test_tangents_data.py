@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from martensite.characterise.tangent_fit import TangentFit, tangent_fit
+from martensite.characterise.tangent_fit import TangentFit, fit_tangents
 from martensite.characterise.tangent_points import TangentPoints
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table
@@ -32,7 +32,7 @@ def needs(files: dict[str, float]) -> pytest.MarkDecorator:
 
 
 def fitted(files: dict[str, float]) -> TangentFit:
-    return tangent_fit([read_table(f"data:{name}") for name in files])
+    return fit_tangents([read_table(f"data:{name}") for name in files])
 
 
 @pytest.fixture(scope="module")

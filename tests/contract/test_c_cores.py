@@ -14,7 +14,7 @@ from builders import example, example_system, registered
 from c_cores import LONG_STEP, UNSOLVED, Called, compiled
 
 from martensite.base.parameters import Parametrised
-from martensite.export.c_core import c_core
+from martensite.export.c_core import build_c_core
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED
 
@@ -52,7 +52,7 @@ def test_it_goes_the_way_of_floats(thing: Parametrised, tmp_path: Path) -> None:
     system = example_system(thing)
     compiled_ = compile_system(system)
     functions = compiled_.program.bind_floats(*compiled_.values(system))
-    called = Called(c_core(system, name="core"), tmp_path)
+    called = Called(build_c_core(system, name="core"), tmp_path)
     rng, size, taken = random.Random(0), compiled_.size, 0
     most = 0.8 if thing.registered_name == "current" else 4.0
     rest = (0.0,) * compiled_.drives
@@ -73,5 +73,5 @@ def test_it_goes_the_way_of_floats(thing: Parametrised, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("thing", things())
 def test_in_float_it_compiles_without_warnings(thing: Parametrised, tmp_path: Path) -> None:
-    core = c_core(example_system(thing), name="core", precision="float32")
+    core = build_c_core(example_system(thing), name="core", precision="float32")
     compiled(core, tmp_path, "-fsyntax-only")

@@ -46,7 +46,7 @@ def check_run(
     duration: float,
 ) -> None:  # fmt: skip
     """A row is about as far from an exact run as it says, at most."""
-    exact = ms.simulate(whole, waves, duration, samples=SAMPLES, tolerance=FINE, runtime="c")
+    exact = ms.run(whole, waves, duration, samples=SAMPLES, tolerance=FINE, runtime="c")
     for name, least in whole.judged().items():
         apart = np.abs(found.columns[name][row] - exact[name]).max()
         assert apart <= (SURELY * found.accuracy[row] + FINE) * max(exact.range(name), least)
@@ -68,7 +68,7 @@ def test_examples_in_lanes(name: str, c_compiler: str) -> None:
 @pytest.mark.parametrize("law", ["mas", "mas-hybrid"])
 @pytest.mark.parametrize(
     "wave",
-    [waveform(), ms.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)],
+    [waveform(), ms.signals.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)],
     ids=["ramps", "pulses"],
 )
 def test_laws_of_layers_in_lanes(law: str, wave: AbstractWaveform, c_compiler: str) -> None:
@@ -90,8 +90,12 @@ FAST = ms.Sine(low=0.0, high=3.5, frequency=50.0)
     [
         (SINE, "frequency", [0.05, 0.1, 0.2]),
         (FAST, "high", [2.0, 3.0, 3.5]),
-        (ms.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2), "duty", [0.1, 0.2, 0.3]),
-        (ms.Triangle(high=2.5, frequency=0.1), "high", [1.5, 2.0, 2.5]),
+        (
+            ms.signals.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2),
+            "duty",
+            [0.1, 0.2, 0.3],
+        ),
+        (ms.signals.Triangle(high=2.5, frequency=0.1), "high", [1.5, 2.0, 2.5]),
     ],
     ids=["slow", "fast", "pulses", "ramps"],
 )

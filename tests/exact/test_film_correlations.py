@@ -20,7 +20,11 @@ from martensite.physics.thermal.morgan import LAWS
 from martensite.studies.tables import printed_numbers
 
 ZERO = 273.15
-FREE = {"lefevre-ede": ms.LeFevreEde, "churchill-chu": ms.ChurchillChu, "morgan": ms.Morgan}
+FREE = {
+    "lefevre-ede": ms.thermal.LeFevreEde,
+    "churchill-chu": ms.thermal.ChurchillChu,
+    "morgan": ms.thermal.Morgan,
+}
 RISING = ("churchill-chu", "morgan", "lefevre-ede", "churchill-bernstein")
 
 
@@ -82,7 +86,9 @@ def by_hand(name, t, ambient, diameter, length):
 
 def model(name, **changes):
     return (
-        ms.ChurchillBernstein(speed=1.5, **changes) if name not in FREE else FREE[name](**changes)
+        ms.thermal.ChurchillBernstein(speed=1.5, **changes)
+        if name not in FREE
+        else FREE[name](**changes)
     )
 
 
@@ -100,7 +106,9 @@ def test_it_is_the_equation_by_hand(name, diameter):
 
 def test_morgan_is_the_table_except_beside_its_limits():
     ra = np.logspace(-9.0, 11.0, 4001)
-    found = np.array([ms.Morgan().nusselt(floats, r, 0.7, Cylinder(1.0, 1.0)) for r in ra.tolist()])
+    found = np.array(
+        [ms.thermal.Morgan().nusselt(floats, r, 0.7, Cylinder(1.0, 1.0)) for r in ra.tolist()]
+    )
     off = np.abs(found / nusselt_morgan(ra) - 1.0)
     assert (off[found > nusselt_morgan(ra) * (1 + 1e-12)] < 0.009).all()
     assert np.mean(off > 1e-12) < 0.01
@@ -119,14 +127,14 @@ def test_the_laws_of_morgan_meet_where_it_says():
 
 
 def test_a_wrong_exponent_is_noticed():
-    class Fifth(ms.ChurchillChu):
+    class Fifth(ms.thermal.ChurchillChu):
         """Ra^(1/5) in place of Ra^(1/6)."""
 
         def nusselt(self, xp, rayleigh, prandtl, shape):
             return super().nusselt(xp, xp.exp(1.2 * xp.log(rayleigh)), prandtl, shape)
 
     found = film(Fifth(), 72.0, 38.5, 0.381e-3)
-    assert found != pytest.approx(film(ms.ChurchillChu(), 72.0, 38.5, 0.381e-3), rel=0.02)
+    assert found != pytest.approx(film(ms.thermal.ChurchillChu(), 72.0, 38.5, 0.381e-3), rel=0.02)
     assert not inside(
         [Fifth()], 0.038e-3, 38.5, printed_numbers("migaone").steps.column("temperature"), 270, 346
     )
@@ -145,34 +153,36 @@ def inside(models, diameter, ambient, celsius, low, high):
 def test_the_wire_of_the_migaone_bench():
     paper = printed_numbers("migaone")
     wire = paper.diameter_in_text, paper.ambient, paper.steps.column("temperature")
-    assert inside([ms.Morgan()], *wire, 45.2, 58.6)
-    assert inside([ms.ChurchillChu()], *wire, 44.5, 52.9)
+    assert inside([ms.thermal.Morgan()], *wire, 45.2, 58.6)
+    assert inside([ms.thermal.ChurchillChu()], *wire, 44.5, 52.9)
 
 
 def test_the_printed_diameter_of_the_migaone_wire_cannot_be():
     paper = printed_numbers("migaone")
-    both = [ms.Morgan(), ms.ChurchillChu()]
+    both = [ms.thermal.Morgan(), ms.thermal.ChurchillChu()]
     assert inside(both, paper.diameter, paper.ambient, paper.steps.column("temperature"), 270, 346)
     assert max(paper.steps.column("film")) < 0.25 * 270
 
 
 def test_the_springs_of_the_platform():
     celsius = np.linspace(50.0, 85.0, 8).tolist()
-    assert inside([ms.ChurchillChu()], 0.75e-3, 25.0, celsius, 30, 34)
-    assert inside([ms.Morgan()], 0.75e-3, 25.0, celsius, 36, 41)
+    assert inside([ms.thermal.ChurchillChu()], 0.75e-3, 25.0, celsius, 30, 34)
+    assert inside([ms.thermal.Morgan()], 0.75e-3, 25.0, celsius, 36, 41)
 
 
 def test_the_wire_of_the_finger():
     celsius = (np.linspace(320.0, 355.0, 8) - ZERO).tolist()
-    assert inside([ms.ChurchillChu()], 0.1e-3, 295.0 - ZERO, celsius, 137, 149)
-    assert film(ms.Radiation(emissivity=0.7), 65.0, 295.0 - ZERO, 0.1e-3) == pytest.approx(5, abs=1)
+    assert inside([ms.thermal.ChurchillChu()], 0.1e-3, 295.0 - ZERO, celsius, 137, 149)
+    assert film(ms.thermal.Radiation(emissivity=0.7), 65.0, 295.0 - ZERO, 0.1e-3) == pytest.approx(
+        5, abs=1
+    )
 
 
 # ---------------------------------------------------------------- published values
 
 
 def test_churchill_chu_as_published():
-    found = ms.ChurchillChu().nusselt(floats, 0.69 * 2.63e9, 0.69, Cylinder(1.0, 1.0))
+    found = ms.thermal.ChurchillChu().nusselt(floats, 0.69 * 2.63e9, 0.69, Cylinder(1.0, 1.0))
     assert found == pytest.approx(139.13493970073597, rel=1e-12)
 
 
@@ -184,12 +194,12 @@ def test_churchill_chu_as_published():
     ],
 )  # fmt: skip
 def test_morgan_as_published(grashof, published):
-    found = ms.Morgan().nusselt(floats, 0.9 * grashof, 0.9, Cylinder(1.0, 1.0))
+    found = ms.thermal.Morgan().nusselt(floats, 0.9 * grashof, 0.9, Cylinder(1.0, 1.0))
     assert found == pytest.approx(published, rel=1e-12)
 
 
 def test_churchill_bernstein_as_published():
-    stream = ms.ChurchillBernstein(speed=1.0)
+    stream = ms.thermal.ChurchillBernstein(speed=1.0)
     assert stream.nusselt(floats, 6071.0, 0.7) == pytest.approx(40.63708594124974, rel=1e-12)
     assert stream.nusselt(floats, 3.254e4, 0.7336) == pytest.approx(107.0, abs=0.05)
 
@@ -197,9 +207,11 @@ def test_churchill_bernstein_as_published():
 def test_the_steam_pipe_of_the_textbook():
     """0.1 m, 165 °C in a room of 23 °C, ε 0.85: Ra 5.073e6, Nu 23.3, h 7.29, 325 + 441 W/m."""
     pipe, area = Cylinder(0.1, 1.0), math.pi * 0.1
-    nusselt = ms.ChurchillChu().nusselt(floats, 5.073e6, 0.697, pipe)
+    nusselt = ms.thermal.ChurchillChu().nusselt(floats, 5.073e6, 0.697, pipe)
     assert nusselt == pytest.approx(23.3, rel=0.01)  # the textbook rounds on its way
-    both = ms.CombinedCooling(convection=ms.ChurchillChu(), radiation=ms.Radiation(emissivity=0.85))
+    both = ms.thermal.CombinedCooling(
+        convection=ms.thermal.ChurchillChu(), radiation=ms.thermal.Radiation(emissivity=0.85)
+    )
     convected, radiated, lost = (
         m.film(floats, 438.0, 296.0, pipe) * area * 142.0
         for m in (both.convection, both.radiation, both)
@@ -237,7 +249,7 @@ def thesis_films():
 
 
 def kernel_films(rows):
-    wire = ms.LeFevreEde(fluid=ms.AirTable(rows=rows), gravity=9.81)
+    wire = ms.thermal.LeFevreEde(fluid=ms.thermal.AirTable(rows=rows), gravity=9.81)
     return [film(wire, surface, COLDER, 0.375e-3, 0.1) for surface, *_ in KOSSOSKI]
 
 

@@ -16,7 +16,11 @@ from martensite.physics.fluids.base import FLUIDS
 from martensite.physics.thermal.base import Cylinder
 
 ZERO = 273.15
-FREE = {"lefevre-ede": ms.LeFevreEde, "churchill-chu": ms.ChurchillChu, "morgan": ms.Morgan}
+FREE = {
+    "lefevre-ede": ms.thermal.LeFevreEde,
+    "churchill-chu": ms.thermal.ChurchillChu,
+    "morgan": ms.thermal.Morgan,
+}
 RISING = (*FREE, "churchill-bernstein")
 
 
@@ -27,7 +31,9 @@ def film(model, celsius, ambient, diameter):
 
 def model(name, **changes):
     return (
-        ms.ChurchillBernstein(speed=1.5, **changes) if name not in FREE else FREE[name](**changes)
+        ms.thermal.ChurchillBernstein(speed=1.5, **changes)
+        if name not in FREE
+        else FREE[name](**changes)
     )
 
 
@@ -36,7 +42,7 @@ def test_without_buoyancy_a_vertical_wire_only_conducts(fluid):
     around = FLUIDS[fluid]()
     k, _, pr, _ = around.properties(floats, 300.0)
     conducted = 4 * (272 + 315 * pr) / (35 * (64 + 63 * pr)) * k / 0.2e-3
-    weightless = ms.LeFevreEde(fluid=around, gravity=0.0)
+    weightless = ms.thermal.LeFevreEde(fluid=around, gravity=0.0)
     for t in (290.0, 300.0, 310.0):
         found = weightless.film(floats, t, 600.0 - t, Cylinder(0.2e-3, 0.2))
         assert found == pytest.approx(conducted, rel=1e-12)
@@ -45,19 +51,21 @@ def test_without_buoyancy_a_vertical_wire_only_conducts(fluid):
 def test_at_equal_temperatures_a_vertical_wire_in_air_nearly_only_conducts():
     """Nearly: |T - T_a| is held at 0.01 K."""
     shape = Cylinder(0.2e-3, 0.2)
-    films = [ms.LeFevreEde(gravity=g).film(floats, 300.0, 300.0, shape) for g in (0.0, 9.81)]
+    films = [
+        ms.thermal.LeFevreEde(gravity=g).film(floats, 300.0, 300.0, shape) for g in (0.0, 9.81)
+    ]
     assert 1.0 < films[1] / films[0] < 1.02
 
 
 def test_a_horizontal_wire_without_buoyancy_keeps_the_constant_of_churchill_and_chu():
-    found = ms.ChurchillChu(gravity=0.0).film(floats, 320.0, 300.0, Cylinder(1e-3, 0.2))
+    found = ms.thermal.ChurchillChu(gravity=0.0).film(floats, 320.0, 300.0, Cylinder(1e-3, 0.2))
     assert found == pytest.approx(
-        0.36 * ms.Air().properties(floats, 310.0).conductivity / 1e-3, rel=1e-12
+        0.36 * ms.thermal.Air().properties(floats, 310.0).conductivity / 1e-3, rel=1e-12
     )
 
 
 def test_radiation_is_the_law_of_stefan_and_boltzmann():
-    wire = ms.Radiation(emissivity=0.3)
+    wire = ms.thermal.Radiation(emissivity=0.3)
     for t, ambient in ((400.0, 300.0), (250.0, 320.0)):
         flow = film(wire, t - ZERO, ambient - ZERO, 1e-3) * (t - ambient)
         assert flow == pytest.approx(0.3 * 5.670374419e-8 * (t**4 - ambient**4), rel=1e-13)
@@ -96,18 +104,22 @@ def test_slopes_stay_finite_at_the_ambient_temperature(name):
 
 
 def test_more_pressure_or_speed_cools_more():
-    dense = ms.ChurchillChu(fluid=ms.Air(pressure=3e5))
-    assert film(dense, 60.0, 20.0, 1e-3) > 1.2 * film(ms.ChurchillChu(), 60.0, 20.0, 1e-3)
-    slow, fast = (film(ms.ChurchillBernstein(speed=u), 60.0, 20.0, 1e-3) for u in (1.0, 4.0))
+    dense = ms.thermal.ChurchillChu(fluid=ms.thermal.Air(pressure=3e5))
+    assert film(dense, 60.0, 20.0, 1e-3) > 1.2 * film(ms.thermal.ChurchillChu(), 60.0, 20.0, 1e-3)
+    slow, fast = (
+        film(ms.thermal.ChurchillBernstein(speed=u), 60.0, 20.0, 1e-3) for u in (1.0, 4.0)
+    )
     assert slow < fast < 2.0 * slow
 
 
 def test_a_plate_in_place_of_a_wire_is_noticed():
-    class Plate(ms.LeFevreEde):
+    class Plate(ms.thermal.LeFevreEde):
         """Without the term of the curvature."""
 
         def nusselt(self, xp, rayleigh, prandtl, shape):
             endless = Cylinder(1e30, shape.length)
             return super().nusselt(xp, rayleigh, prandtl, endless)
 
-    assert film(Plate(), 60.0, 20.0, 0.381e-3) < 0.3 * film(ms.LeFevreEde(), 60.0, 20.0, 0.381e-3)
+    assert film(Plate(), 60.0, 20.0, 0.381e-3) < 0.3 * film(
+        ms.thermal.LeFevreEde(), 60.0, 20.0, 0.381e-3
+    )

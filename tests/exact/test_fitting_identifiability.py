@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.fit.identifiability import identifiability
+from martensite.fit.identifiability import assess_identifiability
 from martensite.search.weak_sets import weak_directions
 
 AT = np.linspace(280.0, 400.0, 150)
@@ -50,7 +50,7 @@ def slopes(model, values, ranges) -> np.ndarray:
 
 
 def judge(model, names, values, ranges, units, noise=0.01):
-    return identifiability(
+    return assess_identifiability(
         slopes(model, values, ranges), names, values=values, scales=ranges, units=units, noise=noise
     )
 
@@ -167,10 +167,10 @@ def test_two_factors_of_one_number(power: float, kind: str):
 
 def test_a_column_of_zeros_is_a_parameter_without_effect():
     columns = np.stack([AT, 0 * AT, AT**0], axis=1)
-    found = identifiability(columns, ["a", "b", "c"], values=[1, 1, 1], scales=[1, 1, 1])
+    found = assess_identifiability(columns, ["a", "b", "c"], values=[1, 1, 1], scales=[1, 1, 1])
     assert found.without_effect == ("b",)
     assert found.sentences == ("`b` is not determined: it has no effect on the error.",)
-    everything = identifiability(np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1])
+    everything = assess_identifiability(np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1])
     assert everything.without_effect == ("a", "b")
 
 
@@ -178,7 +178,7 @@ def test_a_column_of_zeros_is_a_parameter_without_effect():
 def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: float, weak: bool):
     """One column of norm 1: the standard error is `noise` ranges, by hand."""
     columns = np.stack([np.full(100, 30.0), np.tile([0.1, -0.1], 50)], axis=1)
-    found = identifiability(
+    found = assess_identifiability(
         columns, ["a", "E_M"], values=[1.0, 30e9], scales=[1.0, 20e9], units=["1", "Pa"],
         noise=noise,
     )  # fmt: skip
@@ -201,11 +201,11 @@ def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: 
 
 def test_a_weak_pair_that_is_not_redundant_is_not_called_so():
     columns = np.stack([AT, AT + 1e-3 * np.sin(AT)], axis=1)
-    (one,) = identifiability(columns, ["p", "q"], values=[1, 3], scales=[1, 1]).weak
+    (one,) = assess_identifiability(columns, ["p", "q"], values=[1, 3], scales=[1, 1]).weak
     assert not one.exact
     assert "by only" in one.sentence
     assert "nothing" not in one.sentence
-    assert identifiability(
+    assert assess_identifiability(
         columns, ["p", "q"], values=[1, 3], scales=[1, 1], noise=1e-4
     ).determined  # fmt: skip
 
@@ -214,13 +214,15 @@ def test_a_small_mover_is_named_only_if_it_is_needed():
     """3 % of the largest: without it the sentence would be false in one case, not in the other."""
     base = np.stack([AT / 400.0, np.sin(AT), np.cos(AT / 9.0)], axis=1)
     strong = np.stack([base[:, 0], base[:, 1], -(base[:, 0] + base[:, 1]) / 0.03], axis=1)
-    needed = identifiability(strong, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1)
+    needed = assess_identifiability(
+        strong, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
+    )
     assert set(needed.weak[0].names) == {"a", "b", "c"}
     small = 0.1 / np.linalg.norm(base[:, 2])
     second = -base[:, 0] + 1.6 * small * base[:, 2] + 1e-3 * base[:, 1]
     nearly = np.stack([base[:, 0], second, base[:, 2]], axis=1)
     nearly[:, 2] *= 60.0 * small
-    named = identifiability(
+    named = assess_identifiability(
         nearly, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
     )  # fmt: skip
     assert [set(one.names) for one in named.weak] == [{"a", "b"}]
@@ -234,7 +236,7 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
     columns[:, 2] = columns[:, 0] - columns[:, 1]
     columns[:, 4] = columns[:, 1] + 3.0 * columns[:, 3]
     given: Any = {"values": [1.0] * count, "scales": [2.0] * count}
-    found = identifiability(columns, [f"p{k}" for k in range(count)], noise=1e-6, **given)
+    found = assess_identifiability(columns, [f"p{k}" for k in range(count)], noise=1e-6, **given)
     assert found.singular_values == pytest.approx(np.linalg.svd(columns)[1].tolist(), abs=1e-12)
     assert {frozenset(one.names) for one in found.weak} == {
         frozenset({"p0", "p1", "p2"}), frozenset({"p1", "p3", "p4"}),
@@ -261,7 +263,7 @@ def test_many_parameters_are_covered_by_leaving_columns_out(seed: int, monkeypat
 
 def test_fewer_residuals_than_parameters_leave_directions_open():
     random = np.random.default_rng(3)
-    found = identifiability(
+    found = assess_identifiability(
         random.normal(size=(2, 3)), ["a", "b", "c"], values=[1, 2, 0], scales=[1, 1, 1], noise=1e-3
     )
     assert found.singular_values[-1] == 0.0
@@ -287,10 +289,10 @@ def test_bad_input_is_refused():
     good: Any = {"values": [1.0], "scales": [1.0]}
     for bad in (np.zeros(3), np.zeros((3, 2)), np.zeros((0, 1)), [[math.nan]]):
         with pytest.raises(DataError, match="Jacobian must"):
-            identifiability(bad, ["a"], **good)
+            assess_identifiability(bad, ["a"], **good)
     with pytest.raises(ParameterError, match="noise"):
-        identifiability([[1.0]], ["a"], noise=0.0, **good)
+        assess_identifiability([[1.0]], ["a"], noise=0.0, **good)
     with pytest.raises(ParameterError, match="equally many"):
-        identifiability([[1.0]], ["a"], values=[1.0, 2.0], scales=[1.0])
+        assess_identifiability([[1.0]], ["a"], values=[1.0, 2.0], scales=[1.0])
     with pytest.raises(ParameterError, match="scale of `a`"):
-        identifiability([[1.0]], ["a"], values=[1.0], scales=[0.0])
+        assess_identifiability([[1.0]], ["a"], values=[1.0], scales=[0.0])

@@ -14,7 +14,7 @@ from scipy import stats
 
 from martensite.base.errors import ParameterError, SolveError
 from martensite.fit.profile import profile
-from martensite.fit.uncertainty import uncertainty
+from martensite.fit.uncertainty import estimate_uncertainty
 
 X = np.linspace(0.0, 3.0, 20)
 COLUMNS = np.stack([X**0, X, X**2], axis=1)
@@ -43,7 +43,7 @@ def bounded(cost):
 @pytest.mark.parametrize("level", [0.68, 0.95])
 def test_the_profile_of_a_linear_model_is_the_t_interval(place: int, level: float):
     found = profile(held, BEST.tolist(), COST, place, low=-50.0, high=50.0, freedom=17, level=level)
-    errors = uncertainty(
+    errors = estimate_uncertainty(
         COLUMNS @ BEST - Y, COLUMNS, ["a", "b", "c"], values=BEST.tolist(), scales=[1, 1, 1]
     )
     assert found.interval == pytest.approx(errors.interval("abc"[place], level), abs=1e-7)

@@ -13,7 +13,7 @@ from scipy import stats
 from martensite.base.confidence import EVERYTHING
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.fit.uncertainty import uncertainty
+from martensite.fit.uncertainty import estimate_uncertainty
 from martensite.search.autocorrelation import autocorrelation, effective_samples
 from martensite.search.whiteness import whiteness
 
@@ -33,7 +33,7 @@ def parabola(seed: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def judged(**changes):
     columns, values, residuals = parabola()
     given = {"values": values.tolist(), "scales": SCALES} | changes
-    return uncertainty(residuals, columns * given["scales"], NAMES, **given)
+    return estimate_uncertainty(residuals, columns * given["scales"], NAMES, **given)
 
 
 # ---------------------------------------------------------------- linear models
@@ -82,7 +82,9 @@ def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs(
     line = fit_powers(X.tolist(), y.tolist(), (0, 1))
     residuals = line.values[0] + line.values[1] * X - y
     columns = np.stack([X**0, X, X * 3.0], axis=1)
-    found = uncertainty(residuals, columns, NAMES, values=[1.0, 2.0, 0.0], scales=[1, 1, 1])
+    found = estimate_uncertainty(
+        residuals, columns, NAMES, values=[1.0, 2.0, 0.0], scales=[1, 1, 1]
+    )
     assert found.errors[1:] == (math.inf, math.inf)
     assert found.interval("b") == found.widened("c") == EVERYTHING
     assert found.errors[0] == pytest.approx(line.error(0), rel=1e-9)
@@ -97,30 +99,34 @@ def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs(
 def test_no_undetermined_parameter_gets_a_small_error(share: float):
     """However little of the redundancy it takes: b = share × what makes up for a."""
     columns = np.stack([X, -X / share, X**2], axis=1)
-    found = uncertainty(0.1 * np.cos(9.0 * X), columns, NAMES, values=[1, 1, 1], scales=[1, 1, 1])
+    found = estimate_uncertainty(
+        0.1 * np.cos(9.0 * X), columns, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
+    )
     assert found.errors[0] == math.inf
     assert not found.errors[1] < 1e-3
     nearly = columns + 1e-5 * np.stack([np.sin(X), 0 * X, 0 * X], axis=1)
-    assert uncertainty(
+    assert estimate_uncertainty(
         0.1 * np.cos(9.0 * X), nearly, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
     ).errors[0] > 1e2  # fmt: skip
 
 
 def test_no_sample_to_spare_and_no_effect_at_all():
-    found = uncertainty(
+    found = estimate_uncertainty(
         [0.1, 0.2], [[1.0, 0.0], [0.0, 1.0]], ["a", "b"], values=[1, 1], scales=[1, 1]
     )
     assert math.isnan(found.errors[0])
     assert found.interval("a") == found.widened("a") == EVERYTHING
-    nothing = uncertainty([0.1] * 5, np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1])
+    nothing = estimate_uncertainty(
+        [0.1] * 5, np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1]
+    )
     assert nothing.errors == (math.inf, math.inf)
 
 
 def test_bad_input_is_refused():
     with pytest.raises(DataError, match="rows"):
-        uncertainty([0.1], [[1.0], [2.0]], ["a"], values=[1], scales=[1])
+        estimate_uncertainty([0.1], [[1.0], [2.0]], ["a"], values=[1], scales=[1])
     with pytest.raises(DataError, match="finite"):
-        uncertainty([math.nan, 1.0], [[1.0], [2.0]], ["a"], values=[1], scales=[1])
+        estimate_uncertainty([math.nan, 1.0], [[1.0], [2.0]], ["a"], values=[1], scales=[1])
     with pytest.raises(UnknownNameError, match="`a`"):
         judged().interval("A")
 

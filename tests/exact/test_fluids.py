@@ -25,7 +25,7 @@ RELEASE = (
 @pytest.mark.parametrize("row", RELEASE, ids=lambda row: f"{row[0]:g}")
 def test_water_is_the_release(row):
     temperature, micro, k, heat, density, slope = row
-    found = ms.Water().known(floats, temperature)
+    found = ms.thermal.Water().known(floats, temperature)
     assert found.conductivity == pytest.approx(k, rel=2e-9)
     assert found.viscosity == pytest.approx(1e-6 * micro / density, rel=3e-9)
     assert found.prandtl == pytest.approx(1e-6 * micro * 1e3 * heat / k, rel=5e-9)
@@ -36,7 +36,7 @@ def test_water_is_the_release(row):
 def deviations(rows="textbook"):
     """`air` against each row of `air-table`: k, ν, Pr, as shares."""
     table = air_table.ROWS[rows]
-    found = [ms.Air().properties(floats, c + 273.15)[:3] for c, *_ in table]
+    found = [ms.thermal.Air().properties(floats, c + 273.15)[:3] for c, *_ in table]
     return np.array(found) / [(k, 1e-5 * nu, pr) for _, k, nu, pr in table] - 1.0
 
 
@@ -59,7 +59,7 @@ def test_the_table_of_air_is_linear_between_its_rows(name):
     rows = np.array(air_table.ROWS[name])
     celsius = np.linspace(rows[0, 0], rows[-1, 0], 83)
     found = np.array(
-        [ms.AirTable(rows=name).properties(floats, c + 273.15) for c in celsius.tolist()]
+        [ms.thermal.AirTable(rows=name).properties(floats, c + 273.15) for c in celsius.tolist()]
     )
     for column, unit in ((1, 1.0), (2, 1e-5), (3, 1.0)):
         expected = unit * np.interp(celsius, rows[:, 0], rows[:, column])
@@ -68,10 +68,10 @@ def test_the_table_of_air_is_linear_between_its_rows(name):
 
 
 def test_oil_is_its_table_at_the_rows_and_logarithmic_between():
-    found = np.array([ms.Oil().properties(floats, row[0]) for row in oil.ROWS])
+    found = np.array([ms.thermal.Oil().properties(floats, row[0]) for row in oil.ROWS])
     printed = np.array(oil.ROWS)[:, 1:] * [1.0, 1e-6, 1.0]
     np.testing.assert_allclose(found[:, :3], printed, rtol=1e-12)
-    between_rows = ms.Oil().properties(floats, 285.0)
+    between_rows = ms.thermal.Oil().properties(floats, 285.0)
     assert between_rows.viscosity == pytest.approx(np.sqrt(2430e-6 * 1120e-6), rel=1e-12)
     assert 0.5 * (2430e-6 + 1120e-6) / between_rows.viscosity == pytest.approx(1.076, abs=1e-3)
 
@@ -80,7 +80,7 @@ def test_the_table_of_oil_agrees_with_itself():
     """α = ν/Pr from the rows is the α that the textbook prints [1e-7 m²/s]."""
     printed = {273.0: 0.910, 300.0: 0.859, 350.0: 0.763, 400.0: 0.695, 430.0: 0.662}
     for temperature, alpha in printed.items():
-        found = ms.Oil().properties(floats, temperature).diffusivity
+        found = ms.thermal.Oil().properties(floats, temperature).diffusivity
         assert found == pytest.approx(1e-7 * alpha, rel=0.01)
 
 

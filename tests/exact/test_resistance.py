@@ -23,7 +23,9 @@ AREA = math.pi * DIAMETER**2 / 4.0
 
 
 def model(**changes):
-    return ms.FurstSeeleckeResistance(**({name: FINGER[name] for name in NAMES} | changes))
+    return ms.electrical.FurstSeeleckeResistance(
+        **({name: FINGER[name] for name in NAMES} | changes)
+    )
 
 
 def ohms(resistance, fraction, strain, temperature):
@@ -61,7 +63,7 @@ def test_it_is_the_formula_by_hand():
 
 
 def test_without_its_corrections_it_is_the_mixture():
-    plain = ms.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
+    plain = ms.electrical.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
     bare, fraction = model(a_rho_A=0.0, a_rho_M=0.0, nu=0.0), np.linspace(0.0, 1.0, 7)
     np.testing.assert_allclose(
         ohms(bare, fraction, 0.0, 350.0), ohms(plain, fraction, 0.0, 350.0), rtol=1e-15
@@ -138,7 +140,7 @@ def test_while_it_transforms_the_slope_is_steeper_and_straighter():
 
 def test_a_mixture_in_its_nominal_shape_is_noticed():
     wire = against_a_spring()
-    plain = ms.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
+    plain = ms.electrical.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
     assert whole(wire[1], ohms(plain, *wire), wire) < 3.6
 
 
@@ -154,10 +156,10 @@ def test_a_simulated_wire_carries_it_with_strain_and_temperature():
     )  # fmt: skip
     system = ms.System(
         element=wire, mechanism=ms.BiasSpring(stiffness=10.0, preload=17e6 * AREA),
-        source=ms.PowerSource(),
-        environment=ms.Environment(temperature=295.0, cooling=ms.ConstantCooling(h=200.0)),
+        source=ms.electrical.PowerSource(),
+        environment=ms.Environment(temperature=295.0, cooling=ms.thermal.ConstantCooling(h=200.0)),
     )  # fmt: skip
-    run = ms.simulate(system, ms.Step(low=0.0, high=1.7, at=1.0, until=13.0), 25.0)
+    run = ms.run(system, ms.Step(low=0.0, high=1.7, at=1.0, until=13.0), 25.0)
     columns = ("martensite_fraction", "strain", "temperature", "resistance")
     fraction, strain, temperature, found = (np.array(run[name]) for name in columns)
     np.testing.assert_allclose(found, by_hand(fraction, strain, temperature), rtol=1e-10)

@@ -21,7 +21,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.design.analysis.energy import energy_per_cycle
 from martensite.design.analysis.frequency import frequency_response
-from martensite.design.analysis.speed import speeds
+from martensite.design.analysis.speed import compute_speeds
 from martensite.show.figures.energy import plot_energy
 from martensite.show.figures.frequency import plot_frequency_response
 from martensite.show.figures.speeds import plot_speeds
@@ -117,7 +117,7 @@ def test_frequencies_that_are_none() -> None:
 def test_a_lag_rises_and_falls_alike_for_every_load() -> None:
     """Of the coefficient h as a load the lag follows; of the signal nothing does."""
     signals, films = H * AREA * np.array([5.0, 10.0]), (H, 2.0 * H)
-    found = speeds(
+    found = compute_speeds(
         WIRE, signals.tolist(), 12.0 * TAU, output="temperature", load="cooling.h", loads=films
     )
     lags = TAU * np.array([[1.0, 1.0], [0.5, 0.5]])
@@ -132,25 +132,25 @@ def test_a_lag_rises_and_falls_alike_for_every_load() -> None:
 
 
 def test_a_model_steps_after_its_delay() -> None:
-    found = speeds(linear_bench().plant, [0.5], 10.0)
+    found = compute_speeds(linear_bench().plant, [0.5], 10.0)
     late = DT * (DELAY - 1.0)
     assert found.rise[0, 0] == pytest.approx(late + math.log(10.0), abs=0.1 * DT)
     assert found.load == "" and math.isnan(found.loads[0])
 
 
 def test_more_power_heats_faster_and_cools_no_faster() -> None:
-    found = speeds(WIRE, [PEAK, 2.0 * PEAK], 4.0 * TAU, back=8.0 * TAU)
+    found = compute_speeds(WIRE, [PEAK, 2.0 * PEAK], 4.0 * TAU, back=8.0 * TAU)
     assert found.rise[0, 1] < 0.6 * found.rise[0, 0]
     assert found.fall[0, 1] > found.fall[0, 0]
 
 
 def test_speeds_that_are_none() -> None:
     with pytest.raises(InputError, match="both its name and its values"):
-        speeds(WIRE, [1.0], 1.0, load="mechanism.mass")
+        compute_speeds(WIRE, [1.0], 1.0, load="mechanism.mass")
     with pytest.raises(ParameterError, match=r"`mechanism\.mas`"):
-        speeds(WIRE, [1.0], 1.0, load="mechanism.mas", loads=[1.0])
+        compute_speeds(WIRE, [1.0], 1.0, load="mechanism.mas", loads=[1.0])
     with pytest.raises(InputError, match="hold"):
-        speeds(WIRE, [1.0], 0.0)
+        compute_speeds(WIRE, [1.0], 0.0)
 
 
 # ---------------------------------------------------------------- energies
@@ -208,7 +208,7 @@ def test_pictures_have_what_was_found() -> None:
     gain, phase = plot_frequency_response(found).axes[:2]
     np.testing.assert_allclose(line(gain, "0.6"), found.gain[1], rtol=1e-9)
     np.testing.assert_allclose(line(phase, "0.3"), np.degrees(found.phase[0]))
-    quick = speeds(WIRE, [PEAK, 2.0 * PEAK], 4.0 * TAU, back=8.0 * TAU)
+    quick = compute_speeds(WIRE, [PEAK, 2.0 * PEAK], 4.0 * TAU, back=8.0 * TAU)
     course, times = plot_speeds(quick).axes[:2]
     assert len(course.get_lines()) == 3
     np.testing.assert_allclose(line(times, "heating"), quick.rise[0])

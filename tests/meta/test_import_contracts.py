@@ -47,8 +47,8 @@ def test_contracts_hold() -> None:
     [
         (
             "physics/thermal/base.py",
-            "from martensite.actuators.elements.wire import Wire",
-            "layers below its own",
+            "import martensite.actuators.elements.wire",
+            "A module imports only",
         ),
         ("actuators/assembly/single.py", "import martensite.simulate.api", "layers below its own"),
         (
@@ -69,5 +69,4 @@ def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str)
     done = lint_imports(copy)
     assert done.returncode == 1, done.stdout + done.stderr
     broken = [text for text in done.stdout.splitlines() if "BROKEN" in text]
-    assert len(broken) == 1
-    assert contract in broken[0]
+    assert any(contract in text for text in broken)

@@ -19,8 +19,10 @@ import pint
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "martensite"
-MATERIALS = sorted((PACKAGE / "materials" / "data").glob("*.toml"))
-LAWS = {path.stem.replace("_", "-") for path in (PACKAGE / "laws").glob("*.py")} - {"base"}
+DATA = PACKAGE / "physics" / "materials" / "data"
+MATERIALS = sorted(DATA.glob("*.toml"))
+LAW_FILES = (PACKAGE / "physics" / "laws").glob("*.py")
+LAWS = {path.stem.replace("_", "-") for path in LAW_FILES} - {"base"}
 BIBLIOGRAPHY = PACKAGE / "references.bib"
 
 KINDS = {"datasheet", "measured", "fitted", "assumed", "recalled"}
@@ -233,7 +235,7 @@ def test_shipped_materials_are_the_expected_ones() -> None:
 
 @pytest.mark.parametrize("stem", sorted(NEEDED))
 def test_material_holds_what_its_use_needs(stem: str) -> None:
-    values = read(PACKAGE / "materials" / "data" / f"{stem}.toml")["values"]
+    values = read(DATA / f"{stem}.toml")["values"]
     assert NEEDED[stem] - values.keys() == set()
 
 
@@ -249,7 +251,7 @@ def test_zero_stress_temperatures_return_the_makers_table(
     stem: str, table: tuple[float, ...]
 ) -> None:
     """Shifted to 172 MPa with its own slopes, the set gives the maker's A_s, A_f, M_s, M_f."""
-    values = read(PACKAGE / "materials" / "data" / f"{stem}.toml")["values"]
+    values = read(DATA / f"{stem}.toml")["values"]
     names = (("A_s", "C_A"), ("A_f", "C_A"), ("M_s", "C_M"), ("M_f", "C_M"))
     for (name, slope), celsius in zip(names, table, strict=True):
         shift = 172 / magnitude(values[slope]["value"], "MPa/K")
@@ -259,7 +261,7 @@ def test_zero_stress_temperatures_return_the_makers_table(
 
 def test_benchmark_resistivity_is_exact() -> None:
     """0.25 m of 0.381 mm wire is 2.075 ohm hot and 15 % more cold, to rounding."""
-    values = read(PACKAGE / "materials" / "data" / "benchmark-liang-rogers.toml")["values"]
+    values = read(DATA / "benchmark-liang-rogers.toml")["values"]
     section = 3.141592653589793 * 0.381e-3**2 / 4
     hot = magnitude(values["rho_A"]["value"], "ohm*m") * 0.25 / section
     cold = magnitude(values["rho_M"]["value"], "ohm*m") * 0.25 / section
@@ -301,7 +303,7 @@ SPOILED = [
 def test_check_catches_a_spoiled_file(
     table: str, name: str, change: dict[str, str], sentence: str
 ) -> None:
-    sound = read(PACKAGE / "materials" / "data" / "flexinol-90.toml")
+    sound = read(DATA / "flexinol-90.toml")
     spoiled = copy.deepcopy(sound)
     spoiled[table].setdefault(name, {}).update(change)
     assert problems_of(sound) == []
@@ -321,7 +323,7 @@ SPOILED_FITS = [
 
 @pytest.mark.parametrize("change, sentence", SPOILED_FITS)
 def test_check_catches_a_spoiled_fit(change: dict[str, Any], sentence: str) -> None:
-    sound = read(PACKAGE / "materials" / "data" / "flexinol-90.toml")
+    sound = read(DATA / "flexinol-90.toml")
     assert problems_of(sound | FIT) == []
     assert sentence in problems_of(sound | FIT | change)
     assert "fit: comes with the law that was fitted, and only with one" in problems_of(

@@ -14,7 +14,7 @@ import pytest
 from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
-from martensite.fit.uncertainty import Uncertainty, uncertainty
+from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.search.whiteness import whiteness
 
 REPETITIONS = 400
@@ -41,7 +41,7 @@ def fitted(seed: int, count: int, phi: float) -> Uncertainty:
     y = columns @ TRUTH
     y += np.append(noise(seed, first, phi), noise(seed + 10_000, count - first, phi))
     values = np.linalg.lstsq(columns, y, rcond=None)[0]
-    return uncertainty(
+    return estimate_uncertainty(
         columns @ values - y, columns * [5.0, 3.0], ["a", "b"], values=values.tolist(),
         scales=[5.0, 3.0], lengths=[first, count - first],
     )  # fmt: skip

@@ -12,8 +12,8 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free import Wish
 from martensite.fit.posterior import SPLIT, Posterior, posterior
-from martensite.fit.problem import problem
-from martensite.fit.solve import solve
+from martensite.fit.problem import build_problem
+from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import read
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
@@ -49,7 +49,9 @@ def fit(c_compiler: str) -> Fit:
     strain = (np.array(run["strain"]) + noise).tolist()
     record = Record("pull", {"time": run.times, "strain": strain}, {"time": "s", "strain": "1"})
     one = Experiment("pull", scenario.system, scenario.waveform, record, {"strain": "strain"})
-    return solve(problem([one], [Wish("eps_L", 0.03, 0.05), Wish("A_f", 340.0, 365.0)]))
+    return solve_problem(
+        build_problem([one], [Wish("eps_L", 0.03, 0.05), Wish("A_f", 340.0, 365.0)])
+    )
 
 
 @pytest.fixture(scope="module")

@@ -12,9 +12,9 @@ from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free import Wish
-from martensite.fit.problem import problem
+from martensite.fit.problem import build_problem
 from martensite.fit.runner import Runner
-from martensite.fit.solve import solve
+from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read
 from martensite.signals.records import Record
 
@@ -157,7 +157,7 @@ def fitted(cell: Cell, noise: float, seed: int) -> Fit:
         assert wish.high is not None
         beside = truth(cell)[wish.name] + 0.1 * (wish.high - wish.low)
         wishes.append(replace(wish, start=beside))
-    return solve(problem([experiment(cell, measured)], wishes))
+    return solve_problem(build_problem([experiment(cell, measured)], wishes))
 
 
 def covered(cell: Cell, noise: float, share: float = 1.0) -> dict[str, int]:
@@ -202,10 +202,10 @@ class TestRecovery:
 def test_two_movers_of_one_number_are_refused() -> None:
     one = experiment(CELLS[0], np.arange(101.0))
     with pytest.raises(ParameterError, match=r"both move `element\.law\.A_s`"):
-        problem([one], ["A_s", "element.law.A_s"])
+        build_problem([one], ["A_s", "element.law.A_s"])
 
 
 def test_a_shared_and_an_own_mover_are_refused() -> None:
     one = experiment(CELLS[0], np.arange(101.0))
     with pytest.raises(ParameterError, match=r"both move `element\.law\.A_s`"):
-        problem([one], ["A_s"], each=["law.A_s"])
+        build_problem([one], ["A_s"], each=["law.A_s"])

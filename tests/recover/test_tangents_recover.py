@@ -17,9 +17,9 @@ from isobaric_cases import Bent, chord, edited, isobar, record
 from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
-from martensite.characterise.tangent_fit import TangentFit, tangent_fit
+from martensite.characterise.tangent_fit import TangentFit, fit_tangents
 from martensite.characterise.tangent_lines import CORE
-from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.tangent_points import TangentPoints, find_tangent_points
 from martensite.characterise.transformation_strain import (
     fit_transformation_strain,
     saturating_strain,
@@ -106,30 +106,30 @@ def repeated() -> Record:
          "spikes", "turned", "turned without times", "second cycle"],
 )  # fmt: skip
 def test_corners_are_found(cycle: Record) -> None:
-    found = tangent_points(cycle)
+    found = find_tangent_points(cycle)
     assert off(found) < 1e-9
     assert found.stress == pytest.approx(STRESS, rel=1e-3)
 
 
 def test_a_corner_elsewhere_would_be_noticed() -> None:
-    found = tangent_points(replace(SAMPLE, M_f=SAMPLE.M_f + 1e-6).cycle(STRESS))
+    found = find_tangent_points(replace(SAMPLE, M_f=SAMPLE.M_f + 1e-6).cycle(STRESS))
     assert off(found) > 1e-9
 
 
 def test_what_is_said_of_a_cycle() -> None:
-    assert tangent_points(SAMPLE.cycle(STRESS)).remarks == ()
-    assert "Cycle 2 of 2" in tangent_points(repeated()).remarks[0]
-    assert off(tangent_points(repeated(), cycle=0)) > 1.0
-    assert "reverse order" in tangent_points(turned(False)).remarks[0]
-    few = tangent_points(SAMPLE.cycle(STRESS, rows=24)).remarks
+    assert find_tangent_points(SAMPLE.cycle(STRESS)).remarks == ()
+    assert "Cycle 2 of 2" in find_tangent_points(repeated()).remarks[0]
+    assert off(find_tangent_points(repeated(), cycle=0)) > 1.0
+    assert "reverse order" in find_tangent_points(turned(False)).remarks[0]
+    few = find_tangent_points(SAMPLE.cycle(STRESS, rows=24)).remarks
     assert len(few) == 2 and "On heating only 3 rows" in few[0]
-    short = tangent_points(SAMPLE.cycle(STRESS, coldest=316.0)).remarks
+    short = find_tangent_points(SAMPLE.cycle(STRESS, coldest=316.0)).remarks
     assert len(short) == 1 and "below it: the cold line is uncertain" in short[0]
 
 
 def test_over_stress() -> None:
     """Slopes, zero-stress temperatures and H exactly, of records in any order of stress."""
-    fit = tangent_fit([SAMPLE.cycle(s) for s in (200e6, 50e6, 100e6)])
+    fit = fit_tangents([SAMPLE.cycle(s) for s in (200e6, 50e6, 100e6)])
     assert [points.stress for points in fit.levels] == [50e6, 100e6, 200e6]
     zero = SAMPLE.at(0.0)
     for name in TEMPERATURES:
@@ -152,7 +152,7 @@ def test_over_stress() -> None:
 
 def test_stresses_that_are_given_replace_the_column() -> None:
     cycles = [SAMPLE.cycle(s) for s in (50e6, 100e6)]
-    fit = tangent_fit(cycles, stresses=(60e6, 160e6))
+    fit = fit_tangents(cycles, stresses=(60e6, 160e6))
     assert fit.C_A == pytest.approx(2.0 * SAMPLE.C_A, rel=1e-9)
     assert fit.reverse.slope_interval() == (-math.inf, math.inf)
     assert fit.A_s.interval() == (-math.inf, math.inf)
@@ -161,14 +161,14 @@ def test_stresses_that_are_given_replace_the_column() -> None:
 
 def test_a_slope_the_wrong_way_is_not_found() -> None:
     cycles = [SAMPLE.cycle(s) for s in (50e6, 100e6, 150e6)]
-    fit = tangent_fit(cycles, stresses=(150e6, 100e6, 50e6))
+    fit = fit_tangents(cycles, stresses=(150e6, 100e6, 50e6))
     assert {"C_A", "C_M"} & set(fit.guess()) == set()
     assert [text.split()[0] for text in fit.remarks] == ["C_A", "C_M"]
 
 
 def test_widths_that_change_with_stress_are_remarked_upon() -> None:
     cycles = [replace(SAMPLE, A_f=SAMPLE.A_f + s / 30e6).cycle(s) for s in STRESSES]
-    (remark,) = tangent_fit(cycles).remarks
+    (remark,) = fit_tangents(cycles).remarks
     assert remark.startswith("A_s and A_f rise differently") and "8 and 6.32 MPa/K" in remark
 
 
@@ -219,7 +219,7 @@ def test_the_tangent_cuts_off_the_round_ends_of_a_cosine(
     law: LiangRogers | Brinson, stress: float, coldest: float, hottest: float
 ) -> None:
     ends = strips(law, stress)
-    found = tangent_points(isobar(law, stress, coldest, hottest))
+    found = find_tangent_points(isobar(law, stress, coldest, hottest))
     assert farthest(found, cut_off(ends, TANGENT)) < 0.012
     assert farthest(found, cut_off(ends, CHORD)) < 0.004
     assert farthest(found, ends) > 0.15  # no strip end is found by a tangent
@@ -231,7 +231,7 @@ def test_the_tangent_cuts_off_the_round_ends_of_a_cosine(
 
 def test_the_guess_for_cosines_is_near_the_parameters() -> None:
     cycles = [isobar(LIANG, s, 280.0, 400.0) for s in (50e6, 120e6, 200e6)]
-    fit = tangent_fit(cycles)
+    fit = fit_tangents(cycles)
     guess = fit.guess("cosine")
     for name in TEMPERATURES:
         assert guess[name] == pytest.approx(getattr(LIANG, name), abs=0.3)  # 1.5 % of a width
@@ -249,7 +249,7 @@ def test_a_cosine_with_noise() -> None:
     found: dict[str, list[float]] = {name: [] for name in TEMPERATURES}
     for seed in range(20):
         noise = np.random.default_rng(seed).normal(0.0, 0.01 * LIANG.eps_L, strain.size)
-        points = tangent_points(edited(clean, "strain", strain + noise))
+        points = find_tangent_points(edited(clean, "strain", strain + noise))
         for name in TEMPERATURES:
             found[name].append(getattr(points, name))
     for name, values in found.items():
@@ -265,7 +265,7 @@ def test_a_cosine_with_noise() -> None:
 def fits() -> list[TangentFit]:
     """Four stresses each, with noise of 1 % of the transformation strain."""
     return [
-        tangent_fit(
+        fit_tangents(
             [SAMPLE.cycle(s, rows=100, noise=0.01, seed=10 * k + i) for i, s in enumerate(STRESSES)]
         )
         for k in range(REPETITIONS)

@@ -106,7 +106,7 @@ class TestSameEverywhere:
             bench(controllers=Controllers()), 0.2, outside={"drive": Steady(level=0.1)}
         )
         assert "reference" not in run.columns
-        assert set(run["wanted"]) == {0.1}
+        assert set(run.columns["wanted"]) == {0.1}
 
     def test_a_run_outside_tells_how_far_it_is(self) -> None:
         told: list[float] = []
@@ -149,15 +149,15 @@ class TestPeriods:
             runtime="floats",
         )  # fmt: skip
         wanted = 300.0 * np.subtract(run["reference"], run["position"])
-        assert run["wanted"] == pytest.approx(wanted, abs=1e-12)
+        assert run.columns["wanted"] == pytest.approx(wanted, abs=1e-12)
         expected = [REFERENCE.value(time) for time in run.times]
-        assert run["reference"] == pytest.approx(expected, abs=1e-9)
+        assert run.columns["reference"] == pytest.approx(expected, abs=1e-9)
 
     def test_seed_decides_the_noise(self) -> None:
         one, same, other, none = (
             simulate_bench(bench(), 1.0, seed=seed, runtime="floats") for seed in (1, 1, 2, None)
         )
-        assert one["measured.position"] == same["measured.position"]
+        assert one.columns["measured.position"] == same.columns["measured.position"]
         assert apart(one, other, "measured.position") > 0.0
         assert apart(one, none, "measured.position") > 0.0
 
@@ -231,9 +231,9 @@ class TestSeveralDrives:
         names, alone = ("protagonist", "antagonist"), Bench(plant=machine, period=0.05)
         run = simulate_bench(alone, 0.2, outside=dict.fromkeys(names, switch))
         assert {f"{n}.{d}" for n in ("reference", "wanted") for d in names} <= set(run.columns)
-        assert set(run["reference.antagonist"]) == {0.02}
+        assert set(run.columns["reference.antagonist"]) == {0.02}
         assert run.unit("reference.antagonist") == run.unit(coordinate)
-        assert run["wanted.protagonist"] == pytest.approx(run["protagonist.drive"])
+        assert run.columns["wanted.protagonist"] == pytest.approx(run.columns["protagonist.drive"])
         one = alone.with_parts(controllers=Controllers(protagonist=switch))
         mixed = simulate_bench(one, 0.2, outside={"antagonist": switch})
         assert {"reference", "wanted", "reference.antagonist"} <= set(mixed.columns)

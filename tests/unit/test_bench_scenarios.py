@@ -100,7 +100,7 @@ def test_run_of_a_scenario_is_that_of_its_bench() -> None:
     assert len(result.times) == 21
     assert {"position", "measured.position", "reference", "wanted"} <= set(result.columns)
     other = read(LOOP + "[bench]\nseed = 1\n").run(runtime="floats")
-    assert other["measured.position"] != result["measured.position"]
+    assert other.columns["measured.position"] != result.columns["measured.position"]
 
 
 def test_noise_can_be_left_out() -> None:
@@ -151,7 +151,7 @@ def test_reference_of_a_power_needs_no_reading() -> None:
     power = "[reference]\nkind = 'constant'\nlevel = '300 mW'\n"
     result = controlled("kind = 'constant-power'\n", power).run(runtime="floats")
     assert result.unit("reference") == "W"
-    assert result["power"][-1] == pytest.approx(0.3, rel=1e-3)
+    assert result.columns["power"][-1] == pytest.approx(0.3, rel=1e-3)
 
 
 def test_every_number_is_reached_by_its_path() -> None:
@@ -261,7 +261,7 @@ def test_guard_cuts_and_faults_act() -> None:
     sag = "[faults.sag]\nkind = 'supply-sag'\nshare = 0.5\nstart = '0.2 s'\n"
     weak = read(text + sag).run(runtime="floats")
     half = 10
-    assert weak["temperature"][:half] == free["temperature"][:half]
+    assert weak.columns["temperature"][:half] == free.columns["temperature"][:half]
     assert weak["temperature"][-1] < free["temperature"][-1] - 1.0
 
 
@@ -271,8 +271,8 @@ def test_machine_has_controllers_by_port() -> None:
     assert scenario.bench is not None
     assert list(scenario.bench.controllers.members()) == ["first"]
     result = scenario.run(runtime="floats")
-    assert result["first.drive"][1] == 5.0
-    assert result["second.drive"][1] == 0.0
+    assert result.columns["first.drive"][1] == 5.0
+    assert result.columns["second.drive"][1] == 0.0
     single = document.replace("[controllers.first]", "[controller]")
     single = single.replace("[references.first]", "[reference]")
     with pytest.raises(ParameterError, match=r"which of the drives first, second, third"):
@@ -298,7 +298,7 @@ duration = "20 s"
     scenario = read(text, EXAMPLES / "loop.toml")
     assert placed(scenario)["controller.high"].value == pytest.approx(0.16)
     result = scenario.run(runtime="floats")
-    assert result["wanted"][0] == pytest.approx(min(0.16, 100 * 0.003), rel=0.01)
+    assert result.columns["wanted"][0] == pytest.approx(min(0.16, 100 * 0.003), rel=0.01)
     assert max(result["position"]) > 1e-3
 
 

@@ -50,7 +50,7 @@ def test_run_writes_every_column_and_the_scenario(folder: Path) -> None:
     same = load("loop.toml", {"run.duration": "0.5 s", "controller.Kp": 90}).run(runtime="floats")
     assert set(same.columns) <= set(saved.variables)
     for name in ("measured.position", "reference", "wanted", "drive"):
-        assert saved[name].values.tolist() == same[name]
+        assert saved[name].values.tolist() == same[name].tolist()
     assert saved["measured.position"].attrs["units"] == "m"
     again = read(saved.attrs["scenario"])
     assert again.bench is not None

@@ -15,8 +15,8 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
-from martensite.export.c_core import c_core
-from martensite.export.c_loop import c_loop
+from martensite.export.c_core import build_c_core
+from martensite.export.c_loop import build_c_loop
 from martensite.kernels.c99 import compiler
 from martensite.scenario.scenario import load
 
@@ -76,7 +76,7 @@ def read(name: str) -> str:
 def test_a_bench_is_written() -> None:
     done = call("held.toml")
     assert (done.exit_code, done.stderr) == (0, ""), done.output
-    core = c_core(load("held.toml").whole, name="held")
+    core = build_c_core(load("held.toml").whole, name="held")
     assert (read("held.h"), read("held.c")) == (core.header, core.source)
     assert "wrote held.h, held.c, held_example.c" in done.stdout
     assert f"model: {core.size:,} bytes" in done.stdout
@@ -107,7 +107,7 @@ def test_options() -> None:
     )  # fmt: skip
     report = json.loads(done.stdout)
     system = load("held.toml", {"element.diameter": "0.2 mm"}).system
-    core = c_core(system, name="core")
+    core = build_c_core(system, name="core")
     assert read("made/core.c") == core.source
     assert report["files"] == ["made/core.h", "made/core.c", "made/core_example.c"]
     assert (report["name"], report["part"], report["model_bytes"]) == ("core", "plant", core.size)
@@ -118,7 +118,7 @@ def test_the_loop_without_its_plant() -> None:
     done = call("held.toml", "--part", "loop", "--precision", "float32", "--json")
     bench = load("held.toml").bench
     assert bench is not None
-    core = c_loop(bench, name="held", precision="float32")
+    core = build_c_loop(bench, name="held", precision="float32")
     assert read("held.c") == core.source
     assert json.loads(done.stdout)["sample_time"] == 0.02
     assert "held_u_position_age" in read("held.h")

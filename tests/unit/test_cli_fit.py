@@ -270,7 +270,7 @@ def test_interrupted_profile_does_not_lose_the_fit(monkeypatch: pytest.MonkeyPat
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(profiled, "profiled", interrupted)
+    monkeypatch.setattr(profiled, "profile_likelihood", interrupted)
     done = FIT(*SMALL, "--profile", "A_s", "--json")
     assert done.exit_code == 1
     found = json.loads(done.stdout)

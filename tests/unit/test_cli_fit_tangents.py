@@ -15,8 +15,8 @@ import pytest
 from isobaric_cases import Bent
 from typer.testing import CliRunner, Result
 
-from martensite.characterise.tangent_fit import tangent_fit
-from martensite.characterise.tangent_points import tangent_points
+from martensite.characterise.tangent_fit import fit_tangents
+from martensite.characterise.tangent_points import find_tangent_points
 from martensite.cli import app
 from martensite.scenario import datasets
 from martensite.show.figures.tangents import MOST_PANELS, plot_tangents
@@ -86,7 +86,7 @@ def test_points_and_summary() -> None:
 
 def test_json_holds_what_python_finds() -> None:
     found = numbers(*logs())
-    fit = tangent_fit([SAMPLE.cycle(stress) for stress in STRESSES])
+    fit = fit_tangents([SAMPLE.cycle(stress) for stress in STRESSES])
     assert found["guess"] == pytest.approx(fit.guess(), rel=1e-9)
     assert [level["stress"] for level in found["levels"]] == pytest.approx(STRESSES)
     assert found["levels"][1]["A_half"] == pytest.approx(SAMPLE.half(100e6, False), abs=1e-6)
@@ -145,7 +145,7 @@ def test_the_figure(folder: Path) -> None:
 
 
 def test_what_is_drawn() -> None:
-    fit = tangent_fit([SAMPLE.cycle(stress) for stress in STRESSES])
+    fit = fit_tangents([SAMPLE.cycle(stress) for stress in STRESSES])
     axes = plot_tangents(fit).axes
     assert len(axes) == len(STRESSES) + 2
     for points, panel in zip(fit.levels, axes, strict=False):
@@ -157,9 +157,9 @@ def test_what_is_drawn() -> None:
     diagram, strain = axes[-2:]
     assert "C_A" in diagram.get_title(loc="left") and diagram.get_ylim()[0] == 0.0
     assert strain.get_ylabel().endswith("[%]")
-    (alone,) = plot_tangents(tangent_points(SAMPLE.cycle(100e6))).axes
+    (alone,) = plot_tangents(find_tangent_points(SAMPLE.cycle(100e6))).axes
     assert "100 MPa" in alone.get_title(loc="left")
-    many = tangent_fit([SAMPLE.cycle(1e6 * s, rows=60) for s in range(20, 200, 20)])
+    many = fit_tangents([SAMPLE.cycle(1e6 * s, rows=60) for s in range(20, 200, 20)])
     assert len(plot_tangents(many).axes) == MOST_PANELS + 2
 
 
@@ -185,5 +185,5 @@ def test_bad_input() -> None:
 def test_a_wrong_number_would_be_noticed() -> None:
     """The comparison with Python above fails for a log of another sample."""
     found = numbers(*logs()[:2], log(210e6, "200.csv"))
-    fit = tangent_fit([SAMPLE.cycle(stress) for stress in STRESSES])
+    fit = fit_tangents([SAMPLE.cycle(stress) for stress in STRESSES])
     assert found["levels"][2]["A_s"] != pytest.approx(fit.levels[2].A_s, rel=1e-9)

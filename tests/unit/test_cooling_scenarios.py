@@ -59,30 +59,31 @@ COMBINED = (
     'radiation = { kind = "radiation", emissivity = 0.5 } }'
 )
 BUILT: list[tuple[str, AbstractCooling]] = [
-    ('"churchill-chu"', ms.ChurchillChu()),
-    ('{ kind = "churchill-chu" }', ms.ChurchillChu(fluid=ms.Air())),
-    ('{ kind = "morgan", fluid = "oil" }', ms.Morgan(fluid=ms.Oil())),
+    ('"churchill-chu"', ms.thermal.ChurchillChu()),
+    ('{ kind = "churchill-chu" }', ms.thermal.ChurchillChu(fluid=ms.thermal.Air())),
+    ('{ kind = "morgan", fluid = "oil" }', ms.thermal.Morgan(fluid=ms.thermal.Oil())),
     (
         '{ kind = "morgan", fluid = { kind = "air", pressure = "60 kPa" } }',
-        ms.Morgan(fluid=ms.Air(pressure=60e3)),
+        ms.thermal.Morgan(fluid=ms.thermal.Air(pressure=60e3)),
     ),
     (
         '{ kind = "morgan", fluid = { pressure = "60 kPa" } }',
-        ms.Morgan(fluid=ms.Air(pressure=60e3)),
+        ms.thermal.Morgan(fluid=ms.thermal.Air(pressure=60e3)),
     ),
     (
         '{ kind = "lefevre-ede", gravity = "9.81 m/s^2", '
         'fluid = { kind = "air-table", rows = "kossoski" } }',
-        ms.LeFevreEde(gravity=9.81, fluid=ms.AirTable(rows="kossoski")),
+        ms.thermal.LeFevreEde(gravity=9.81, fluid=ms.thermal.AirTable(rows="kossoski")),
     ),
     (
         '{ kind = "churchill-bernstein", speed = "1.5 m/s" }',
-        ms.ChurchillBernstein(speed=1.5),
+        ms.thermal.ChurchillBernstein(speed=1.5),
     ),
     (
         COMBINED,
-        ms.CombinedCooling(
-            convection=ms.LeFevreEde(fluid=ms.Water()), radiation=ms.Radiation(emissivity=0.5)
+        ms.thermal.CombinedCooling(
+            convection=ms.thermal.LeFevreEde(fluid=ms.thermal.Water()),
+            radiation=ms.thermal.Radiation(emissivity=0.5),
         ),
     ),
 ]

@@ -14,6 +14,7 @@ from builders import problem_a
 
 import martensite as ms
 from martensite.base.errors import ParameterError
+from martensite.simulate.batch import simulate_batch
 from martensite.simulate.devices import AHEAD, WIDE_CHUNK, chunk_for, devices_of, march_chunks
 
 TWICE: Any = 2.0
@@ -22,12 +23,13 @@ ON_TWO = """
 import hashlib, json
 from builders import problem_a
 import martensite as ms
+from martensite.simulate.batch import simulate_batch
 from martensite.simulate.devices import devices_of
 
 def said(devices):
     over = {"h0": [80.0, 90.0, 100.0, 110.0, 120.0]}
-    found = ms.simulate_batch(
-        problem_a(), ms.Triangle(high=2.5, frequency=0.1), 2.0, over,
+    found = simulate_batch(
+        problem_a(), ms.signals.Triangle(high=2.5, frequency=0.1), 2.0, over,
         step=0.02, samples=21, chunk=2, devices=devices,
     )
     return hashlib.sha256(found.columns["position"].tobytes()).hexdigest()
@@ -56,7 +58,7 @@ def test_more_devices_than_there_are_are_refused() -> None:
             devices_of(count)
     wave = ms.Step(high=2.5, at=1.0)
     with pytest.raises(ParameterError, match="devices"):
-        ms.simulate_batch(problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1,
+        simulate_batch(problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1,
                           runtime="jax")  # fmt: skip
 
 

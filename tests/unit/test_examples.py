@@ -15,8 +15,8 @@ import pytest
 
 from martensite.base.errors import DataError
 from martensite.design.tuning.averaging import compare_averaging
-from martensite.fit.api import fit
-from martensite.scenario.compare import compare
+from martensite.fit.api import fit_logs
+from martensite.scenario.compare import compare_with_record
 from martensite.scenario.model_files import read_provenance
 from martensite.scenario.scenario import Scenario, load
 from martensite.scenario.tables import read_table
@@ -48,7 +48,7 @@ def test_isobaric_example_follows_the_measurement(stress: int) -> None:
     result = scenario.run()
     assert max(result["stress"]) == pytest.approx(stress * 1e6, rel=1e-4)
     assert result.range("strain") == pytest.approx(STROKES[stress], abs=1e-3)
-    agreement = {found.quantity: found for found in compare(result, record)}
+    agreement = {found.quantity: found for found in compare_with_record(result, record)}
     assert agreement["temperature"].rms < 1e-6
     assert agreement["strain"].rms < 0.005
 
@@ -90,7 +90,7 @@ def test_machine_may_follow_the_stress_as_measured(stress: int) -> None:
     assert machine.measured is not None
     record = machine.measured.read()
     result = machine.run()
-    agreement = {found.quantity: found for found in compare(result, record)}
+    agreement = {found.quantity: found for found in compare_with_record(result, record)}
     assert agreement["stress"].rms < 1e-6 * stress * 1e6
     assert agreement["strain"].rms < 0.005
     apart = [abs(a - b) for a, b in zip(result["strain"], weight.run()["strain"], strict=True)]
@@ -238,7 +238,7 @@ def test_tensile_test_in_a_soft_machine_looks_soft(stiffness: str, modulus: floa
 def test_isobaric_fit_predicts_the_cycle_that_it_does_not_see() -> None:
     """Seven numbers, found in a stroke of 4.5 %; its comments promise no more than to judge it."""
     isobaric(172)  # skips where the measurements are missing
-    found = fit(EXAMPLES / "fit_isobaric.toml")
+    found = fit_logs(EXAMPLES / "fit_isobaric.toml")
     (kept,) = [score for score in found.scores if score.part == "held-out"]
     assert kept.record == "172 MPa"
     assert kept.rms < 0.0025
@@ -254,7 +254,7 @@ def test_isobaric_scenario_follows_its_log() -> None:
     isobaric(100)  # skips where the measurements are missing
     log = read_table("data:flexinol-isobaric/isobaric_100MPa.txt", interval=1.0)
     scenario = load(EXAMPLES / "isobaric_log.toml", log=log)
-    agreement = {found.quantity: found for found in compare(scenario.run(), log)}
+    agreement = {found.quantity: found for found in compare_with_record(scenario.run(), log)}
     assert agreement["stress"].rms < 0.02 * 100e6
     assert agreement["strain"].rms < 0.005
 

@@ -32,10 +32,10 @@ from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.export.c_core import CCore, c_core
+from martensite.export.c_core import CCore, build_c_core
 from martensite.export.c_example import example_text
 from martensite.export.c_kernels import PRECISIONS
-from martensite.export.c_loop import c_loop
+from martensite.export.c_loop import build_c_loop
 from martensite.export.c_names import identifier
 from martensite.export.c_operations import operations
 from martensite.export.c_played import played_by_system
@@ -117,12 +117,12 @@ def differing(system: AbstractSystem, called: Called, steps: Steps) -> int:
 
 @pytest.fixture(scope="module")
 def wire(tmp_path_factory: pytest.TempPathFactory, c_compiler: str) -> Called:
-    return Called(c_core(SYSTEM, name="wire"), tmp_path_factory.mktemp("wire"))
+    return Called(build_c_core(SYSTEM, name="wire"), tmp_path_factory.mktemp("wire"))
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory, c_compiler: str) -> Called:
-    return Called(c_core(BENCH, name="bench"), tmp_path_factory.mktemp("bench"))
+    return Called(build_c_core(BENCH, name="bench"), tmp_path_factory.mktemp("bench"))
 
 
 @pytest.fixture
@@ -171,7 +171,7 @@ def test_changed_parameters_are_those_of_another_system(wire: Called) -> None:
 
 
 def test_a_loop_is_that_of_the_bench_bit_for_bit(tmp_path: Path) -> None:
-    core = c_loop(WATCHED, name="loop")
+    core = build_c_loop(WATCHED, name="loop")
     names = ["position", "position.age", "reference"]
     assert [(one.name, one.unit) for one in core.inputs] == list(
         zip(names, ["m", "s", "m"], strict=True)
@@ -198,7 +198,7 @@ FLOAT_BOUND = 2e-5
 
 def test_float32_stays_close(tmp_path: Path) -> None:
     steps: Steps = [((volts_a(0.02 * k),), 0.02) for k in range(2000)]
-    single = Called(c_core(SYSTEM, name="single", precision="float32"), tmp_path)
+    single = Called(build_c_core(SYSTEM, name="single", precision="float32"), tmp_path)
     meant, found = (
         np.array([seen for _, seen in rows])
         for rows in (on_floats(SYSTEM, steps), in_c(single, steps))
@@ -268,7 +268,7 @@ def test_a_step_that_is_not_solved_leaves_the_state(
     """Of a core to which no step is solved."""
     hard = replace(PRECISIONS["float64"], solved=-1.0)
     monkeypatch.setitem(PRECISIONS, "float64", hard)
-    core = Called(c_core(SYSTEM, name="hard"), tmp_path)
+    core = Called(build_c_core(SYSTEM, name="hard"), tmp_path)
     core.call("defaults")
     assert core.start(0.0) == OK
     before = core.state
@@ -303,9 +303,9 @@ def test_a_model_is_saved_by_copying_it(started: Called) -> None:
 
 
 SOURCES = {
-    "bench float32": lambda: c_core(BENCH, name="a", precision="float32"),
-    "loop float64": lambda: c_loop(WATCHED, name="a"),
-    "loop float32": lambda: c_loop(WATCHED, name="a", precision="float32"),
+    "bench float32": lambda: build_c_core(BENCH, name="a", precision="float32"),
+    "loop float64": lambda: build_c_loop(WATCHED, name="a"),
+    "loop float32": lambda: build_c_loop(WATCHED, name="a", precision="float32"),
 }
 
 
@@ -315,7 +315,7 @@ def test_it_compiles_without_warnings(tmp_path: Path, name: str) -> None:
 
 
 def test_warnings_are_errors(tmp_path: Path) -> None:
-    core = c_core(SYSTEM, name="a", precision="float32")
+    core = build_c_core(SYSTEM, name="a", precision="float32")
     bad = CCore(**{**vars(core), "source": core.source.replace("sinf(", "sin(")})
     assert bad.source != core.source
     with pytest.raises(AssertionError, match=r"double-promotion|conversion"):
@@ -326,7 +326,7 @@ def test_the_header_is_one_of_cpp_too(tmp_path: Path) -> None:
     cpp = shutil.which("g++")
     if cpp is None:
         pytest.skip("no C++ compiler on this machine")
-    c_core(SYSTEM, name="a").write(tmp_path)
+    build_c_core(SYSTEM, name="a").write(tmp_path)
     (tmp_path / "user.cpp").write_text('#include "a.h"\nint main() { return a_OK; }\n')
     command = [cpp, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "user.cpp"]
     subprocess.run(command, cwd=tmp_path, check=True)
@@ -335,7 +335,7 @@ def test_the_header_is_one_of_cpp_too(tmp_path: Path) -> None:
 def test_it_needs_no_library_but_libm(tmp_path: Path) -> None:
     if shutil.which("nm") is None:
         pytest.skip("no nm on this machine")
-    path = compiled(c_core(SYSTEM, name="a"), tmp_path, "-c")
+    path = compiled(build_c_core(SYSTEM, name="a"), tmp_path, "-c")
     listed = subprocess.run(["nm", str(path)], capture_output=True, text=True, check=True).stdout
     rows = [line.split()[-2:] for line in listed.splitlines()]
     wanted = {name for kind, name in rows if kind == "U"}
@@ -358,7 +358,7 @@ def test_the_example_prints_what_the_model_does(bench: Called, tmp_path: Path) -
 
 
 def test_what_is_in_it_is_said() -> None:
-    core = c_core(SYSTEM, name="a")
+    core = build_c_core(SYSTEM, name="a")
     assert [one.name for one in core.parameters] == [leaf.path for leaf in SYSTEM.leaves()]
     diameter = next(one for one in core.parameters if one.name == "element.diameter")
     assert (diameter.unit, diameter.default, diameter.used) == ("m", 0.381e-3, True)
@@ -400,12 +400,12 @@ def test_operations_are_those_counted_by_hand() -> None:
 )
 def test_what_cannot_be_is_refused(arguments: dict[str, str], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
-        c_core(SYSTEM, **arguments)  # type: ignore[arg-type]
+        build_c_core(SYSTEM, **arguments)  # type: ignore[arg-type]
 
 
 def test_a_loop_needs_a_controller() -> None:
     with pytest.raises(ParameterError, match="without controllers"):
-        c_loop(Bench(plant=PLANT, period=PERIOD))
+        build_c_loop(Bench(plant=PLANT, period=PERIOD))
 
 
 def test_identifiers() -> None:

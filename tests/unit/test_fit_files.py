@@ -15,14 +15,14 @@ import pytest
 from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, write_log
 
 from martensite.base.errors import DataError, InputError, UnitError
-from martensite.fit.api import fit, read_problem
+from martensite.fit.api import fit_logs, read_problem
 from martensite.fit.compared import columns_of, echoes
 from martensite.fit.documents import read_fit_file
 from martensite.fit.free import Wish
 from martensite.fit.hold_out import ALL, held_out
 from martensite.fit.steps import halved, with_step
 from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
-from martensite.scenario.compare import compare
+from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
@@ -49,7 +49,7 @@ def test_scenario_follows_the_natural_columns() -> None:
     result = scenario.run()
     for name in ("temperature", "stress"):
         assert result[name][-1] == pytest.approx(log[name][-1], rel=1e-6)
-    agreement = {one.quantity: one for one in compare(result, log)}
+    agreement = {one.quantity: one for one in compare_with_record(result, log)}
     assert agreement["temperature"].maximum < 0.1
 
 
@@ -160,10 +160,10 @@ def test_rows_with_gaps_are_kept_where_others_are_dropped() -> None:
 def test_comparison_passes_gaps_over() -> None:
     log = heated(noise=0.0)
     result = load("heated.toml", fit_cases.HEAT_TRUTH, log=log).run(tolerance=1e-4)
-    full = {one.quantity: one for one in compare(result, log)}
+    full = {one.quantity: one for one in compare_with_record(result, log)}
     holes = [math.nan if k % 3 else x for k, x in enumerate(log["position"])]
     gapped = replace(log, columns=log.columns | {"position": holes})
-    part = {one.quantity: one for one in compare(result, gapped)}
+    part = {one.quantity: one for one in compare_with_record(result, gapped)}
     assert part["resistance"] == full["resistance"]
     assert 0.0 < part["position"].rms <= full["position"].maximum
 
@@ -379,7 +379,7 @@ def test_problem_from_files_compares_strain_and_knows_its_bounds() -> None:
 def test_fit_in_one_call_recovers_the_truth_within_its_intervals() -> None:
     logs = [isobaric(s * 1e6, seed=s) for s in (50, 200)]
     scenario = load("isobaric.toml", log=logs[0])
-    found = fit(scenario, [replace(log, name=f"log {k}") for k, log in enumerate(logs)], FREE)
+    found = fit_logs(scenario, [replace(log, name=f"log {k}") for k, log in enumerate(logs)], FREE)
     for name, true in TRUE.items():
         low, high = found.uncertainty.interval(name, 0.999)
         assert low <= true <= high
@@ -393,7 +393,7 @@ def test_fit_in_one_call_recovers_the_truth_within_its_intervals() -> None:
 def test_fit_fails_to_recover_a_truth_that_is_not_in_the_log() -> None:
     """The check above can fail: a log of other numbers ends elsewhere."""
     wrong = fit_cases.measured(cycle(), ISOBARIC, ["strain"], {"element.law.A_s": "60 degC"}, 0.01)
-    low, high = fit("isobaric.toml", wrong, FREE).uncertainty.interval("A_s", 0.999)
+    low, high = fit_logs("isobaric.toml", wrong, FREE).uncertainty.interval("A_s", 0.999)
     assert not low <= TRUE["A_s"] <= high
 
 
@@ -446,10 +446,10 @@ def test_step_to_the_tolerance_where_the_wire_is_heated() -> None:
 def test_steps_that_are_too_long_are_told_after_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps of rows are short enough here, unless little is noticed."""
     log = heated()
-    short = fit("heated.toml", log, "h", hold_out="none", step=0.02)
+    short = fit_logs("heated.toml", log, "h", hold_out="none", step=0.02)
     assert short.cautions == ()
     monkeypatch.setattr("martensite.fit.steps.NOTICEABLE", 1e-5)
-    (caution,) = fit("heated.toml", log, "h", hold_out="none", step=0.1).cautions
+    (caution,) = fit_logs("heated.toml", log, "h", hold_out="none", step=0.1).cautions
     assert "would move `h` by about" in caution
     assert "too long" in caution
     (one,) = short.problem.experiments
@@ -488,12 +488,12 @@ def test_fit_file_says_everything() -> None:
     assert task.step == 0.5
     assert [log.weight for log in task.logs] == [2.0, 1.0]
     assert task.logs[1].settings == {"element.law.E_M": "20 GPa", "element.length": "90 mm"}
-    found = fit("fit.toml")
+    found = fit_logs("fit.toml")
     assert [one.name for one in found.problem.experiments] == ["first"]
     assert [kept.experiment.name for kept in found.kept] == ["second"]
     assert found.problem.noise == pytest.approx({"strain": 5e-4})
     assert found.problem.experiments[0].weights == {"strain": 2.0}
-    other = fit("fit.toml", loss="huber", noise={"strain": "0.1 %"}, each="delay")
+    other = fit_logs("fit.toml", loss="huber", noise={"strain": "0.1 %"}, each="delay")
     assert other.loss == "huber"
     assert other.problem.noise == pytest.approx({"strain": 1e-3})
     assert other.problem.names[-1] == "delay@first"
@@ -550,9 +550,9 @@ def test_fit_file_that_cannot_be_read_is_refused(old: str, new: str, words: str)
 
 def test_missing_fit_file_and_a_scenario_alone_are_refused() -> None:
     with pytest.raises(DataError, match="There is no fit file"):
-        fit("fitt.toml")
+        fit_logs("fitt.toml")
     with pytest.raises(UnitError, match="delay"):
         read_wishes(["delay=1..2 K"], systems(), own=True)
     scenario: Scenario = read(ISOBARIC, log=cycle())
     with pytest.raises(InputError, match="only a fit file stands alone"):
-        fit(scenario)
+        fit_logs(scenario)

@@ -21,8 +21,8 @@ from martensite.base.errors import ParameterError, SolveError
 from martensite.fit import runner as runners
 from martensite.fit.experiment import Experiment
 from martensite.fit.free import Wish
-from martensite.fit.problem import Problem, problem
-from martensite.fit.solve import solve
+from martensite.fit.problem import Problem, build_problem
+from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.voltage import VoltageSource
 from martensite.scenario.scenario import load
 from martensite.signals.records import Record
@@ -105,7 +105,7 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 
 def test_residuals_are_mismatches_by_noise_or_range():
     one = moved(experiment("one", "position", "temperature"), lambda column: 1.01 * column)
-    task = problem(
+    task = build_problem(
         [replace(one, weights={"temperature": 4.0})], ["A_s"], noise={"temperature": 0.5}
     )
     found = task.evaluate(task.start)
@@ -126,7 +126,9 @@ def test_missing_samples_are_left_out():
         column[5:9] = math.nan
         return column
 
-    task, other = (problem([one], ["A_s", "C_A"]) for one in (whole, moved(whole, with_holes)))
+    task, other = (
+        build_problem([one], ["A_s", "C_A"]) for one in (whole, moved(whole, with_holes))
+    )
     u = away(task)
     full, less = task.evaluate(u, slopes=True), other.evaluate(u, slopes=True)
     assert full is not None
@@ -143,23 +145,25 @@ def test_one_output_may_miss_what_another_has():
     one = experiment("one", "position", "temperature")
     columns = dict(one.record.columns)
     columns["position"] = [math.nan, *columns["position"][1:-1], math.nan]
-    other = problem([replace(one, record=replace(one.record, columns=columns))], ["A_s"])
+    other = build_problem([replace(one, record=replace(one.record, columns=columns))], ["A_s"])
     assert other.lengths == [119, 121]
-    assert solve(other)["A_s"] == pytest.approx(law_a().A_s)
+    assert solve_problem(other)["A_s"] == pytest.approx(law_a().A_s)
 
 
 def test_held_stretches_are_not_seen_but_judged():
     """What is kept back may be nonsense."""
     one = experiment()
     wrong = moved(one, lambda x: x + 1e-3 * one.times * (one.times < 1.0))
-    task = problem([replace(wrong, held=((0.0, 1.0),))], [Wish("A_s", start=350.0)])
-    fit = solve(task)
+    task = build_problem([replace(wrong, held=((0.0, 1.0),))], [Wish("A_s", start=350.0)])
+    fit = solve_problem(task)
     assert task.lengths == [90]
     assert fit["A_s"] == pytest.approx(law_a().A_s, abs=1e-5)
     scores = {one.part: one for one in fit.scores}
     assert scores["training"].rms < 1e-8
     assert scores["held-out"].rms > 1e-4
-    assert solve(problem([wrong], ["A_s"]))["A_s"] != pytest.approx(law_a().A_s, abs=1e-5)
+    assert solve_problem(build_problem([wrong], ["A_s"]))["A_s"] != pytest.approx(
+        law_a().A_s, abs=1e-5
+    )
 
 
 @pytest.mark.parametrize("native", [True, False])
@@ -172,8 +176,8 @@ def test_records_that_are_kept_back_are_predicted(native: bool, monkeypatch: pyt
         experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])),
     )
     held = replace(two, held=((-math.inf, math.inf),))
-    task = problem([one, held], [Wish("A_s", start=350.0)], each=["offset"])
-    fit = solve(task)
+    task = build_problem([one, held], [Wish("A_s", start=350.0)], each=["offset"])
+    fit = solve_problem(task)
     assert fit.problem.names == ("A_s", "offset.position@one")
     assert fit.kept[0].model[:, 0] == pytest.approx(two.measured[:, 0], abs=1e-9)
     assert fit.kept[0].numbers == pytest.approx({"offset.position@two": 0.0}, abs=1e-9)
@@ -186,7 +190,9 @@ def test_derivatives_of_several_records_and_outputs():
     others = ("position", "temperature", "martensite_fraction")
     system = hanging_wire(mass=1.7, source=VoltageSource(), law=law_a())
     heated = experiment("volts", *others, system=system, wave=VOLTS, step=0.002)
-    task = problem([experiment("kelvins"), heated], ["A_s", "C_M", "eps_L", "h", "latent_heat"])
+    task = build_problem(
+        [experiment("kelvins"), heated], ["A_s", "C_M", "eps_L", "h", "latent_heat"]
+    )
     assert apart(task) <= 1e-5
 
 
@@ -194,7 +200,7 @@ def test_derivatives_of_what_a_record_has_for_itself():
     """Offsets, delays, and parameters of the system that one record has alone."""
     one = experiment("one", "position", "temperature")
     two = experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0]))
-    task = problem([one, two], ["A_s"], each=["offset", "delay", "E_M", "initial_fraction"])
+    task = build_problem([one, two], ["A_s"], each=["offset", "delay", "E_M", "initial_fraction"])
     assert len(task.free) == 10
     assert apart(task) <= 1e-5
     found = task.evaluate(away(task), slopes=True)
@@ -208,7 +214,7 @@ def test_a_delay_is_found():
         function=lambda t: HEATING.value(max(t - 0.03, 0.0)), kinks=(0.03, 1.03, 2.03, 3.03)
     )
     one = replace(experiment(rows=241, wave=late), waveform=HEATING)
-    fit = solve(problem([one], [Wish("A_s", start=344.0)], each=["delay"]))
+    fit = solve_problem(build_problem([one], [Wish("A_s", start=344.0)], each=["delay"]))
     assert fit["delay@one"] == pytest.approx(0.03, abs=1e-4)
     assert fit["A_s"] == pytest.approx(law_a().A_s, abs=0.02)
     assert fit.cost < 1e-6
@@ -223,14 +229,14 @@ def test_one_name_moves_the_wires_of_all_actuators():
     one = Experiment("one", scenario.system, scenario.waveform, record, {"angle": "angle"},
                      step=0.02)  # fmt: skip
     names = ["E_A", "eps_T", "radius", "protagonist.element.law.E_M"]
-    task = problem([one], names)
+    task = build_problem([one], names)
     paths = [path for path in task.runners[0].paths if task.free[0].moves(path)]
     assert len(paths) == 2
     assert apart(task) <= 1e-4
     at = task.system(0, away(task))
     assert at.value_of(paths[0]) == at.value_of(paths[1]) != scenario.system.value_of(paths[0])
     with pytest.raises(ParameterError, match="both move"):
-        problem([one], ["E_A", "protagonist.element.law.E_A"])
+        build_problem([one], ["E_A", "protagonist.element.law.E_A"])
 
 
 def test_more_free_parameters_than_directions_of_one_run():
@@ -238,7 +244,7 @@ def test_more_free_parameters_than_directions_of_one_run():
     wire = ["diameter", "element.length", "density", "heat_capacity", "latent_heat", "r_A", "h"]
     system = hanging_wire(mass=1.7, source=VoltageSource(), law=law_a())
     one = experiment("one", "position", "temperature", system=system, wave=VOLTS, step=0.002)
-    task = problem([one], [*law, *wire, "mass", "environment.temperature", "r_M"])
+    task = build_problem([one], [*law, *wire, "mass", "environment.temperature", "r_M"])
     assert len(task.free) == 20
     assert apart(task) <= 1e-5
 
@@ -256,12 +262,12 @@ def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
         "volts", system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()), wave=VOLTS,
         rows=61,
     )  # fmt: skip
-    plain = problem([one, volts], names, each=["offset"])
+    plain = build_problem([one, volts], names, each=["offset"])
     assert not plain.runners[0].native
     with pytest.MonkeyPatch.context() as patch:
         patch.undo()
         patch.setattr(runners, "compiler", lambda: "cc")
-        native = problem([one, volts], names, each=["offset"])
+        native = build_problem([one, volts], names, each=["offset"])
         assert native.runners[0].native
     for u in (plain.start, away(plain)):
         found, meant = (task.evaluate(u, slopes=True) for task in (plain, native))
@@ -273,7 +279,7 @@ def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
 
 
 def test_a_wrong_derivative_is_noticed(monkeypatch: pytest.MonkeyPatch):
-    task = problem([experiment()], ["A_s", "C_A"])
+    task = build_problem([experiment()], ["A_s", "C_A"])
     assert apart(task) <= 1e-5
     slope = type(task.free[0]).slope
     monkeypatch.setattr(type(task.free[0]), "slope", lambda free, u: 1.0001 * slope(free, u))
@@ -295,38 +301,38 @@ def test_points_that_contradict_themselves_are_passed_over(monkeypatch: pytest.M
 
     monkeypatch.setattr(Problem, "evaluate", counted)
     sharp = experiment(rows=481, system=chamber(law_a(A_s=350.9), mass=1.0))
-    task = problem([sharp], [Wish("A_s", 300.0, 400.0, 349.0)])
+    task = build_problem([sharp], [Wish("A_s", 300.0, 400.0, 349.0)])
     assert task.evaluate([0.9]) is None
     assert task.costs(np.array([[0.9], task.start]))[0] == math.inf
-    fit = solve(task)
+    fit = solve_problem(task)
     assert len(failed) > 1
     assert (fit.reason, fit["A_s"]) == ("converged", pytest.approx(350.9, abs=1e-6))
 
 
 def test_a_start_that_contradicts_itself_is_an_error_with_a_remedy():
-    task = problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
+    task = build_problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
     with pytest.raises(SolveError, match="start from other values"):
-        solve(task)
+        solve_problem(task)
 
 
 def test_another_start_is_found_where_the_first_fails():
-    task = problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
-    assert solve(task, starts=2)["A_s"] == pytest.approx(law_a().A_s, abs=1e-4)
+    task = build_problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
+    assert solve_problem(task, starts=2)["A_s"] == pytest.approx(law_a().A_s, abs=1e-4)
 
 
 @pytest.mark.parametrize("names", [["A_s", "element.law.A_s"], ["A_s", "law.A_s"]])
 def test_two_names_of_one_parameter_are_refused(names: list[str]):
     with pytest.raises(ParameterError, match="both move"):
-        problem([experiment()], names)
+        build_problem([experiment()], names)
 
 
 def test_a_shared_and_an_own_name_of_one_parameter_are_refused():
     with pytest.raises(ParameterError, match="both move"):
-        problem([experiment("one"), experiment("two")], ["A_s"], each=["element.law.A_s"])
+        build_problem([experiment("one"), experiment("two")], ["A_s"], each=["element.law.A_s"])
 
 
 def test_an_own_parameter_is_another_one_in_each_record():
     cold = chamber(law_a(A_s=345.15), mass=1.0)
-    task = problem([experiment("one"), experiment("two", system=cold)], ["A_f"], each=["A_s"])
-    fit = solve(task)
+    task = build_problem([experiment("one"), experiment("two", system=cold)], ["A_f"], each=["A_s"])
+    fit = solve_problem(task)
     assert [fit["A_s@one"], fit["A_s@two"]] == pytest.approx([law_a().A_s, 345.15], abs=1e-5)

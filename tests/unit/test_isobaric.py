@@ -22,8 +22,8 @@ from martensite.characterise.straight_lines import (
     fit_three_lines,
     smooth_median,
 )
-from martensite.characterise.tangent_fit import tangent_fit
-from martensite.characterise.tangent_points import tangent_points
+from martensite.characterise.tangent_fit import fit_tangents
+from martensite.characterise.tangent_points import find_tangent_points
 from martensite.characterise.transformation_strain import fit_transformation_strain
 from martensite.signals.records import Record
 
@@ -36,7 +36,7 @@ DOWN = UP[::-1]
 
 def said(base: Record, **options: float) -> str:
     with pytest.raises((DataError, ParameterError)) as caught:
-        tangent_points(base, **options)  # type: ignore[arg-type]
+        find_tangent_points(base, **options)  # type: ignore[arg-type]
     return str(caught.value)
 
 
@@ -178,7 +178,7 @@ def test_missing_columns_and_wrong_arguments() -> None:
         "bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names}
     )  # fmt: skip
     assert "has no column `stress`; give the constant stress" in said(bare)
-    assert tangent_points(bare, stress=STRESS).stress == STRESS
+    assert find_tangent_points(bare, stress=STRESS).stress == STRESS
     names = ("time", "temperature")
     bare = Record(
         "bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names}
@@ -196,18 +196,18 @@ def test_a_loop_that_runs_backwards_in_time() -> None:
 
 
 def test_fits_need_two_stresses() -> None:
-    one = tangent_points(CYCLE)
+    one = find_tangent_points(CYCLE)
     for cycles, sentence in (
         ([one], "but there is only one, at 100 MPa"),
         ([CYCLE, one], "but there are 2, all at 100 MPa"),
         ([], "but there are none;"),
     ):
         with pytest.raises(DataError, match="two or more different stresses") as caught:
-            tangent_fit(cycles)
+            fit_tangents(cycles)
         assert sentence in str(caught.value)
     with pytest.raises(ParameterError, match="one stress per record, but there are 1 and 2"):
-        tangent_fit([CYCLE, CYCLE], stresses=[1e8])
-    fit = tangent_fit([CYCLE, SAMPLE.cycle(2e8)])
+        fit_tangents([CYCLE, CYCLE], stresses=[1e8])
+    fit = fit_tangents([CYCLE, SAMPLE.cycle(2e8)])
     with pytest.raises(ParameterError, match="Did you mean `cosine`"):
         fit.guess("cosines")
     with pytest.raises(DataError, match="one transformation strain per stress"):

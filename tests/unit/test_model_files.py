@@ -158,7 +158,7 @@ def test_a_model_runs_under_a_waveform_sample_by_sample(chain, runtime):
     assert found.steps == 60 and found.accuracy is None and found.unit("position") == "m"
     assert np.allclose(1e3 * np.array(found["position"]), held(chain, 40.0, 14, 61), atol=1e-12)
     thin = simulate(plant(chain), Step(high=0.4, at=0.7), 3.0, samples=21, runtime=runtime)
-    assert thin["position"] == found["position"][::3] and thin.steps == 60
+    assert thin.columns["position"] == found.columns["position"][::3] and thin.steps == 60
 
 
 def test_numbers_of_a_plant_are_those_of_its_chain(chain):
@@ -217,7 +217,7 @@ def test_a_scenario_takes_a_model_file(chain, tmp_path, monkeypatch):
     assert (tmp_path / "model.nc").is_file()
     signals = SCENARIO.replace("[drive]\nwaveform =", "[signals]\nduty =")
     path.write_text(signals)
-    assert load(path).run()["position"] == load(path).run()["position"]
+    assert load(path).run().columns == load(path).run().columns
     for wrong, words in (
         (SCENARIO + '[mechanism]\nkind = "bias-spring"\n', "not both"),
         (SCENARIO.replace('file = "stage.json"', ""), "needs `file`"),

@@ -19,7 +19,12 @@ from scipy import stats
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import Estimate
-from martensite.characterise.motor_constants import LONG, UNITS, MotorConstants, motor_constants
+from martensite.characterise.motor_constants import (
+    LONG,
+    UNITS,
+    MotorConstants,
+    estimate_motor_constants,
+)
 from martensite.characterise.motor_tests import (
     SteadyRunning,
     Winding,
@@ -75,7 +80,7 @@ def run_up(noise: float = 0.0, seed: int = 0, *, coil: float = L, start: float =
 @cache
 def made(seed: int) -> MotorConstants:
     """All tests with noise: 10 mV held, 5 mV and 0.1 mA running, 3 mA, 1 rad/s."""
-    return motor_constants(
+    return estimate_motor_constants(
         running(1e-3, seed),
         held_rotor(0.01, seed),
         current_rise=held_current(3e-3, seed),
@@ -98,7 +103,7 @@ def half_as_wide(found: Estimate) -> Interval:
 
 
 def test_without_noise_everything_is_exact() -> None:
-    found = motor_constants(
+    found = estimate_motor_constants(
         running(), held_rotor(), current_rise=held_current(), run_up=run_up(start=0.05)
     )
     assert set(TRUTH) == set(UNITS)
@@ -119,10 +124,10 @@ def test_inertia_with_a_slow_winding_needs_the_inductance() -> None:
     """With L/R a tenth of the run-up, J without L is a tenth too small; with L it is exact."""
     coil = 0.12 * R
     late = run_up(coil=coil, start=2.5)
-    found = motor_constants(running(), held_rotor(), inductance=coil, run_up=late).inertia
+    found = estimate_motor_constants(running(), held_rotor(), inductance=coil, run_up=late).inertia
     assert found is not None
     assert found.value == pytest.approx(J, rel=1e-6)
-    without = motor_constants(running(), held_rotor(), run_up=late).inertia
+    without = estimate_motor_constants(running(), held_rotor(), run_up=late).inertia
     assert without is not None
     assert without.value < 0.9 * J
 
@@ -146,14 +151,16 @@ def test_friction_that_is_dropped_is_missed() -> None:
         w * w for w in states.speeds
     )
     assert K * through_zero > 1.5 * B
-    found = motor_constants(states, held_rotor())
+    found = estimate_motor_constants(states, held_rotor())
     assert found.friction.value == pytest.approx(B, rel=1e-9)
     assert found.dry_friction.value == pytest.approx(F_C, rel=1e-9)
 
 
 def test_errors_of_the_resistance_are_carried_on() -> None:
-    exact = motor_constants(running(1e-3), Winding(Estimate(R)), run_up=run_up(1.0))
-    vague = motor_constants(running(1e-3), Winding(Estimate(R, 0.3, 9)), run_up=run_up(1.0))
+    exact = estimate_motor_constants(running(1e-3), Winding(Estimate(R)), run_up=run_up(1.0))
+    vague = estimate_motor_constants(
+        running(1e-3), Winding(Estimate(R, 0.3, 9)), run_up=run_up(1.0)
+    )
     for name in ("constant", "friction", "dry_friction", "inertia"):
         sure, unsure = getattr(exact, name), getattr(vague, name)
         assert unsure.value == sure.value
@@ -166,7 +173,7 @@ def test_errors_of_the_resistance_are_carried_on() -> None:
 def test_two_states_leave_the_errors_unknown() -> None:
     states = running(1e-3)
     few = SteadyRunning(states.voltages[:2], states.currents[:2], states.speeds[:2])
-    found = motor_constants(few, held_rotor(0.01))
+    found = estimate_motor_constants(few, held_rotor(0.01))
     assert found.friction.interval() == (-math.inf, math.inf)
     assert sum("is not supported" in remark for remark in found.remarks) == 2
     assert found.to_dict()["inertia"] is None
@@ -178,7 +185,7 @@ def test_two_states_leave_the_errors_unknown() -> None:
 
 def test_doubt_about_published_constants() -> None:
     """R J/K² of Table 3 is more than seven seconds; with R = 6.22 ohm it is one."""
-    table = motor_constants(
+    table = estimate_motor_constants(
         running(), Winding(Estimate(41.0)), inductance=L, run_up=fit_rise(*rise(7.0))
     )
     assert any("is long for a small motor" in remark for remark in table.remarks)
@@ -191,17 +198,17 @@ def rise(tau: float) -> tuple[list[float], list[float]]:
 
 
 def test_remarks_on_what_does_not_fit() -> None:
-    brushes = motor_constants(running(), held_rotor(0.01, offset=0.5))
+    brushes = estimate_motor_constants(running(), held_rotor(0.01, offset=0.5))
     assert any("V at no current" in remark for remark in brushes.remarks)
     smooth = steady_running((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
-    assert any("b above 0 is not supported" in r for r in motor_constants(
+    assert any("b above 0 is not supported" in r for r in estimate_motor_constants(
         smooth, Winding(Estimate(6.0))).remarks)  # fmt: skip
     falling = steady_running((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
-    assert any("is below 0" in r for r in motor_constants(
+    assert any("is below 0" in r for r in estimate_motor_constants(
         falling, Winding(Estimate(6.0))).remarks)  # fmt: skip
     times = np.linspace(-2.0, 6.0, 800)
     early = fit_rise(times.tolist(), np.where(times > 0, 1 - np.exp(-times / 0.5), 0.0).tolist())
-    found = motor_constants(running(), held_rotor(), run_up=early)
+    found = estimate_motor_constants(running(), held_rotor(), run_up=early)
     assert any("speed does not rise as one exponential" in remark for remark in found.remarks)
 
 
@@ -280,8 +287,10 @@ def test_tests_that_are_refused() -> None:
 
 def test_tests_that_contradict_each_other() -> None:
     with pytest.raises(DataError, match="no voltage behind R i"):
-        motor_constants(running(), Winding(Estimate(400.0)))
+        estimate_motor_constants(running(), Winding(Estimate(400.0)))
     with pytest.raises(DataError, match="more slowly than the current"):
-        motor_constants(running(), held_rotor(), current_rise=run_up(), run_up=held_current())
+        estimate_motor_constants(
+            running(), held_rotor(), current_rise=run_up(), run_up=held_current()
+        )
     with pytest.raises(ParameterError, match="not both"):
-        motor_constants(running(), held_rotor(), current_rise=held_current(), inductance=L)
+        estimate_motor_constants(running(), held_rotor(), current_rise=held_current(), inductance=L)

@@ -389,8 +389,8 @@ def test_martensite_does_not_need_mujoco() -> None:
     code = (
         "import sys; sys.modules['mujoco'] = None\n"
         "import martensite as ms\n"
-        "assert ms.MujocoBridge and ms.TendonActuator and ms.render_mujoco\n"
-        "try:\n    ms.MujocoBridge('a.xml', [ms.Constant(level=1)])\n"
+        "assert ms.export.MujocoBridge and ms.export.TendonActuator and ms.export.render_mujoco\n"
+        "try:\n    ms.export.MujocoBridge('a.xml', [ms.Constant(level=1)])\n"
         "except AttributeError:\n    pass\n"
         "from martensite.export.mujoco_bridge import read_model\n"
         "try:\n    read_model('a.xml')\n"
@@ -401,9 +401,9 @@ def test_martensite_does_not_need_mujoco() -> None:
 
 
 def test_public_names_are_the_same_objects() -> None:
-    assert (ms.MujocoBridge, ms.TendonActuator) == (MujocoBridge, TendonActuator)
-    assert (ms.MujocoResult, ms.render_mujoco) == (MujocoResult, render_mujoco)
-    assert ms.holding_tensions is holding_tensions
+    assert (ms.export.MujocoBridge, ms.export.TendonActuator) == (MujocoBridge, TendonActuator)
+    assert (ms.export.MujocoResult, ms.export.render_mujoco) == (MujocoResult, render_mujoco)
+    assert ms.export.holding_tensions is holding_tensions
 
 
 # ---------------------------------------------------------------- pictures

@@ -206,11 +206,11 @@ def test_a_film_is_drawn(
     EXPORT.fine("finger.toml", "--driver", "--set", "run.duration=0.01 s")
     drawn: list[Any] = []
 
-    def draw(model: Any, result: ms.MujocoResult, path: Path, *, camera: str | None) -> Path:
+    def draw(model: Any, result: ms.export.MujocoResult, path: Path, *, camera: str | None) -> Path:
         drawn.append((model.ntendon, len(result.poses), camera))
         return path
 
-    monkeypatch.setattr(ms, "render_mujoco", draw)
+    monkeypatch.setattr(ms.export, "render_mujoco", draw)
     call("finger_driver.py", "--film", "finger.mp4")
     assert drawn == [(1, 6, "view")]
     assert "wrote finger.mp4" in capsys.readouterr().out

@@ -40,7 +40,7 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def write_law(folder: Path, file: str, arguments: str) -> None:
     """A module with a law, registered as said."""
-    law = {"module": "laws.base", "registry": "LAWS", "source": "laws.liang_rogers"}
+    law = {"module": "physics.laws.base", "registry": "LAWS", "source": "physics.laws.liang_rogers"}
     text = MINE.format(**law, base="LiangRogers", arguments=arguments)
     (folder / file).write_text(text, encoding="utf-8")
 
@@ -66,9 +66,9 @@ def test_the_name_of_a_part_that_nobody_has_imported_is_taken(folder: Path) -> N
 
 
 def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> None:
-    part = {"module": "mechanisms.base", "registry": "MECHANISMS", "base": "DeadWeight"}
+    part = {"module": "actuators.mechanisms.base", "registry": "MECHANISMS", "base": "DeadWeight"}
     words = '"antagonistic-pulley", replace=False'
-    text = MINE.format(**part, source="mechanisms.dead_weight", arguments=words)
+    text = MINE.format(**part, source="actuators.mechanisms.dead_weight", arguments=words)
     (folder / "mine.py").write_text(text, encoding="utf-8")
     done = python("-m", "martensite", "list", "mechanism", "--import", "mine.py")
     assert done.returncode == 2

@@ -138,8 +138,8 @@ def alarms(found: Any) -> tuple[float, float]:
 def test_without_a_fault_nothing_is_cut():
     found, free = run(8.0, {}), run(8.0, OPEN)
     assert alarms(found) == (0.0, math.inf)
-    assert found["position"] == free["position"]
-    assert found["position"][-50:] == pytest.approx([3e-3] * 50, abs=3e-4)
+    assert found.columns["position"] == free.columns["position"]
+    assert found.columns["position"][-50:] == pytest.approx([3e-3] * 50, abs=3e-4)
 
 
 ALONE = {"supervisor.checks.apart.limit": 1e9}
@@ -205,8 +205,8 @@ def test_a_surge_is_seen_in_the_current():
 def test_a_sensor_that_comes_back_is_used_again():
     found = run(10.0, ALONE | {"faults.lost.end": 3.0}, lost=2.0)
     assert alarms(found)[0] == 4.0
-    assert found["alarm"][-1] == 0.0
-    assert found["position"][-1] == pytest.approx(3e-3, abs=3e-4)
+    assert found.columns["alarm"][-1] == 0.0
+    assert found.columns["position"][-1] == pytest.approx(3e-3, abs=3e-4)
 
 
 def hottest(values: dict[str, float], seed: int) -> float:
@@ -227,8 +227,8 @@ def test_a_latched_guard_does_not_come_back():
     once = bench("latch").with_values({"faults.lost.start": 0.7, "faults.lost.end": 1.2})
     found = simulate_bench(once, 1.6, runtime="floats")
     first = found.columns["alarm"].index(4.0)
-    assert set(found["alarm"][first:]) == {4.0}
-    assert set(found["current"][first:-1]) == {0.0}
+    assert set(found.columns["alarm"][first:]) == {4.0}
+    assert set(found.columns["current"][first:-1]) == {0.0}
 
 
 # ---------------------------------------------------------------- the bound

@@ -20,7 +20,7 @@ from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
 from martensite.design.sweep import store as stores
 from martensite.design.sweep import summary
-from martensite.design.sweep.api import How, begin, sweep
+from martensite.design.sweep.api import How, begin, run_sweep
 from martensite.design.sweep.dataset import open_sweep
 from martensite.design.sweep.job import MEASURES, SweepJob, Wanted, prepared, spec_of
 from martensite.design.sweep.plan import Piece, Plan
@@ -383,7 +383,7 @@ def test_many_runs_are_planned_without_holding_them() -> None:
 
 def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
     told: list[int] = []
-    found = sweep(
+    found = run_sweep(
         wire(), over=OVER, out=tmp_path / "s.zarr", traces=TRACES, backend="serial", chunk=3,
         runtime="floats", step="100 ms", tell=lambda now: told.append(now.done),
     )  # fmt: skip

@@ -11,7 +11,7 @@ import pytest
 from builders import plain_system
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.scenario.compare import compare
+from martensite.scenario.compare import compare_with_record
 from martensite.scenario.tables import read_table
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.records import Record, table_waveform
@@ -257,7 +257,7 @@ def record_of(times, **columns):
 
 def test_comparison_interpolates_linearly():
     record = record_of([0.0, 2.5, 10.0], position=[1.0, 2.0, 20.0], speed=[0.0, 0.0, 0.0])
-    (found,) = compare(RUN, record)
+    (found,) = compare_with_record(RUN, record)
     assert (found.quantity, found.unit) == ("position", "m")
     assert found.rms == pytest.approx(math.sqrt((1.0 + 9.0) / 3.0))
     assert (found.maximum, found.time, found.range) == (3.0, 2.5, 19.0)
@@ -265,7 +265,7 @@ def test_comparison_interpolates_linearly():
 
 def test_comparison_interpolates_chords_not_curves():
     record = record_of([1.5, 3.0], position=[3.0, 6.0], drive=[2.25, 9.0])
-    position, drive = compare(RUN, record)
+    position, drive = compare_with_record(RUN, record)
     assert (position.rms, position.maximum) == (0.0, 0.0)
     assert (drive.quantity, drive.unit) == ("drive", "V")
     assert (drive.maximum, drive.time) == (pytest.approx(0.25), 1.5)
@@ -274,22 +274,22 @@ def test_comparison_interpolates_chords_not_curves():
 @pytest.mark.parametrize("times", [[-0.1, 1.0], [9.0, 10.1]])
 def test_comparison_extrapolates_nothing(times):
     with pytest.raises(DataError, match=r"but the run from 0 to 10 s; the run must cover"):
-        compare(RUN, record_of(times, position=[0.0, 0.0]))
+        compare_with_record(RUN, record_of(times, position=[0.0, 0.0]))
 
 
 def test_comparison_allows_for_rounding():
-    assert compare(RUN, record_of([10.0 + 1e-9], position=[20.0]))[0].maximum == 0.0
+    assert compare_with_record(RUN, record_of([10.0 + 1e-9], position=[20.0]))[0].maximum == 0.0
 
 
 def test_comparison_needs_a_column_in_common():
     with pytest.raises(DataError, match=r"holds `speed`, the run `position`, `drive`"):
-        compare(RUN, record_of([0.0], speed=[1.0]))
+        compare_with_record(RUN, record_of([0.0], speed=[1.0]))
 
 
 def test_comparison_refuses_other_units():
     record = Record("made", {"time": [0.0], "drive": [1.0]}, {"time": "s", "drive": "A"})
     with pytest.raises(DataError, match=r"`drive` of record `made` is in A, but .* run in V"):
-        compare(RUN, record)
+        compare_with_record(RUN, record)
 
 
 def test_a_path_may_be_text(write):
@@ -299,10 +299,11 @@ def test_a_path_may_be_text(write):
 def test_a_run_written_as_a_table_agrees_with_itself(write):
     waveform = PulseWidthModulation(high=6.0, frequency=2.0, duty=0.3)
     run = simulate(plain_system(), waveform, 3.0, samples=31, step=0.01)
-    rows = zip(run.times, run["temperature"], run["position"], run["drive"], strict=True)
+    names = ("temperature", "position", "drive")
+    rows = zip(run.times, *(run.columns[name] for name in names), strict=True)
     lines = [f"{t!r},{k - 273.15!r},{x * 1e3!r},{u!r}" for t, k, x, u in rows]
     heading = "time [s],temperature [degC],position [mm],drive [V]"
-    agreements = compare(run, read_table(write("\n".join([heading, *lines]))))
+    agreements = compare_with_record(run, read_table(write("\n".join([heading, *lines]))))
     assert [a.quantity for a in agreements] == ["temperature", "position", "drive"]
     assert [a.unit for a in agreements] == ["K", "m", "V"]
     for found in agreements:

@@ -26,7 +26,7 @@ from martensite.characterise.free_vibration import (
     log_decrement,
     moving_mass,
 )
-from martensite.characterise.moving_average import moving_average, moving_average_gain
+from martensite.characterise.moving_average import average_moving, moving_average_gain
 from martensite.characterise.spectrum import natural_frequency
 from martensite.characterise.strain_gauge import bending_strain, half_bridge, ina129_gain
 
@@ -238,15 +238,15 @@ def test_damping() -> None:
 
 
 def test_moving_average() -> None:
-    assert moving_average([1.0, 2.0, 6.0, 4.0, 5.0], 3) == pytest.approx([1.0, 3.0, 4.0, 5.0, 5.0])
+    assert average_moving([1.0, 2.0, 6.0, 4.0, 5.0], 3) == pytest.approx([1.0, 3.0, 4.0, 5.0, 5.0])
     line = [0.5 * k for k in range(20)]
-    assert moving_average(line, 7) == pytest.approx(line)  # centred, also at the ends
-    assert moving_average(line, 1) == line
+    assert average_moving(line, 7) == pytest.approx(line)  # centred, also at the ends
+    assert average_moving(line, 1) == line
     for window in (0, 4, -3):
         with pytest.raises(ParameterError, match="odd"):
-            moving_average(line, window)
+            average_moving(line, window)
     with pytest.raises(DataError, match="longer than the record"):
-        moving_average(line, 21)
+        average_moving(line, 21)
 
 
 @pytest.mark.parametrize("f", [0.0, 1.0, 8.42, 100.0 / 9.0, 14.0, 40.0, 100.0, 130.0])
@@ -254,7 +254,7 @@ def test_gain_is_what_the_filter_does(f: float) -> None:
     times = np.arange(400) / 100.0
     wave = np.cos(2 * np.pi * f * times)
     gain = moving_average_gain(f, 9, 0.01)
-    middle = np.array(moving_average(wave.tolist(), 9))[4:-4]
+    middle = np.array(average_moving(wave.tolist(), 9))[4:-4]
     assert middle == pytest.approx(gain * wave[4:-4], abs=1e-12)
     unlike = moving_average_gain(f + 3.0, 9, 0.01)
     assert middle != pytest.approx(unlike * wave[4:-4], abs=1e-3)

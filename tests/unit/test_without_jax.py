@@ -22,12 +22,12 @@ from martensite.base.errors import MartensiteError
 scenario = ms.load("{examples}/pwm_bias_spring.toml")
 system, waveform = scenario.system, scenario.waveform
 assert scenario.run().stroke > 0.0
-slopes = ms.sensitivity(system, waveform, 20.0, ["preload"], step=0.02, samples=51)
+slopes = ms.simulate.sensitivity(system, waveform, 20.0, ["preload"], step=0.02, samples=51)
 assert slopes.of_range()["mechanism.preload"] != 0.0
-batch = ms.simulate_batch(system, waveform, 2.0, {{"preload": [1.0, 2.0]}}, step=0.02, samples=5)
-assert not any(status.failed for status in batch.status)
+batch = ms.run(system, waveform, 2.0, over={{"preload": ["1 N", 2.0]}}, step=0.02, samples=5)
+assert not batch.status.failed and batch["position"].shape == (2, 5)
 try:
-    ms.simulate(system, waveform, 1.0, runtime="jax")
+    ms.run(system, waveform, 1.0, runtime="jax")
 except MartensiteError as error:
     print(error)
 """

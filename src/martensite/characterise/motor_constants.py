@@ -79,7 +79,7 @@ class MotorConstants:
         return numbers | {"run_up_time": self.run_up_time, "remarks": list(self.remarks)}
 
 
-def motor_constants(
+def estimate_motor_constants(
     states: SteadyRunning,
     winding: Winding,
     *,

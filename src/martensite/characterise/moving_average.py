@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from martensite.base.errors import DataError, ParameterError
 
 
-def moving_average(values: Sequence[float], window: int) -> list[float]:
+def average_moving(values: Sequence[float], window: int) -> list[float]:
     """Centred moving average, as long as the record, in its unit.
 
     Args:

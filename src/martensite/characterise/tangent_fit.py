@@ -20,7 +20,7 @@ from martensite.base.errors import DataError, ParameterError, suggestion
 from martensite.characterise.clausius_clapeyron import Direction, fit_direction
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.tangent_lines import COSINE
-from martensite.characterise.tangent_points import TangentPoints, tangent_points
+from martensite.characterise.tangent_points import TangentPoints, find_tangent_points
 from martensite.characterise.transformation_strain import StrainFit, fit_transformation_strain
 from martensite.signals.records import Record
 
@@ -140,7 +140,7 @@ class TangentFit:
         }
 
 
-def tangent_fit(
+def fit_tangents(
     cycles: Sequence[Record | TangentPoints],
     *,
     stresses: Sequence[float] | None = None,
@@ -181,7 +181,7 @@ def tangent_fit(
 def _read_points(one: Record | TangentPoints, stress: float | None, cycle: int) -> TangentPoints:
     if isinstance(one, TangentPoints):
         return one
-    return tangent_points(one, stress=stress, cycle=cycle)
+    return find_tangent_points(one, stress=stress, cycle=cycle)
 
 
 def _count_levels(levels: Sequence[TangentPoints]) -> str:

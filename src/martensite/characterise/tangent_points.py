@@ -129,7 +129,7 @@ class TangentPoints:
         }
 
 
-def tangent_points(
+def find_tangent_points(
     record: Record, *, stress: float | None = None, cycle: int = -1
 ) -> TangentPoints:
     """Read one isobaric cycle by the tangent method.

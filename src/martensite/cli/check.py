@@ -85,7 +85,8 @@ def _row(end: EndState, all_drives: str) -> dict[str, Any]:
     levels = [f"{name} {show.quantity(v, units[name])}" for name, v in end.levels.items()]
     held = levels[0].split(" ", 1)[1] if len(levels) == 1 else ", ".join(levels)
     words = [
-        f"{result.outputs[name].long_name} {show.quantity(result[name][-1], result.unit(name))}"
+        f"{result.outputs[name].long_name} "
+        f"{show.quantity(result.columns[name][-1], result.unit(name))}"
         for name in system.judged()
     ]
     if len(levels) > FEW:
@@ -93,7 +94,7 @@ def _row(end: EndState, all_drives: str) -> dict[str, Any]:
     return {
         "levels": end.levels,
         "leaves": end.leaves,
-        "values": {name: result[name][-1] for name in system.judged()},
+        "values": {name: result.columns[name][-1] for name in system.judged()},
         "warnings": result.warnings,
         "words": f"{held}: leaves the envelope; the run does not stay there so long"
         if end.leaves else f"{held}: {', '.join(words)}",
@@ -106,7 +107,7 @@ def _highest(result: Result) -> Iterator[str]:
 
     for name in ("hottest", "stress"):
         columns = [result.system.label(port, name) for port in result.system.actuators()]
-        most = max(result[column][-1] for column in columns)
+        most = max(result.columns[column][-1] for column in columns)
         words = {"hottest": "highest temperature", "stress": "highest stress"}[name]
         yield f"{words} {show.quantity(most, result.unit(columns[0]))}"
 

@@ -242,9 +242,9 @@ def _as_far_as_run(log: Record, scenario: Scenario) -> Record:
 def _compared(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
     if record is None:
         return []
-    from martensite.scenario.compare import common, compare
+    from martensite.scenario.compare import common, compare_with_record
 
-    return [] if followed and not common(result, record) else compare(result, record)
+    return [] if followed and not common(result, record) else compare_with_record(result, record)
 
 
 def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:

@@ -88,9 +88,9 @@ def _write(path: Path, text: str) -> None:
 def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
     """The core of a part of a scenario, and the text of its example."""
     from martensite.base.errors import ParameterError
-    from martensite.export.c_core import c_core
+    from martensite.export.c_core import build_c_core
     from martensite.export.c_example import example_text
-    from martensite.export.c_loop import c_loop
+    from martensite.export.c_loop import build_c_loop
     from martensite.export.c_played import played_by_loop, played_by_system
 
     if loaded.outside and part != "plant":
@@ -101,12 +101,12 @@ def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore
         )
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
-        core = c_core(system, name=name, precision=precision)
+        core = build_c_core(system, name=name, precision=precision)
         played = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
         return core, example_text(core, *played)
     if loaded.bench is None:
         raise ParameterError("This scenario has no loop: there is no controller in it.")
-    core = c_loop(loaded.bench, name=name, precision=precision)
+    core = build_c_loop(loaded.bench, name=name, precision=precision)
     played = played_by_loop(loaded.bench, loaded.waveform, loaded.run(), STEPS)
     return core, example_text(core, *played)
 

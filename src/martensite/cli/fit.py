@@ -186,9 +186,9 @@ def motor(
 
     winding, coil = read_winding(locked, resistance), read_inductance(inductance)
     states = read_steady(steady)
-    from martensite.characterise.motor_constants import motor_constants
+    from martensite.characterise.motor_constants import estimate_motor_constants
 
-    found = motor_constants(
+    found = estimate_motor_constants(
         states,
         winding,
         current_rise=read_rise(current_rise, "current"),

@@ -226,13 +226,13 @@ def _posterior(fit: LogFit, draws: int) -> Posterior | None:
 
 def _profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
     """Profiles; fewer if they were interrupted."""
-    from martensite.fit.profiled import profiled
+    from martensite.fit.profiled import profile_likelihood
 
     walked: list[Profile] = []
     try:
         for name in names:
             with spinner(f"profile of {name}"):
-                walked.append(profiled(fit, name))
+                walked.append(profile_likelihood(fit, name))
     except KeyboardInterrupt:
         return walked
     return walked

@@ -30,7 +30,7 @@ def read_cycles(
         DataError: a log is missing, malformed, or holds no isobaric cycle.
         UnitError: a stress is none.
     """
-    from martensite.characterise.tangent_points import tangent_points
+    from martensite.characterise.tangent_points import find_tangent_points
     from martensite.scenario.tables import read_table
 
     if cycle is not None and cycle < 1:
@@ -45,16 +45,16 @@ def read_cycles(
     )
     which = -1 if cycle is None else cycle - 1
     return [
-        tangent_points(read_table(log), stress=stress, cycle=which)
+        find_tangent_points(read_table(log), stress=stress, cycle=which)
         for log, stress in zip(logs, given, strict=True)
     ]
 
 
 def fitted(levels: Sequence[TangentPoints]) -> TangentFit | None:
     """What the logs say together; None for a single one."""
-    from martensite.characterise.tangent_fit import tangent_fit
+    from martensite.characterise.tangent_fit import fit_tangents
 
-    return tangent_fit(levels) if len(levels) > 1 else None
+    return fit_tangents(levels) if len(levels) > 1 else None
 
 
 def draw(levels: Sequence[TangentPoints], fit: TangentFit | None, path: Path) -> None:

@@ -1,1 +1,5 @@
 """Questions to a model: size, design, tune, sweep."""
+
+from martensite.base.lazy import attach_names
+
+__getattr__, __dir__ = attach_names(__name__)

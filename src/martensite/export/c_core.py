@@ -80,7 +80,9 @@ class CCore:
         return found
 
 
-def c_core(system: AbstractSystem, *, name: str | None = None, precision: str = "float64") -> CCore:
+def build_c_core(
+    system: AbstractSystem, *, name: str | None = None, precision: str = "float64"
+) -> CCore:
     """A system or a bench as C.
 
     Args:

@@ -19,7 +19,7 @@ from martensite.export.c_kernels import precision_of
 from martensite.kernels.program import Function, Program
 
 
-def c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:
+def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:
     """Observers, controllers and supervisor of a bench as C, without its plant.
 
     Inputs are the readings, their ages, the references and the signals that no controller has.

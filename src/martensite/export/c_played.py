@@ -57,9 +57,9 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
     count = min(len(result.times), MOST * steps + 1)
     rows = [
         (
-            *(result[name][k] for name in measured),
+            *(result.columns[name][k] for name in measured),
             *ages,
-            *(result[name][k] for name in references(bench)),
+            *(result.columns[name][k] for name in references(bench)),
             *(one.value(result.times[k]) if one else 0.0 for one in free),
         )
         for k in range(count)

@@ -117,12 +117,12 @@ $ELEMENTS
 def along(tendon, force, one):
     """An element of the scenario at a tendon."""
     parts = {"element": one.element, "environment": one.environment, "source": one.source}
-    return ms.TendonActuator(tendon=tendon, start_force=force, **parts)
+    return ms.export.TendonActuator(tendon=tendon, start_force=force, **parts)
 
 
 def drives(scenario, dt):
     """Of each tendon: its waveform, and when in a step of dt [s] that is asked."""
-    waves = ms.tendon_signals(scenario.system, scenario.waveform)
+    waves = ms.export.tendon_signals(scenario.system, scenario.waveform)
     for port, one in scenario.system.actuators().items():
         if len(waves[port].edges(scenario.duration)) * dt > scenario.duration:
             raise ms.InputError(f"The drive of `{port}` switches more than once in {dt:g} s.")
@@ -133,7 +133,7 @@ def run(scenario, bridge, viewer=None):
     """Play the drive; the columns of the run."""
     model, data, dt = bridge.model, bridge.data, bridge.model.opt.timestep
     played, joints = list(drives(scenario, dt)), scalar_joints(model, None)
-    result = ms.MujocoResult(dt)
+    result = ms.export.MujocoResult(dt)
     steps = max(1, math.ceil(scenario.duration / dt - 1e-9))
     every, begun = math.ceil(steps / (scenario.samples - 1)), time.monotonic()
     for k in range(steps + 1):
@@ -185,16 +185,16 @@ def main():
 ${IMPORT}    scenario = read(SCENARIO, SOURCE, read_settings(given.set or []))
     forces, system = dict(ELEMENTS.values()), scenario.system
     if given.hold:
-        forces = ms.holding_tensions(given.model, list(forces), keyframe=given.keyframe)
+        forces = ms.export.holding_tensions(given.model, list(forces), keyframe=given.keyframe)
     wires = [along(t, forces[t], system.actuators()[port]) for port, (t, _) in ELEMENTS.items()]
-    bridge = ms.MujocoBridge(given.model, wires, keyframe=given.keyframe, coupling=COUPLING)
+    bridge = ms.export.MujocoBridge(given.model, wires, keyframe=given.keyframe, coupling=COUPLING)
     with window(bridge) if given.view else nullcontext() as viewer:
         result = run(scenario, bridge, viewer)
     write(result, given.csv)
     print(*result.warnings, f"wrote {given.csv}", sep="\\n")
     if given.film:
         camera = bridge.model.camera(0).name if bridge.model.ncam else None
-        print("wrote", ms.render_mujoco(bridge.model, result, given.film, camera=camera))
+        print("wrote", ms.export.render_mujoco(bridge.model, result, given.film, camera=camera))
 
 
 SOURCE = HERE / $SOURCE  # files that the scenario names are found beside it

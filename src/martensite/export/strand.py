@@ -58,8 +58,8 @@ class Strand:
         self.line = spring.free + spring.compliance * start_force - slack, 0.0
         self.reference = length - self.line[0]
         """Length of the path at which the element has no elongation [m]."""
-        one = actuator.seen(floats, state.elements[0], 1.0, self.drive)
-        self.least = NOTICED / one.stress
+        one = actuator.observe_element(floats, state.elements[0], 1.0, self.drive)
+        self.least = NOTICED / one["stress"]
         """Force that counts as one [N]."""
         self.status = Status.OK
         """Of the last step."""

@@ -58,7 +58,7 @@ def read_problem(
     return task.arranged().problem
 
 
-def fit(
+def fit_logs(
     scenario: Model | Sequence[Model],
     logs: Source | Sequence[Source] | None = None,
     free: Wishes | None = None,

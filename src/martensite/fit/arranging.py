@@ -19,7 +19,7 @@ from martensite.fit.free import Wish
 from martensite.fit.hold_out import ALL, AUTO, NONE, held_out
 from martensite.fit.logs import Loaded, gaps, read_logs, untimed
 from martensite.fit.nuisance import DELAY, OFFSET
-from martensite.fit.problem import problem
+from martensite.fit.problem import build_problem
 from martensite.fit.steps import with_step
 from martensite.fit.task import Arranged, Task
 from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
@@ -43,7 +43,7 @@ def arranged(task: Task) -> Arranged:
         made, more = _audible(made, free, each)
         notes += more
     stepped, more = _stepped(made, found, task.step)
-    whole = problem(stepped, free, each=each, noise=noise)
+    whole = build_problem(stepped, free, each=each, noise=noise)
     follows = list(dict.fromkeys(found[0].scenario.follows.values()))
     notes += [*more, *look(whole.training, follows)]
     models = {one.name: (one.scenario, one.log.model) for one in found}
@@ -106,7 +106,7 @@ def _audible(
     made: list[Experiment], free: Sequence[Wish], each: Sequence[Wish]
 ) -> tuple[list[Experiment], list[str]]:
     """Experiments without the outputs that no free parameter moves in any record."""
-    training = problem(made, free, each=_of_systems(each)).training
+    training = build_problem(made, free, each=_of_systems(each)).training
     quiet = silent(training)
     heard = {
         output for one in training.experiments for output in one.outputs

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.experiment import Experiment
-from martensite.fit.identifiability import Identifiability, identifiability
+from martensite.fit.identifiability import Identifiability, assess_identifiability
 from martensite.fit.losses import loss_named, robust_scale
 from martensite.fit.problem import Evaluation, Problem
-from martensite.fit.uncertainty import Uncertainty, uncertainty
+from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.search.scores import Score, score
 from martensite.search.whiteness import FEWEST, Whiteness, whiteness
 
@@ -89,7 +89,7 @@ class Fit:
     def uncertainty(self) -> Uncertainty:
         """Errors and correlations of the parameters, from the Jacobian at the optimum."""
         weights = self._weights
-        return uncertainty(
+        return estimate_uncertainty(
             weights * self.evaluation.residuals, weights[:, None] * self.evaluation.jacobian,
             self.problem.names, values=list(self.numbers.values()), scales=self._scales,
             lengths=self.problem.lengths,
@@ -107,7 +107,7 @@ class Fit:
     def identifiability(self) -> Identifiability:
         """Which combinations of the parameters the data leave open."""
         noise = self.uncertainty.noise
-        return identifiability(
+        return assess_identifiability(
             self.evaluation.jacobian, self.problem.names, values=list(self.numbers.values()),
             scales=self._scales, units=[free.unit for free in self.problem.free],
             noise=noise if noise > 0.0 else 1.0,

@@ -88,7 +88,7 @@ class Identifiability:
         }
 
 
-def identifiability(
+def assess_identifiability(
     jacobian: Any,
     names: Sequence[str],
     *,

@@ -250,7 +250,7 @@ class Problem:
         return Fitted(model, residuals, jacobian)
 
 
-def problem(
+def build_problem(
     experiments: Sequence[Experiment],
     free: Sequence[Wish | str],
     *,

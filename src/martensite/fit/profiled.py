@@ -24,7 +24,7 @@ REFIT = 50
 SETTLED = 1e-8
 
 
-def profiled(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST) -> Profile:
+def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST) -> Profile:
     """Walk the profile of a free parameter of a fit.
 
     Args:

@@ -40,7 +40,7 @@ MOST = 200
 """Evaluations of one local search."""
 
 
-def solve(
+def solve_problem(
     problem: Problem,
     *,
     method: str = "trf",
@@ -109,7 +109,7 @@ def _kept(problem: Problem, one: Experiment, end: Any) -> Kept:
     own = tuple(f for f in problem.later if f.record == one.name)
     if own:  # fitted to it, everything else as found
         alone = replace(one, held=(), system=whole.system(0, at))
-        fit = solve(replace(problem, experiments=(alone,), free=own, later=()))
+        fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()))
         return Kept(one, fit.evaluation.fitted[0].model, fit.numbers)
     found = whole.evaluate(at)
     if found is None:

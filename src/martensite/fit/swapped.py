@@ -15,7 +15,7 @@ from martensite.base.errors import DataError, MartensiteError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import Problem
-from martensite.fit.solve import solve
+from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
@@ -66,7 +66,7 @@ def _fit_percent(
         twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)
         free = tuple(free for free in problem.free if free.record in (None, one.name))
         alone = replace(problem, experiments=(twin,), free=free, later=())
-        scores = solve(alone, most=MOST).scores
+        scores = solve_problem(alone, most=MOST).scores
     except MartensiteError:
         return float("-inf")
     return min(s.fit_percent for s in scores if s.output == output and s.part == "training")

@@ -12,7 +12,7 @@ from martensite.fit.free import Wish
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
 from martensite.fit.problem import Problem
-from martensite.fit.solve import MOST, solve
+from martensite.fit.solve import MOST, solve_problem
 from martensite.fit.steps import remarks_on_step
 from martensite.fit.swapped import refuse_swapped
 from martensite.fit.watch import Tell
@@ -116,7 +116,7 @@ class Arranged:
             SolveError: the runs fail at the start, and at every point tried.
         """
         how = self.search
-        fit = solve(
+        fit = solve_problem(
             self.problem, method=how.method, loss=how.loss, starts=how.starts, seed=how.seed,
             most=how.most, tell=tell, state=state,
         )  # fmt: skip

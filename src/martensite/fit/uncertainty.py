@@ -151,7 +151,7 @@ class Uncertainty:
         return value - half, value + half
 
 
-def uncertainty(
+def estimate_uncertainty(
     residuals: Any,
     jacobian: Any,
     names: Sequence[str],

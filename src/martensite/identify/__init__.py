@@ -1,1 +1,5 @@
 """Identification: dynamic models of blocks from records."""
+
+from martensite.base.lazy import attach_names
+
+__getattr__, __dir__ = attach_names(__name__)

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
+from martensite.actuators.elements.from_material import ASSUMED_KINDS
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, UnitError, suggestion
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
@@ -24,8 +25,6 @@ from martensite.scenario.components import component_class, is_members, is_plain
 from martensite.scenario.scales import Scales
 
 Table = Mapping[str, Any]
-ASSUMED_KINDS = {"resistance": "mixture"}
-"""Component -> kind that is meant when a scenario does not name one."""
 LAW = "law"
 """Component that a material may name."""
 

@@ -38,7 +38,7 @@ class Agreement:
     """Largest minus smallest measured value, as a measure of the others."""
 
 
-def compare(result: Result, record: Record) -> list[Agreement]:
+def compare_with_record(result: Result, record: Record) -> list[Agreement]:
     """Agreement of a run with a record, for every column both have.
 
     Raises:
@@ -73,7 +73,7 @@ def common(result: Result, record: Record) -> list[str]:
 def _agreement(
     name: str, result: Result, record: Record, places: list[tuple[int, float]]
 ) -> Agreement:
-    computed, measured = result[name], list(filter(math.isfinite, record[name]))
+    computed, measured = result.columns[name], list(filter(math.isfinite, record[name]))
     apart = {
         time: (1.0 - share) * computed[i] + share * computed[i + 1] - value
         for time, (i, share), value in zip(record.times, places, record[name], strict=True)

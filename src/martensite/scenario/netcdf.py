@@ -26,7 +26,7 @@ from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError
 from martensite.base.files import replacing
 from martensite.physics.materials.base import Material
-from martensite.simulate.result import Result
+from martensite.simulate.result import Result, Variants
 
 if TYPE_CHECKING:
     import xarray
@@ -36,6 +36,7 @@ ENGINE = "h5netcdf"
 TIME = "time"
 CELL = "cell"
 ACTUATOR = "actuator"
+VARIANT = "variant"
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,8 @@ def describe(
 ) -> Description:
     """Describe a result as variables and attributes, whatever they are written to."""
     time = Variable(TIME, (TIME,), "s", "time", "t", _array(result.times), {"axis": "T"})
+    if result.variants is not None:
+        return Description([time, *_by_variant(result, result.variants)], _attributes(result))
     stacked = {result.system.label(port, name) for port in _ports(result) for name in OUTPUTS}
     columns = [_column(result, name) for name in result.outputs if name not in stacked]
     attributes = _attributes(result)
@@ -168,6 +171,25 @@ def _column(result: Result, name: str) -> Variable:
     _, long_name, symbol = result.outputs[name]
     data = _array(result.columns[name])
     return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
+
+
+def _by_variant(result: Result, variants: Variants) -> list[Variable]:
+    """Of a batch: its columns over variants and time, in what they differ, and how they ended."""
+    leaves = {leaf.path: leaf.declared for leaf in result.system.leaves()}
+    differ = [
+        Variable(path, (VARIANT,), leaves[path].unit, leaves[path].doc, path, _array(values))
+        for path, values in variants.over.items()
+    ]
+    names = np.asarray([one.name for one in variants.status], dtype=object)
+    ended = Variable("ended", (VARIANT,), "s", "time at which the run ended", "", variants.ended)
+    status = Variable("status", (VARIANT,), "", "how the run ended", "", names)
+    known = [] if variants.accuracy is None else [("accuracy", "error bound", variants.accuracy)]
+    more = [Variable(name, (VARIANT,), "1", words, "", data) for name, words, data in known]
+    columns = [
+        Variable(name, (VARIANT, TIME), unit, words, symbol, result[name])
+        for name, (unit, words, symbol) in result.outputs.items()
+    ]
+    return [*differ, ended, status, *more, *columns]
 
 
 def _ports(result: Result) -> list[str]:

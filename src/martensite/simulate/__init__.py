@@ -1,1 +1,5 @@
 """The time march, its result and its status."""
+
+from martensite.base.lazy import attach_names
+
+__getattr__, __dir__ = attach_names(__name__)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -30,28 +31,10 @@ from martensite.simulate.grid import Grid
 from martensite.simulate.march import Track, classify, track_of
 from martensite.simulate.marching import Limits
 from martensite.simulate.native_slopes import march_slopes
+from martensite.simulate.result import Result, Variants
 from martensite.simulate.variants import Course, Ran
 
 PRECISIONS = ("float64", "float32")
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Outputs of many variants; failures are rows with a status, never a lost batch."""
-
-    times: Any
-    """Sample times [s], (samples,)."""
-    columns: dict[str, Any]
-    """One array (variants, samples) per output asked for, in SI units; NaN after the end of a run
-    that left the envelope or failed."""
-    status: list[Status]
-    """How each variant ended."""
-    ended: Any
-    """Time [s] at which each ended, (variants,); NaN where that is not known."""
-    accuracy: Any = None
-    """How far temperatures, martensite fractions, stresses and coordinates of each may be off, as a
-    share of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the
-    envelope. None for runs on given steps. One above the tolerance was not reached."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +67,7 @@ def simulate_batch(
     chunk: int | None = None,
     precision: str = "float64",
     devices: int | None = 1,
-) -> Batch:
+) -> Result:
     """Run variants of a system that differ in the parameters named in `over`.
 
     Every run has an error control of its own, and a bound on the error that is left, as in
@@ -127,9 +110,37 @@ def simulate_batch(
         tolerance=tolerance, threads=(os.cpu_count() or 1) if devices is None else devices,
     )  # fmt: skip
     ran = course.run(varied)
+    return _result(system, waveform, course.times, ran, varied, course.controlled, chosen)
+
+
+def _result(
+    system: AbstractSystem,
+    waveform: Waveforms,
+    times: Sequence[float],
+    ran: Ran,
+    varied: Mapping[str, Any],
+    controlled: bool,
+    runtime: str,
+) -> Result:
+    """What is returned of a batch, with a warning where runs did not reach their end."""
     status = [Status(one) for one in ran.status.tolist()]
-    accuracy = ran.accuracy if course.controlled else None
-    return Batch(np.array(course.times), ran.columns, status, ran.ended, accuracy)
+    variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None)
+    lost = sum(one.failed or one is Status.OUT_OF_ENVELOPE for one in status)
+    warnings = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
+    used = {"c": "C", "jax": "JAX"}.get(runtime, runtime)
+    return Result(
+        system,
+        waveform,
+        list(times),
+        cast("Any", ran.columns),
+        max(status),
+        None,
+        0,
+        math.nan,
+        warnings=warnings,
+        runtime=used,
+        variants=variants,
+    )
 
 
 def _runtime(asked: str, step: float | None) -> str:
@@ -166,7 +177,7 @@ def _check(
 def _on_jax(
     system: AbstractSystem, run: tuple[Waveforms, float, int, float], varied: Mapping[str, Any],
     outputs: Sequence[str], chunk: int | None, precision: str, devices: int | None,
-) -> Batch:  # fmt: skip
+) -> Result:  # fmt: skip
     """A batch on JAX."""
     stops = varied_stops(varied)
     if stops:
@@ -192,8 +203,7 @@ def _on_jax(
     reports = np.stack([np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(3)])
     left = np.concatenate([p.left for p in pieces])[:count]
     ran = Ran.on_steps(columns, reports, left, grid.times)
-    status = [Status(one) for one in ran.status.tolist()]
-    return Batch(np.array(grid.times), ran.columns, status, ran.ended)
+    return _result(system, waveform, grid.times, ran, varied, False, "jax")
 
 
 def sensitivity(

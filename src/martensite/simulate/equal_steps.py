@@ -59,6 +59,6 @@ def _apart(system: AbstractSystem, found: Result, meant: Result) -> float:
     """Largest difference of what is judged, as a share of its range."""
     shares: list[float] = []
     for name, least in system.judged().items():
-        pairs = zip(found[name], meant[name], strict=False)
+        pairs = zip(found.columns[name], meant.columns[name], strict=False)
         shares.append(max(abs(a - b) for a, b in pairs) / max(meant.range(name), least))
     return max(shares, default=0.0)

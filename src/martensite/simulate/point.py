@@ -12,12 +12,23 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
+from typing import TYPE_CHECKING
 
-from martensite.base.errors import InputError, ParameterError, SolveError, suggestion
+from martensite.base.errors import (
+    InputError,
+    ParameterError,
+    SolveError,
+    UnknownNameError,
+    suggestion,
+)
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW
 from martensite.simulate.point_march import Drive, PointTrack, Section, march
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 RUNTIMES = ("floats", "c")
 CONTROLS = ("stress", "strain")
@@ -117,11 +128,17 @@ class PointResult:
     label: str = ""
     warnings: list[str] = field(default_factory=list[str])
 
-    def __getitem__(self, name: str) -> list[float]:
-        """A column by name."""
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by name, in SI units, (samples,).
+
+        Raises:
+            UnknownNameError: there is no such column.
+        """
         if name not in COLUMNS:
-            raise InputError(f"There is no column `{name}`. {suggestion(name, COLUMNS)}")
-        return getattr(self, name)
+            raise UnknownNameError("column", name, COLUMNS)
+        import numpy
+
+        return numpy.array(getattr(self, name))
 
     @property
     def work(self) -> float:

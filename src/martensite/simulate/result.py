@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -21,14 +23,43 @@ from martensite.simulate.balance import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas  # type: ignore[import-untyped]
     import xarray
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Variants:
+    """In what the runs of a batch differ, and how each of them ended."""
+
+    over: Mapping[str, NDArray[np.float64]]
+    """By full parameter path one value per run, (variants,), in SI."""
+    status: list[Status]
+    ended: NDArray[np.float64]
+    """Time [s] at which each ended, (variants,); NaN where that is not known."""
+    accuracy: NDArray[np.float64] | None = None
+    """How far temperatures, martensite fractions, stresses and coordinates of each may be off, as a
+    share of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the
+    envelope. None for runs on given steps. One above the tolerance was not reached."""
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def count_endings(self) -> str:
+        """How many runs ended how, such as `63 ok, 1 out of envelope`."""
+        names = Counter(one.name.lower().replace("_", " ") for one in self.status)
+        return ", ".join(f"{count} {name}" for name, count in names.most_common())
 
 
 @dataclass(frozen=True)
 class Result:
-    """Columns over time, and how far they can be trusted."""
+    """Columns over time, and how far they can be trusted.
+
+    One class for a single run, a loop (which has more columns) and a batch (whose columns have a
+    row per variant, and whose failures are rows with a status, never a lost batch).
+    """
 
     system: Any
     """What was run: a `System` of one element, or a `Machine` of several."""
@@ -37,9 +68,10 @@ class Result:
     times: list[float]
     """Sample times [s]."""
     columns: dict[str, list[float]]
-    """One list per output of the system, in SI units."""
+    """One list per output of the system, in SI units; of a batch arrays (variants, samples), NaN
+    after the end of a run. `result["stress"]` is an array in every case."""
     status: Status
-    """The worst status of all steps; a failed run has no result but raises."""
+    """The worst status of all steps and variants; a failed single run has no result but raises."""
     status_time: float | None
     """Start of the first step with the worst status [s], where recorded."""
     steps: int
@@ -72,18 +104,27 @@ class Result:
     """Why there is no balance of heat or work in a run with an error control, in sentences."""
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
+    variants: Variants | None = None
+    """Of a batch; None for a single run."""
 
-    def __getitem__(self, name: str) -> list[float]:
-        """A column by name, or the times, in SI units.
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column by name, or the times, in SI units: (samples,), of a batch (variants, samples).
 
         Raises:
             UnknownNameError: there is no such column.
         """
-        if name == "time":
-            return self.times
-        if name not in self.columns:
-            raise UnknownNameError("column", name, self.columns)
-        return self.columns[name]
+        if name not in self._arrays:
+            if name != "time" and name not in self.columns:
+                raise UnknownNameError("column", name, self.columns)
+            import numpy
+
+            self._arrays[name] = numpy.array(self.times if name == "time" else self.columns[name])
+        return self._arrays[name]
+
+    @cached_property
+    def _arrays(self) -> dict[str, NDArray[np.float64]]:
+        """The columns that have been asked for."""
+        return {}
 
     # ---------------------------------------------------------------- ways out
 
@@ -123,10 +164,17 @@ class Result:
         return import_module("martensite.scenario.netcdf").to_dataset(self)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table with a row per sample, by time [s]; columns in SI units (`attrs["units"]`)."""
+        """A table with a row per sample, by time [s], of a batch by variant and time.
+
+        Columns are in SI units (`attrs["units"]`).
+        """
         pandas: Any = import_module("pandas")
         index = pandas.Index(self.times, name="time")
-        table = pandas.DataFrame({name: self.columns[name] for name in self.outputs}, index=index)
+        if self.variants is not None:
+            runs = range(len(self.variants))
+            index = pandas.MultiIndex.from_product([runs, self.times], names=["variant", "time"])
+        columns = {name: self[name].reshape(-1) for name in self.outputs}
+        table = pandas.DataFrame(columns, index=index)
         table.attrs["units"] = {name: self.unit(name) for name in self.outputs}
         return table
 
@@ -160,9 +208,17 @@ class Result:
         """Name, lowest and highest value, and the unit in which they are readable."""
         unit = self.unit(name)
         shown = units.readable(unit)
-        low, high = (units.from_si(f(self.columns[name]), shown, unit) for f in (min, max))
+        low, high = (units.from_si(end, shown, unit) for end in self._ends(name))
         words = self.outputs[name].long_name
         return words, f"{low:.6g}", f"{high:.6g}", "" if shown == "1" else shown
+
+    def _ends(self, name: str) -> tuple[float, float]:
+        """Lowest and highest value of a column, over all variants."""
+        if self.variants is None:
+            column = self.times if name == "time" else self.columns[name]
+            return min(column), max(column)
+        numpy: Any = import_module("numpy")
+        return float(numpy.nanmin(self[name])), float(numpy.nanmax(self[name]))
 
     def require(self) -> Result:
         """Return this result, or raise `SolveError` if the run stopped before its end."""
@@ -173,8 +229,9 @@ class Result:
 
     @cached_property
     def outputs(self) -> dict[str, Output]:
-        """How every column is called, with its unit."""
-        return self.system.outputs() | self.beside
+        """How every column is called, with its unit; of a batch, those that were asked for."""
+        known = self.system.outputs() | self.beside
+        return known if self.variants is None else {name: known[name] for name in self.columns}
 
     def unit(self, name: str) -> str:
         """SI unit of a column."""
@@ -186,9 +243,9 @@ class Result:
         return next(iter(self.system.mechanism.outputs()))
 
     def range(self, name: str) -> float:
-        """Largest minus smallest value of a column, in SI."""
-        column = self[name]
-        return max(column) - min(column)
+        """Largest minus smallest value of a column, in SI, over all variants."""
+        low, high = self._ends(name)
+        return high - low
 
     @property
     def stroke(self) -> float:
@@ -197,6 +254,9 @@ class Result:
 
     def __str__(self) -> str:
         """A summary of a few lines."""
+        if self.variants is not None:
+            lines = [self._describe_variants(self.variants), *map(self._line, self.columns)]
+            return "\n".join([*lines, *self.remarks(), *self.warnings])
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
         where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
         lines = [
@@ -222,6 +282,18 @@ class Result:
             f"{remedies.get(found, '; what it computes cannot be trusted.')}"
             for name, found in self.conformance.items()
         ]
+
+    def _describe_variants(self, variants: Variants) -> str:
+        """How the runs of a batch ended, and how accurate they are."""
+        bounds: list[float] = []
+        if variants.accuracy is not None:
+            bounds = variants.accuracy.tolist()
+        known = [one for one in bounds if not math.isnan(one)]
+        accuracy = f"{max(known):.1e} of range at worst" if known else "not estimated"
+        return (
+            f"{len(variants)} variants of {self.times[-1]:.6g} s, which differ in "
+            f"{', '.join(variants.over)}: {variants.count_endings()}; accuracy {accuracy}"
+        )
 
     def balances(self) -> list[str]:
         """Those of heat and work, in a line each, and why one is missing."""

@@ -76,7 +76,7 @@ def _stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
         process=process if acts else "",
         martensite=martensite,
         oriented=oriented,
-        spots=_spots(result, result[name], first, last) if acts else None,
+        spots=_spots(result, getattr(result, name), first, last) if acts else None,
         varies=varies,
         end=Spot(result.stress[last], result.temperature[last]),
         strain=result.strain[last],

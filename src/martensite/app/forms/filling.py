@@ -11,12 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from martensite.actuators.elements.from_material import ASSUMED_KINDS
 from martensite.base.errors import InputError
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import Material
 from martensite.physics.materials.names import NAMES
-from martensite.scenario.build import ASSUMED_KINDS, LAW
+from martensite.scenario.build import LAW
 from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE
 

@@ -84,12 +84,13 @@ def _ways(result: Result) -> list[tuple[Any, Any]] | None:
     system, found = result.system, list[tuple[Any, Any]]()
     on_line = isinstance(system.mechanism, AbstractLoadLine)
     for port, actuator in system.actuators().items():
-        force = np.asarray(result[system.label(port, "force")])
+        force = np.asarray(result.columns[system.label(port, "force")])
         length = straight_length(actuator.element)
         if on_line:
-            found.append((force, np.asarray(result[result.coordinate])))
+            found.append((force, np.asarray(result.columns[result.coordinate])))
         elif length is not None:
-            found.append((force, -length * np.asarray(result[system.label(port, "strain")])))
+            strain = np.asarray(result.columns[system.label(port, "strain")])
+            found.append((force, -length * strain))
         else:
             return None
     return found

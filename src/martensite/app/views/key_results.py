@@ -54,7 +54,7 @@ def _peaks(result: Result) -> Iterator[dict[str, Any]]:
         columns = [result.system.label(port, name) for port in ports]
         if columns:
             how = shown(result, columns[0])
-            value = choose(choose(result[column]) for column in columns)
+            value = choose(choose(result.columns[column]) for column in columns)
             yield _row(name, words, value, how["shown"], how["factor"], how["offset"])
 
 

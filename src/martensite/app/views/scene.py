@@ -71,16 +71,16 @@ def drawn(
     row: int,
 ) -> list[Shape]:  # fmt: skip
     """The mechanism at one row of the result, from its outputs by name."""
-    return system.mechanism.drawn(Reading({n: result[n][row] for n in names}, lengths))
+    return system.mechanism.drawn(Reading({n: result.columns[n][row] for n in names}, lengths))
 
 
 def assembled(system: AbstractSystem, result: Result) -> dict[str, float]:
     """Length of the element at each port as the mechanism is assembled [m]."""
     mechanism, actuators = system.mechanism, system.actuators()
-    signals = [result[name][0] for name in mechanism.signals()]
+    signals = [result.columns[name][0] for name in mechanism.signals()]
     forces = mechanism.first_forces(floats, signals)
     return {
-        port: _length(one, force, result[system.label(port, "drive")][0])
+        port: _length(one, force, result.columns[system.label(port, "drive")][0])
         for (port, one), force in zip(actuators.items(), forces, strict=True)
     }
 

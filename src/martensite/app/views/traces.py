@@ -118,7 +118,7 @@ def _repeated(result: Result, panel: Panel, port: str, name: str) -> bool:
     """Whether the panel shows these numbers already, as that of the only temperature."""
     base = name.rpartition(".")[-1]
     own = panel.ports.get(port, [])
-    return base in TOGETHER and any(result[name] == result[other] for other in own)
+    return base in TOGETHER and any(result.columns[name] == result.columns[other] for other in own)
 
 
 def _place(panel: Panel) -> tuple[bool, int]:
@@ -154,7 +154,7 @@ def stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
     kept = kept_rows(len(result.times))
     found: dict[str, list[tuple[int, int, int]]] = {}
     for port in result.system.actuators():
-        column = result[result.system.label(port, "temperature")]
+        column = result.columns[result.system.label(port, "temperature")]
         own = runs(senses([column[i] for i in kept]))
         found[port] = own if len(own) <= TURNED else [(0, 0, len(kept) - 1)]
     return found

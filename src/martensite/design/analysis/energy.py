@@ -114,7 +114,7 @@ def energy_per_cycle(
         raise InputError(f"A run of {times[-1] - times[0]:g} s has no whole cycle of {period:g} s.")
     ends = times[0] + period * np.arange(cycles + 1)
     ways = [
-        (np.asarray(result[force]), np.asarray(result[coordinate]))
+        (np.asarray(result.columns[force]), np.asarray(result.columns[coordinate]))
         for force, coordinate in _columns(result, pairs)
     ]
     over = energy_courses(result, ways)
@@ -126,7 +126,7 @@ def energy_per_cycle(
 def _added(result: Result, name: str) -> Numbers:
     """A column of all elements, added up."""
     system: AbstractSystem = result.system
-    columns = [np.asarray(result[system.label(port, name)]) for port in system.actuators()]
+    columns = [np.asarray(result.columns[system.label(port, name)]) for port in system.actuators()]
     return np.sum(columns, axis=0) if columns else np.zeros(len(result.times))
 
 

@@ -61,7 +61,7 @@ class Speeds:
         return self.fall / self.rise
 
 
-def speeds(
+def compute_speeds(
     system: AbstractSystem, signals: Sequence[float] | Numbers, hold: float, *, low: float = 0.0,
     back: float | None = None, load: str | None = None, loads: Sequence[float] | Numbers = (),
     drive: str | None = None, output: str | None = None, native: bool | None = None,

@@ -188,4 +188,4 @@ def _reading(
     run = simulate_bench(free, duration, waveforms=played, seed=seed).require()
     name = controller.measured
     column = MEASURED + name if name in bench.sensors.members() else name
-    return np.array(run.times), np.array(run[column])
+    return np.array(run.times), np.array(run.columns[column])

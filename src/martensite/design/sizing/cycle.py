@@ -64,7 +64,7 @@ def pulsed(system: System, current: float, time: float) -> float:
     """
     run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
     left = run.status is Status.OUT_OF_ENVELOPE
-    return max(run["position"]) if left else run["position"][-1]
+    return max(run.columns["position"]) if left else run.columns["position"][-1]
 
 
 def current_for(system: System, position: float, time: float, guess: float) -> float | None:
@@ -105,7 +105,7 @@ def cycle(
     """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = cooled(system, left, current, heating, time_constant)
-    return Cycle(current, heating, cooling, max(run["temperature"]))
+    return Cycle(current, heating, cooling, max(run.columns["temperature"]))
 
 
 def running_hottest(system: System, found: Cycle, rate: float) -> float:
@@ -116,7 +116,7 @@ def running_hottest(system: System, found: Cycle, rate: float) -> float:
     pulses = PulseWidthModulation(high=found.current, frequency=rate, duty=found.heating * rate)
     step = max(found.heating / STEPS, 1.0 / rate / MOST * RUNNING)
     run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
-    return max(run["temperature"])
+    return max(run.columns["temperature"])
 
 
 def cooled(
@@ -142,7 +142,7 @@ def _falls_to(run: Result, start: float, level: float) -> float | None:
     """Time after `start` [s] at which the position has fallen to a level [m]."""
     after = [i for i, time in enumerate(run.times) if time >= start]
     times = [run.times[i] for i in after]
-    time = crossing(times, [-run["position"][i] for i in after], -level)
+    time = crossing(times, [-run.columns["position"][i] for i in after], -level)
     return None if time is None else time - start
 
 

@@ -119,7 +119,7 @@ def _as_before(wanted: Wanted, known: dict[str, Any]) -> Wanted:
     )
 
 
-def sweep(
+def run_sweep(
     scenario: Scenario | str | Path, *, over: Sequence[str], out: str | Path, sample: str = "grid",
     measures: Sequence[str] = MEASURES, traces: Sequence[tuple[str, int]] = (), seed: int = 0,
     step: float | str | None = None, runtime: str | None = None, precision: str = "float64",

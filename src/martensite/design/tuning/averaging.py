@@ -127,7 +127,7 @@ def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, Abs
 
 def ripples(pulsed: Loop) -> list[float]:
     """Rise of temperature in each pulse above the straight line through its period [K]."""
-    starts, ends = pulsed.result["temperature"], pulsed.ends["temperature"]
+    starts, ends = pulsed.result.columns["temperature"], pulsed.ends["temperature"]
     shares = pulsed.means["drive"]
     return [
         end - (begin + share * (after - begin))

@@ -11,7 +11,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf, structure
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import reference_waveforms
-from martensite.export.c_core import CCore, c_core
+from martensite.export.c_core import CCore, build_c_core
 from martensite.simulate.api import longest_step
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
@@ -109,7 +109,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
     scenario = None if isinstance(model, AbstractSystem) else model
     system = _settled(model if isinstance(model, AbstractSystem) else model.whole)
     chosen = _step(system, scenario, step)
-    core = c_core(system, name=f"{identifier}_core")
+    core = build_c_core(system, name=f"{identifier}_core")
     return Plan(
         identifier=identifier,
         title=identifier if scenario is None else scenario.title,

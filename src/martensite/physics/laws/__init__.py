@@ -1,1 +1,5 @@
 """Stress–strain–temperature laws: one file per law, no law imports another."""
+
+from martensite.base.lazy import attach_names
+
+__getattr__, __dir__ = attach_names(__name__)

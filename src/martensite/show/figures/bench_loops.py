@@ -78,7 +78,7 @@ def _loop(
         return None
     truth = _truth(result, bench, one.measured, reading)
     known = name in result.columns  # not in that of another run than `simulate_bench`
-    given = result[name] if known else [one.reference.value(time) for time in result.times]
+    given = result.columns[name] if known else [one.reference.value(time) for time in result.times]
     wanted = wanted_name(name) if known else ""
     return Loop(drive, np.asarray(given, dtype=np.float64), reading, truth, wanted)
 

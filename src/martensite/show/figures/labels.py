@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.base import units
 from martensite.simulate.result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 FRACTIONS = ("martensite_fraction",)
 _PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
@@ -39,7 +41,7 @@ class Axis:
         """Unit of a difference of two values, for running text."""
         return _DIFFERENCE.get(self.shown, _PRINTED.get(self.shown, self.shown))
 
-    def values(self, column: Sequence[float]) -> Any:
+    def values(self, column: ArrayLike) -> Any:
         """A column in SI as an array in the shown unit."""
         factor, offset = units.conversion(self.shown, self.unit)
         return (np.asarray(column, dtype=np.float64) - offset) / factor

@@ -57,6 +57,9 @@ def plot_result(
     Raises:
         DataError: a record holds nothing that can be compared with the result.
     """
+    if result.variants is not None:
+        with styled():
+            return _batch(result, title)
     if isinstance(result.system, Bench):
         return plot_bench(result, records, title, outside)
     measured = check_records(result, records)
@@ -109,6 +112,32 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
     return figure
 
 
+def _batch(result: Result, title: str | None) -> Figure:
+    """Every column over time, with a line per variant."""
+    import matplotlib
+
+    names = list(result.columns)
+    height = HEAD + FOOT + 2.0 * PANEL_HEIGHT * len(names)
+    figure = new_figure(0.75 * WIDTH, height)
+    grid = figure.add_gridspec(
+        len(names), 1, left=0.1, right=0.97, top=1.0 - HEAD / height, bottom=FOOT / height,
+        hspace=0.3,
+    )  # fmt: skip
+    panels = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
+    colours: Any = matplotlib.colormaps["viridis"]
+    for axes, name in zip(panels, names, strict=True):
+        shown = axis(result, name)
+        lines = axes.plot(result.times, shown.values(result[name]).T, linewidth=1.0)
+        for k, line in enumerate(lines):
+            line.set_color(colours(k / max(len(lines) - 1, 1)))
+        axes.set_title(shown.long_name)
+        axes.set_ylabel(shown.label)
+        axes.set_xlim(result.times[0], result.times[-1])
+    panels[-1].set_xlabel(axis(result, "time").label)
+    _write_text(figure, result, title, [])
+    return figure
+
+
 def _machine(result: Result, title: str | None) -> Figure:
     """Records of machines are compared in numbers only."""
     figure = draw_machine(result)
@@ -133,6 +162,8 @@ def _title(result: Result) -> str:
 
 
 def _summary(result: Result) -> str:
+    if result.variants is not None:
+        return f"{len(result.variants)} variants: {result.variants.count_endings()}"
     stroke = axis(result, result.coordinate)
     factor, _ = units.conversion(stroke.shown, stroke.unit)
     parts = [
@@ -140,7 +171,7 @@ def _summary(result: Result) -> str:
         f"{result.steps:,} steps",
     ]
     if result.accuracy is not None:
-        parts.append(f"changes by {result.accuracy:.1e} of range on halving the step")
+        parts.append(f"accuracy {result.accuracy:.1e} of range")
     if result.status:
         when = "" if result.status_time is None else f" at t = {result.status_time:.4g} s"
         parts.append(f"status {result.status.name.lower().replace('_', ' ')}{when}")

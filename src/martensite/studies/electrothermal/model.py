@@ -122,7 +122,7 @@ def predicted(key: str, stated: Printed, calibration: Calibration | None = None)
         samples=scenario().samples,
     )
     names = ("time", "drive", "current", "resistance", "temperature", "martensite_fraction")
-    columns = {name: run[name] for name in names}
+    columns = {name: run[name].tolist() for name in names}
     units = {name: run.unit(name) for name in names}
     return plateaus(Record(f"simulated, {key}", columns, units), "drive")
 

@@ -25,10 +25,10 @@ from typing import Any
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free import Wish
-from martensite.fit.problem import problem
+from martensite.fit.problem import build_problem
 from martensite.fit.profile import profile
 from martensite.fit.profiles import Profile
-from martensite.fit.solve import solve
+from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
 from martensite.physics.electrical.mixture import MixtureResistance
 from martensite.physics.electrical.temperature import PrescribedTemperature
@@ -154,7 +154,7 @@ def wishes(shape: str) -> list[Wish]:
 @cache
 def fitted(shape: str, offset: float, place: int = PLACE) -> Fit:
     """The fit of one shape of R with one offset of the supply."""
-    return solve(problem([experiment(shape, offset, place)], wishes(shape)))
+    return solve_problem(build_problem([experiment(shape, offset, place)], wishes(shape)))
 
 
 def resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from martensite.fit.profiled import profiled
+from martensite.fit.profiled import profile_likelihood
 from martensite.fit.profiles import Profile
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record
@@ -15,7 +15,7 @@ from martensite.studies.tables import Printed
 @cache
 def strip_profile(name: str, offset: float) -> Profile:
     """Profile of A_s or A_f with the plain mixture."""
-    return profiled(fitting.fitted("mixture", offset), name)
+    return profile_likelihood(fitting.fitted("mixture", offset), name)
 
 
 def compute_resistance(stated: Printed) -> dict[str, float]:

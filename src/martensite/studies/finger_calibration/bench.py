@@ -20,7 +20,7 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.fit.experiment import Experiment
 from martensite.fit.free import Wish
-from martensite.fit.problem import Evaluation, Problem, problem
+from martensite.fit.problem import Evaluation, Problem, build_problem
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.records import Record
 from martensite.studies.tables import Printed
@@ -83,7 +83,7 @@ def clean(
     """(samples,): angle with Table 1, other numbers changed by name, without noise [rad]."""
     blank = np.linspace(0.0, 1.0, SAMPLES)
     experiment = _experiment("clean", finger(arm, offset, values), blank, printed)
-    fine = problem((experiment,), ["stiffness"], step=FINE)  # free in name only
+    fine = build_problem((experiment,), ["stiffness"], step=FINE)  # free in name only
     found = fine.evaluate(fine.start)
     if found is None:
         raise SolveError("The run with Table 1 fails.")
@@ -131,7 +131,7 @@ def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[flo
         Wish(one.name, one.low, one.high, begin)
         for one, begin in zip(printed.searched, start, strict=True)
     ]
-    return problem(records, wishes, noise={"angle": NOISE})
+    return build_problem(records, wishes, noise={"angle": NOISE})
 
 
 @cache

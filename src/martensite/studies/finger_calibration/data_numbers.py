@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from martensite.fit.identifiability import Identifiability, identifiability
-from martensite.fit.uncertainty import Uncertainty, uncertainty
+from martensite.fit.identifiability import Identifiability, assess_identifiability
+from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, JOINT, NEAR, Data
 from martensite.studies.finger_calibration.searches import best
@@ -81,7 +81,7 @@ def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertai
     """What is uncertain about some of the parameters, all others fixed at Table 1."""
     found, free = bench.at_table(data, printed), bench.table_problem(data, printed)
     places = [free.names.index(name) for name in names]
-    return uncertainty(
+    return estimate_uncertainty(
         found.residuals,
         found.jacobian[:, places],
         names,
@@ -93,7 +93,7 @@ def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertai
 def held(data: Data, printed: Printed) -> Identifiability:
     """What a set of records holds of the five parameters, about Table 1."""
     found, problem = bench.at_table(data, printed), bench.table_problem(data, printed)
-    return identifiability(
+    return assess_identifiability(
         found.jacobian,
         printed.searched.column("name"),
         values=printed.searched.column("value"),

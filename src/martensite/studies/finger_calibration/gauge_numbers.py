@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.free import Wish
-from martensite.fit.identifiability import Identifiability, identifiability
-from martensite.fit.problem import Problem, problem
-from martensite.fit.solve import solve
+from martensite.fit.identifiability import Identifiability, assess_identifiability
+from martensite.fit.problem import Problem, build_problem
+from martensite.fit.solve import solve_problem
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
 from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width
@@ -64,7 +64,7 @@ def whole(printed: Printed) -> Problem:
     ]
     wishes = [Wish(one.name, one.low, one.high, one.value) for one in printed.searched]
     wishes += [Wish(name, value / AROUND, value * AROUND, value) for name, value in rest]
-    return problem(bench.experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
+    return build_problem(bench.experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
 
 
 @cache
@@ -78,7 +78,7 @@ def held(names: Sequence[str], printed: Printed) -> Identifiability:
     """What the calibration test holds of some parameters, the others fixed."""
     free = whole(printed).free
     places = [whole(printed).names.index(name) for name in names]
-    return identifiability(
+    return assess_identifiability(
         slopes(printed)[:, places],
         names,
         values=[free[i].start for i in places],
@@ -113,7 +113,7 @@ def warmed(factor: float, printed: Printed) -> dict[str, float]:
 def refitted(printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()) -> Search:
     """Least squares to the record without noise, by a finger that is another one."""
     records = bench.experiments(NEAR, printed, noisy=False, arm=arm, values=values)
-    return Search(solve(bench.fitting(records, printed, STARTS[1])), ())
+    return Search(solve_problem(bench.fitting(records, printed, STARTS[1])), ())
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from martensite.fit.fit import Fit
-from martensite.fit.solve import solve
+from martensite.fit.solve import solve_problem
 from martensite.fit.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
@@ -82,7 +82,7 @@ def search(data: Data, start: int, method: str, printed: Printed, spread: int = 
         if not told or note.cost < told[-1].cost:
             told.append(note)
 
-    fit = solve(problem, method=method, starts=spread, tell=tell)
+    fit = solve_problem(problem, method=method, starts=spread, tell=tell)
     path = [
         Point(runs, rms(cost), problem.numbers(note.values))
         for (runs, cost), note in zip(fit.history, told, strict=True)

@@ -72,7 +72,7 @@ def run(slack: float, volts: float, drive: Step) -> Result:
 
 def switchings(printed: Printed, found: Result) -> list[float]:
     """Times at which the controller would have switched along a run [s]."""
-    columns = {name: found[name] for name in NAMES}
+    columns = {name: found[name].tolist() for name in NAMES}
     signals = replayed(controller(printed), found.times, columns)
     rows = zip(found.times[1:], signals, signals[1:], strict=False)
     return [time for time, before, after in rows if before != after]

@@ -1,0 +1,49 @@
+from martensite import characterise as characterise
+from martensite import control as control
+from martensite import design as design
+from martensite import export as export
+from martensite import fit as fit
+from martensite import identify as identify
+from martensite import parts as parts
+from martensite import scenario as _data
+from martensite import signals as signals
+from martensite import simulate as simulate
+from martensite import testing as testing
+from martensite.actuators import elements as elements
+from martensite.actuators import mechanisms as mechanisms
+from martensite.actuators.assembly.actuator import Actuator as Actuator
+from martensite.actuators.assembly.actuator import Group as Group
+from martensite.actuators.assembly.machine import Machine as Machine
+from martensite.actuators.assembly.single import System as System
+from martensite.actuators.elements.coil_spring import CoilSpring as CoilSpring
+from martensite.actuators.elements.wire import Wire as Wire
+from martensite.actuators.mechanisms.bias_spring import BiasSpring as BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight as DeadWeight
+from martensite.base.errors import InputError as InputError
+from martensite.base.errors import MartensiteError as MartensiteError
+from martensite.base.errors import SolveError as SolveError
+from martensite.physics import electrical as electrical
+from martensite.physics import laws as laws
+from martensite.physics import thermal as thermal
+from martensite.physics.electrical.current import CurrentSource as CurrentSource
+from martensite.physics.electrical.voltage import VoltageSource as VoltageSource
+from martensite.physics.laws.brinson import Brinson as Brinson
+from martensite.physics.laws.liang_rogers import LiangRogers as LiangRogers
+from martensite.physics.materials.base import Material as Material
+from martensite.physics.materials.base import load_material as load_material
+from martensite.physics.thermal.base import Environment as Environment
+from martensite.scenario.netcdf import open_result as open_result
+from martensite.scenario.running import run as run
+from martensite.scenario.scenario import Scenario as Scenario
+from martensite.scenario.scenario import load as load
+from martensite.scenario.tables import read_table as read_table
+from martensite.show import figures as _plot
+from martensite.signals.constant import Constant as Constant
+from martensite.signals.records import Record as Record
+from martensite.signals.sine import Sine as Sine
+from martensite.signals.step import Step as Step
+from martensite.simulate.result import Result as Result
+
+data = _data
+plot = _plot
+__version__: str

@@ -1,0 +1,35 @@
+from martensite.identify.blocks.bouc_wen import BoucWen as BoucWen
+from martensite.identify.blocks.duhem import Duhem as Duhem
+from martensite.identify.blocks.generalised_prandtl_ishlinskii import (
+    GeneralisedPrandtlIshlinskii as GeneralisedPrandtlIshlinskii,
+)
+from martensite.identify.blocks.play import Play as Play
+from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii as PrandtlIshlinskii
+from martensite.identify.blocks.transfer_function import TransferFunction as TransferFunction
+from martensite.identify.chains.best_linear import best_linear as best_linear
+from martensite.identify.chains.chain import Chain as _BlockChain
+from martensite.identify.chains.engine import Engine as Engine
+from martensite.identify.chains.estimate import estimate as _estimate_model
+from martensite.identify.chains.linearise import linearise as linearise
+from martensite.identify.chains.linearise import static_curve as static_curve
+from martensite.identify.chains.options import Options as _EstimateOptions
+from martensite.identify.chains.plant import plant as plant
+from martensite.identify.chains.scores import rms as rms
+from martensite.identify.chains.search import search as _search_structures
+from martensite.identify.chains.stages import Stage as Stage
+from martensite.identify.chains.stages import identify_stages as identify_stages
+from martensite.identify.chains.uncertainty import uncertainty as _model_uncertainty
+from martensite.identify.chains.validation import validate as _validate_model
+from martensite.identify.chains.written import parse_chain as parse_chain
+from martensite.identify.operators.play import PlaySum as PlaySum
+from martensite.scenario.model_files import model_provenance as model_provenance
+from martensite.scenario.model_files import read_model as read_model
+from martensite.scenario.model_files import write_model as write_model
+from martensite.show.reports.model_report import write_model_report as write_model_report
+
+BlockChain = _BlockChain
+estimate_model = _estimate_model
+EstimateOptions = _EstimateOptions
+search_structures = _search_structures
+model_uncertainty = _model_uncertainty
+validate_model = _validate_model

@@ -1,0 +1,16 @@
+from martensite.physics.fluids.air import Air as Air
+from martensite.physics.fluids.air_table import AirTable as AirTable
+from martensite.physics.fluids.oil import Oil as Oil
+from martensite.physics.fluids.water import Water as Water
+from martensite.physics.thermal.base import Cylinder as Cylinder
+from martensite.physics.thermal.base import Environment as Environment
+from martensite.physics.thermal.churchill_bernstein import ChurchillBernstein as ChurchillBernstein
+from martensite.physics.thermal.churchill_chu import ChurchillChu as ChurchillChu
+from martensite.physics.thermal.combined import CombinedCooling as CombinedCooling
+from martensite.physics.thermal.constant import ConstantCooling as ConstantCooling
+from martensite.physics.thermal.ends import AdiabaticEnds as AdiabaticEnds
+from martensite.physics.thermal.ends import ClampedEnds as ClampedEnds
+from martensite.physics.thermal.lefevre_ede import LeFevreEde as LeFevreEde
+from martensite.physics.thermal.morgan import Morgan as Morgan
+from martensite.physics.thermal.polynomial import PolynomialCooling as PolynomialCooling
+from martensite.physics.thermal.radiation import Radiation as Radiation

@@ -1,0 +1,16 @@
+from martensite.signals.carrier import Carrier as Carrier
+from martensite.signals.constant import Constant as Constant
+from martensite.signals.held import Held as Held
+from martensite.signals.pwm import PulseWidthModulation as PulseWidthModulation
+from martensite.signals.ramp import Ramp as Ramp
+from martensite.signals.records import Record as Record
+from martensite.signals.records import table_waveform as table_waveform
+from martensite.signals.sampling.resampling import resampled as resampled
+from martensite.signals.sampling.resampling import split as split
+from martensite.signals.sampling.sampled import Sampled as Sampled
+from martensite.signals.sampling.trends import detrended as detrended
+from martensite.signals.sine import Sine as Sine
+from martensite.signals.staircase import Staircase as Staircase
+from martensite.signals.step import Step as Step
+from martensite.signals.table import Table as Table
+from martensite.signals.triangle import Triangle as Triangle
