@@ -7,7 +7,7 @@ from martensite.actuators.assembly.base import AbstractSystem, State
 from martensite.actuators.assembly.course import advanced
 from martensite.actuators.assembly.machine import Machine
 from martensite.actuators.assembly.members import Members
-from martensite.actuators.assembly.outputs import OUTPUTS, PROFILES, Outputs
+from martensite.actuators.assembly.outputs import OUTPUTS, PROFILES
 from martensite.actuators.assembly.single import System
 
 __all__ = [
@@ -19,7 +19,6 @@ __all__ = [
     "Group",
     "Machine",
     "Members",
-    "Outputs",
     "State",
     "System",
     "advanced",

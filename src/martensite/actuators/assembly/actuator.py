@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.members import Members
-from martensite.actuators.assembly.outputs import Outputs
+from martensite.actuators.assembly.outputs import OBSERVABLES, Observation
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Heating, Profile
 from martensite.actuators.mechanisms.base import Load
 from martensite.base.parameters import Parametrised, part
@@ -43,25 +43,14 @@ class Actuator(Parametrised):
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
 
-    def seen(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> Outputs:
-        """Everything that can be measured under a force [N] and a drive signal."""
-        found = self.element.condition(xp, state, force, self.environment)
-        current = self.source.current(xp, drive, found.resistance)
-        return Outputs(
-            drive=drive,
-            temperature=found.temperature,
-            hottest=found.hottest,
-            martensite_fraction=found.martensite_fraction,
-            oriented_fraction=found.oriented_fraction,
-            stress=found.stress,
-            strain=found.strain,
-            force=force,
-            resistance=found.resistance,
-            current=current,
-            voltage=current * found.resistance,
-            power=current * current * found.resistance,
-            heat_loss=found.heat_loss,
-        )
+    def observe_element(
+        self, xp: Namespace, state: Any, force: Scalar, drive: Scalar
+    ) -> dict[str, Scalar]:
+        """Every output, by name, under a force [N] and a drive signal."""
+        condition = self.element.condition(xp, state, force, self.environment)
+        current = self.source.current(xp, drive, condition.resistance)
+        seen = Observation(drive, force, current, condition)
+        return {name: one.compute(seen) for name, one in OBSERVABLES.items()}
 
     def profile(self, state: Any) -> Profile:
         """What differs along the element; described in `PROFILES`."""

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.actuator import Actuator, Feed
 from martensite.actuators.assembly.ledger import Entries
-from martensite.actuators.assembly.outputs import Outputs
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.base.interfaces import make_missing_error
@@ -150,8 +149,10 @@ class AbstractAssembly(AbstractSystem):
         return self.mechanism.outputs() | driven
 
     @abstractmethod
-    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
-        """Numbers in the order of `outputs`."""
+    def arrange_outputs(
+        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
+        """Those of the actuators and of the mechanism, by name, in the order of `outputs`."""
 
     def judged(self) -> dict[str, float]:
         """Temperatures, fractions, and what the mechanism names."""
@@ -272,8 +273,11 @@ class AbstractAssembly(AbstractSystem):
         loads, signals = self._loads(state, drives), self._signals(drives)
         forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
         rows = zip(self._actuators(), state.elements, forces, drives, strict=False)
-        seen = [one.seen(xp, element, force, drive) for one, element, force, drive in rows]
-        return self.arranged(seen, [*own, *signals])
+        seen = [
+            one.observe_element(xp, element, force, drive) for one, element, force, drive in rows
+        ]
+        mechanism = dict(zip(self.of_mechanism(), [*own, *signals], strict=True))
+        return list(self.arrange_outputs(seen, mechanism).values())
 
     def _actuators(self) -> list[Actuator]:
         return list(self.actuators().values())

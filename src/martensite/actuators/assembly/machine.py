@@ -6,8 +6,8 @@ from collections import Counter
 
 from martensite.actuators.assembly.actuator import Actuator, Group
 from martensite.actuators.assembly.base import AbstractAssembly
-from martensite.actuators.assembly.outputs import OUTPUTS, Outputs
-from martensite.actuators.mechanisms.base import Column, Output
+from martensite.actuators.assembly.outputs import OUTPUTS
+from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggestion
 from martensite.base.parameters import part
 from martensite.kernels.namespace import Scalar
@@ -63,6 +63,10 @@ class Machine(AbstractAssembly):
         words = ", ".join(f"{count} × {kind}" for kind, count in kinds.items())
         return f"{self.mechanism.registered_name} with {words or 'no elements'}"
 
-    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
-        """Numbers in the order of `outputs`."""
-        return [*mechanism, *(number for one in seen for number in one)]
+    def arrange_outputs(
+        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
+        """Those of the mechanism, then those of every actuator."""
+        rows = zip(self.actuators(), seen, strict=True)
+        own = {self.label(port, name): value for port, one in rows for name, value in one.items()}
+        return mechanism | own

@@ -1,47 +1,86 @@
-"""What can be observed on an element and what drives it."""
+"""What can be observed on an element and what drives it: every output is declared once.
+
+Another output of every actuator is one more entry of `OBSERVABLES`; runs, files, figures, exports
+and the bench list it by itself.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
+from martensite.actuators.elements.base import Condition
 from martensite.actuators.mechanisms.base import Output
 from martensite.kernels.namespace import Scalar
 
 
-class Outputs(NamedTuple):
-    """What can be observed on an actuator, in SI units; described in `OUTPUTS`."""
+class Observation(NamedTuple):
+    """What outputs are computed of."""
 
     drive: Scalar
-    temperature: Scalar
-    hottest: Scalar
-    martensite_fraction: Scalar
-    oriented_fraction: Scalar
-    stress: Scalar
-    strain: Scalar
+    """Signal of the source, in its unit."""
     force: Scalar
-    resistance: Scalar
+    """[N]"""
     current: Scalar
-    voltage: Scalar
-    power: Scalar
-    heat_loss: Scalar
+    """[A]"""
+    condition: Condition
+    """What can be measured on the element."""
 
 
-OUTPUTS: dict[str, Output] = {
-    "drive": Output("1", "drive signal", "u"),
-    "temperature": Output("K", "wire temperature", "T"),
-    "hottest": Output("K", "highest temperature in the element", "T_max"),
-    "martensite_fraction": Output("1", "martensite fraction", "ξ"),
-    "oriented_fraction": Output("1", "net oriented martensite fraction", "ξ_S"),
-    "stress": Output("Pa", "axial stress", "σ"),
-    "strain": Output("1", "strain", "ε"),
-    "force": Output("N", "force", "F"),
-    "resistance": Output("ohm", "electrical resistance", "R"),
-    "current": Output("A", "current", "I"),
-    "voltage": Output("V", "voltage across the element", "U"),
-    "power": Output("W", "electrical power in the element", "P"),
-    "heat_loss": Output("W", "heat flow to the environment", "Q"),
+@dataclass(frozen=True)
+class Observable:
+    """One output: how it is called, and how it is computed."""
+
+    output: Output
+    compute: Callable[[Observation], Scalar]
+    """A kernel."""
+    after_mechanism: bool = False
+    """Whether it comes after the outputs of the mechanism in a system of one element."""
+
+
+OBSERVABLES: dict[str, Observable] = {
+    "drive": Observable(Output("1", "drive signal", "u"), lambda seen: seen.drive),
+    "temperature": Observable(
+        Output("K", "wire temperature", "T"), lambda seen: seen.condition.temperature
+    ),
+    "hottest": Observable(
+        Output("K", "highest temperature in the element", "T_max"),
+        lambda seen: seen.condition.hottest,
+    ),
+    "martensite_fraction": Observable(
+        Output("1", "martensite fraction", "ξ"), lambda seen: seen.condition.martensite_fraction
+    ),
+    "oriented_fraction": Observable(
+        Output("1", "net oriented martensite fraction", "ξ_S"),
+        lambda seen: seen.condition.oriented_fraction,
+    ),
+    "stress": Observable(Output("Pa", "axial stress", "σ"), lambda seen: seen.condition.stress),
+    "strain": Observable(Output("1", "strain", "ε"), lambda seen: seen.condition.strain),
+    "force": Observable(Output("N", "force", "F"), lambda seen: seen.force),
+    "resistance": Observable(
+        Output("ohm", "electrical resistance", "R"), lambda seen: seen.condition.resistance, True
+    ),
+    "current": Observable(Output("A", "current", "I"), lambda seen: seen.current, True),
+    "voltage": Observable(
+        Output("V", "voltage across the element", "U"),
+        lambda seen: seen.current * seen.condition.resistance,
+        True,
+    ),
+    "power": Observable(
+        Output("W", "electrical power in the element", "P"),
+        lambda seen: seen.current * seen.current * seen.condition.resistance,
+        True,
+    ),
+    "heat_loss": Observable(
+        Output("W", "heat flow to the environment", "Q"),
+        lambda seen: seen.condition.heat_loss,
+        True,
+    ),
 }
 """The unit of the drive is that of its source."""
+
+OUTPUTS: dict[str, Output] = {name: one.output for name, one in OBSERVABLES.items()}
 
 PROFILES: dict[str, Output] = {
     "cell_temperature": Output("K", "temperature of a cell", "T"),

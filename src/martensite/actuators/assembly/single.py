@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TypeVar
+
 from martensite.actuators.assembly.actuator import Actuator
 from martensite.actuators.assembly.base import AbstractAssembly, State
-from martensite.actuators.assembly.outputs import OUTPUTS, Outputs
+from martensite.actuators.assembly.outputs import OBSERVABLES, OUTPUTS
 from martensite.actuators.mechanisms.base import Column, Output
 from martensite.base.errors import ParameterError
 from martensite.kernels.namespace import Scalar
 
-FIRST = 8
-"""Outputs of the element that come before those of the mechanism."""
+T = TypeVar("T")
 
 
 class System(Actuator, AbstractAssembly):
@@ -39,8 +41,7 @@ class System(Actuator, AbstractAssembly):
 
     def outputs(self) -> dict[str, Output]:
         """Those of the element, and after the force those of the mechanism."""
-        own = list(OUTPUTS.items())
-        found = dict(own[:FIRST]) | self.of_mechanism() | dict(own[FIRST:])
+        found = _insert(OUTPUTS, self.of_mechanism())
         return found | {"drive": OUTPUTS["drive"]._replace(unit=self.source.unit)}
 
     def described(self) -> str:
@@ -49,11 +50,20 @@ class System(Actuator, AbstractAssembly):
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
 
-    def arranged(self, seen: list[Outputs], mechanism: Column) -> list[Scalar]:
-        """Numbers in the order of `outputs`."""
+    def arrange_outputs(
+        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
+    ) -> dict[str, Scalar]:
+        """Those of the element, and after the force those of the mechanism."""
         (one,) = seen
-        return [*one[:FIRST], *mechanism, *one[FIRST:]]
+        return _insert(one, mechanism)
 
     def profile(self, state: State) -> list[Column]:  # type: ignore[override]
         """What differs along the element; described in `PROFILES`."""
         return list(self.element.profile(state.elements[0]))
+
+
+def _insert(own: Mapping[str, T], mechanism: Mapping[str, T]) -> dict[str, T]:
+    """Entries of the mechanism among those of the element."""
+    later = {name: one for name, one in own.items() if OBSERVABLES[name].after_mechanism}
+    first = {name: one for name, one in own.items() if name not in later}
+    return {**first, **mechanism, **later}

@@ -14,8 +14,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+from martensite.actuators.elements.from_material import complete_from_material
 from martensite.actuators.elements.limits import Limits
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error
@@ -25,6 +27,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource, Heat
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import Report
+from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
 from martensite.signals.moments import Moments
 
@@ -151,6 +154,17 @@ class AbstractElement(Parametrised):
     """The stress–strain–temperature law."""
     limits: Limits = NotImplemented
     """What a run warns about."""
+
+    def __init__(self, *, material: Material | str | Path | None = None, **values: Any) -> None:
+        """An element from numbers in SI or texts with a unit.
+
+        Args:
+            material: one whose numbers are taken where none are given: its name, or a file.
+            values: what is declared, by name; a law or another component may be named.
+        """
+        if material is not None:
+            values = complete_from_material(type(self), material, values)
+        super().__init__(**values)
 
     @abstractmethod
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:

@@ -82,7 +82,7 @@ def _drawn(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coi
 
 
 @ELEMENTS.register("coil-spring")
-class CoilSpring(AbstractRoundWire, AbstractLumped):
+class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
     """A helical extension spring of round wire that transforms uniformly."""
 
     cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")

@@ -102,7 +102,7 @@ def lateness(xp: Namespace, z: Scalar) -> Scalar:
     return z / (12.0 + 2.0 * later * later / (10.0 + later))
 
 
-class AbstractLumped(AbstractElement):
+class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
 
     @abstractmethod

@@ -21,7 +21,7 @@ from martensite.physics.thermal.base import Cylinder, Environment
 from martensite.physics.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
 
 
-class AbstractRoundWire(AbstractElement):
+class AbstractRoundWire(AbstractElement, init=False):
     """An element made of a round wire; a subclass adds what gives the length of it."""
 
     diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")

@@ -14,7 +14,7 @@ from martensite.physics.laws.base import Fractions
 
 
 @ELEMENTS.register("wire")
-class Wire(AbstractRoundWire, AbstractLumped):
+class Wire(AbstractRoundWire, AbstractLumped, init=False):
     """A straight wire that transforms uniformly along its length."""
 
     length: Scalar = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")

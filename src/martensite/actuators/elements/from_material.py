@@ -1,0 +1,62 @@
+"""The numbers of an element from a material: `Wire(material="flexinol-90", diameter="0.25 mm", …)`.
+
+What is given wins. Numbers that are left out are those of the material under the same name; the law
+is the one that the material's numbers hold for, else the typical one; the resistance is that of the
+mixture. Whatever a material does not hold has to be given, and the class says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from martensite.base.parameters import Parametrised
+from martensite.base.registry import Registry
+from martensite.physics.materials.base import Material, load_material
+
+ASSUMED_KINDS = {"resistance": "mixture"}
+"""Component -> kind that is meant when none is named."""
+
+
+def complete_from_material(
+    cls: type[Parametrised], material: Material | str | Path, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Arguments of a class: what is given, and the rest from a material.
+
+    Raises:
+        InputError: there is no such material, or no component of a name that is given.
+    """
+    known = material if isinstance(material, Material) else load_material(material)
+    found = dict(given)
+    for name, declared in cls.declarations.items():
+        value = found.get(name)
+        if declared.registry is not None and (value is None or isinstance(value, str)):
+            part = _build_part(name, declared.registry, value, known)
+            if part is not None:
+                found[name] = part
+        elif (
+            value is None
+            and declared.registry is None
+            and isinstance(declared.default, Parametrised)
+        ):
+            inner = type(declared.default)
+            found[name] = inner(**complete_from_material(inner, known, {}))
+        elif value is None and name in known.values:
+            found[name] = known.values[name].text
+    return found
+
+
+def _build_part(
+    name: str, registry: Registry[Any], kind: str | None, material: Material
+) -> Parametrised | None:
+    """A component of a kind with the numbers of a material; None if its default will do."""
+    own = material.law if name == "law" and material.law is not None else {}
+    kind = kind or own.get("kind") or ASSUMED_KINDS.get(name)
+    if name == "law":
+        kind = kind or registry.typical
+    if kind is None:
+        return None
+    cls = registry[kind]
+    options = {key: value for key, value in own.items() if key in cls.declarations}
+    return cls(**complete_from_material(cls, material, options))
