@@ -21,7 +21,7 @@ import numpy as np
 from martensite.base.parameters import REQUIRED
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, storing
+from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import load_material
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
@@ -136,7 +136,7 @@ def jax_march(compiled: CompiledLaw) -> Any:
     xp = jax_namespace()
 
     def run(values: Any, points: Any, start: Any, dt: Any, one: Any) -> Any:
-        functions = compiled.program.bind_arrays(storing(xp, one), list(values))
+        functions = compiled.program.bind_arrays(make_storing_namespace(xp, one), list(values))
         lanes = xp.np.zeros(values.shape[1:])
 
         def step(state: Any, point: Any) -> tuple[Any, Any]:

@@ -16,12 +16,12 @@ import numpy as np
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
-from martensite.simulate.arrays import jitted_march, schedule
+from martensite.simulate.arrays import build_schedule, jitted_march
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import Grid, build_grid
-from martensite.simulate.march import classify, march_floats
+from martensite.simulate.march import classify_step, march_floats
 from martensite.simulate.marching import Plan
 from martensite.simulate.marching_native import Runs, march_runs
 from martensite.simulate.native import march_lanes
@@ -111,7 +111,7 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
     def march() -> tuple[Any, Status]:
         compiled = compile_march(whole)
         rows, worst = march_lanes(compiled, compiled.values(whole), steps, 1, places)
-        return rows[:, :, 0].T, classify(*worst[:2, 0].tolist())
+        return rows[:, :, 0].T, classify_step(*worst[:2, 0].tolist())
 
     return judged(march)
 
@@ -119,12 +119,12 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
 def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     """One run on JAX."""
     whole, steps, places = prepared(problem, step)
-    plan, padded = schedule(steps)
+    plan, padded = build_schedule(steps)
 
     def march() -> tuple[Any, Status]:
         compiled = compile_march(whole)
         rows = jitted_march(compiled, tuple(places), padded)(compiled.values(whole), plan)
-        return rows.outputs, classify(float(rows.residual), float(rows.crossing))
+        return rows.outputs, classify_step(float(rows.residual), float(rows.crossing))
 
     return judged(march)
 
@@ -195,7 +195,7 @@ def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], 
         rows = []
         for chunk in chunks:
             found, worst = march_lanes(compiled, chunk, steps, width, [place])
-            failed = np.array([classify(*pair[:2]).failed for pair in worst.T.tolist()])
+            failed = np.array([classify_step(*pair[:2]).failed for pair in worst.T.tolist()])
             rows.append(np.where(failed[:, None], np.nan, 1e3 * found[:, 0].T))
         return np.concatenate(rows)
 

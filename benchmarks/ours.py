@@ -26,7 +26,7 @@ from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.polynomial import PolynomialCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone
-from martensite.simulate.compiled import CompiledMarch, compile_march, fed
+from martensite.simulate.compiled import CompiledMarch, compile_march, feed_step
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import march_floats
 
@@ -71,7 +71,7 @@ def grid(drive: Drive, longest: float) -> Grid:
         sampled=[(volts[0][0],), *((row[-1],) for row in volts)],
         counts=[len(row) for row in rows],
         lengths=[dt for row in rows for _, dt in row],
-        drives=[fed(Moments.constant(v)) for row in volts for v in row],
+        drives=[feed_step(Moments.constant(v)) for row in volts for v in row],
     )
 
 
@@ -101,7 +101,7 @@ def latency(p: Wire, dt: float) -> tuple[Any, Callable[[Any, float], Any]]:
     step = functions["step"]
 
     def advance(state: Any, U: float) -> Any:
-        return step(*state, *fed(Moments.constant(math.sqrt(U))), dt)[:size]
+        return step(*state, *feed_step(Moments.constant(math.sqrt(U))), dt)[:size]
 
     return functions["init"](0.0), advance
 
@@ -138,10 +138,10 @@ def jax_batch(precision: str) -> Callable[..., Callable[[], Any]]:
     def batch(sets: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
         import numpy as np
 
-        from martensite.simulate.arrays import jitted_march, schedule
+        from martensite.simulate.arrays import build_schedule, jitted_march
 
         compiled, values = varied(sets)
-        plan, padded = schedule(grid(drive, dt), precision)
+        plan, padded = build_schedule(grid(drive, dt), precision)
         run = jitted_march(compiled, (position(compiled),), padded)
         pieces = [[np.asarray(v, precision) for v in piece] for piece in chunked(values, LANES)]
         size = np.size(sets.h0)
@@ -158,10 +158,10 @@ def jax_single(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
     """One run on JAX."""
     import numpy as np
 
-    from martensite.simulate.arrays import jitted_march, schedule
+    from martensite.simulate.arrays import build_schedule, jitted_march
 
     compiled, values = traced(p)
-    plan, padded = schedule(grid(drive, dt))
+    plan, padded = build_schedule(grid(drive, dt))
     run = jitted_march(compiled, (position(compiled),), padded)
     return lambda: 1e3 * np.asarray(run(values, plan).outputs[0])
 
@@ -171,11 +171,11 @@ def jax_gradient(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
     import numpy as np
 
     from benchmarks.problem_a import scaled, target_factors
-    from martensite.simulate.arrays import jitted_jacobian, schedule
+    from martensite.simulate.arrays import build_schedule, jitted_jacobian
 
     compiled, values = traced(p)
     wrt = tuple(compiled.paths.index(PATHS[name]) for name in THETA)
-    plan, padded = schedule(grid(drive, dt))
+    plan, padded = build_schedule(grid(drive, dt))
     run = jitted_jacobian(compiled, (position(compiled),), wrt, padded)
     wanted = np.asarray(jax_single(scaled(p, target_factors()), drive, dt)())
     theta = np.array([getattr(p, name) for name in THETA])

@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks.engines import available
 from benchmarks.peers import simcoon_path, sma_react_path
-from martensite.kernels.c99 import FLAGS, WIDE, compiler
+from martensite.kernels.c99 import FLAGS, WIDE, find_compiler
 from martensite.simulate.devices import devices_of
 
 PACKAGES = ("martensite", "numpy", "scipy", "jax", "diffrax", "scikit-sundae", "zarr")
@@ -30,7 +30,7 @@ def processor() -> tuple[str, bool]:
 
 def compiled_by() -> str:
     """Name and version of the C compiler."""
-    command = compiler()
+    command = find_compiler()
     if command is None:
         return "none"
     told = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)

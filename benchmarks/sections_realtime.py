@@ -28,7 +28,7 @@ from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.scenario.scenario import load
 from martensite.signals.sine import Sine
@@ -113,7 +113,7 @@ def calls() -> dict[str, Call]:
         "loop pid, floats": loop(False, native=False),
         "loop filter + pid, floats": loop(True, native=False),
     }
-    if compiler() is None:
+    if find_compiler() is None:
         return found
     return found | {
         "loop pid, C": loop(False, native=True),

@@ -20,7 +20,7 @@ from benchmarks.problem_a import Wire, parameter_sets
 from benchmarks.process import ROOT
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.scenario.scenario import load
-from martensite.simulate.arrays import jitted_march, schedule
+from martensite.simulate.arrays import build_schedule, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import grid_of
@@ -127,7 +127,7 @@ def on_jax(
     case: Case, count: int, precision: str = "float64", devices: int = 1
 ) -> Callable[[], Kept]:
     """On JAX, by chunks as large as suit the device, or as there are runs."""
-    plan, padded = schedule(case.grid, precision)
+    plan, padded = build_schedule(case.grid, precision)
     march = jitted_march(case.compiled, (case.place,), padded)
     taken = devices_of(devices)
     size = min(chunk_for(taken), count)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.export.c_core import CCore
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 STRICT = (
     "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow",
@@ -33,7 +33,7 @@ def compiled(core: CCore, folder: Path, *arguments: str) -> Path:
 def built(arguments: Sequence[str], path: Path) -> None:
     """Run the compiler."""
     flags = os.environ.get("MARTENSITE_CFLAGS", "").split()
-    command = [compiler() or "cc", *STRICT, "-O2", *flags, *arguments, "-o", str(path), "-lm"]
+    command = [find_compiler() or "cc", *STRICT, "-O2", *flags, *arguments, "-o", str(path), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 # measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
 BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -47,7 +47,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def c_compiler() -> str:
     """The C compiler of this machine; tests that need one skip without."""
-    found = compiler()
+    found = find_compiler()
     if found is None:
         pytest.skip("no C compiler on this machine (install gcc or clang)")
     return found

@@ -132,7 +132,7 @@ def write_log(record: Record, path: str | Path, begin: float = 0.0) -> str:
     table: list[list[str]] = []
     for name, column in record.columns.items():
         unit = record.units[name]
-        spelling = "%" if name == "strain" else units.readable(unit)
+        spelling = "%" if name == "strain" else units.choose_readable_unit(unit)
         shift = begin if name == "time" else 0.0
         numbers = [f"{units.from_si(x + shift, spelling, unit):.8g}" for x in column]
         table.append([f"{name} [{spelling}]" if spelling != "1" else name, *numbers])

@@ -30,7 +30,7 @@ from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import lanes_source
 from martensite.kernels.jax_setup import jax_namespace
-from martensite.kernels.nested import flatten
+from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.electrical.base import AbstractSwitch, Conductor
 from martensite.physics.electrical.current import CurrentSource
@@ -439,7 +439,7 @@ def case_id(value: Any) -> str:
 
 def flat_numbers(nested: Any) -> list[Any]:
     """All numbers of nested tuples."""
-    return flatten(nested if isinstance(nested, tuple) else (nested,))
+    return flatten_numbers(nested if isinstance(nested, tuple) else (nested,))
 
 
 def kept(function: Callable[..., Any]) -> Callable[..., Any]:

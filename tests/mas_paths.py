@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.base.parameters import structure
+from martensite.base.parameters import describe_structure
 from martensite.kernels import floats
-from martensite.kernels.c99 import c_source, compiler, load_library
-from martensite.kernels.nested import flatten
+from martensite.kernels.c99 import c_source, find_compiler, load_library
+from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.coupling import advance
+from martensite.physics.laws.coupling import advance_memory
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 
 TABLE_1 = {
@@ -62,7 +62,7 @@ _PROGRAMS: dict[Any, Any] = {}
 
 def traced(law: Any) -> Any:
     """A program for a law, and the numbers of the law that it takes."""
-    key = structure(law)
+    key = describe_structure(law)
     if key not in _PROGRAMS:
         _PROGRAMS[key] = _trace(law)
     program, paths = _PROGRAMS[key]
@@ -107,7 +107,7 @@ def _built(program: Program, control: str) -> Any:
 def marched(law: Any, control: str, start: Any, rows: np.ndarray) -> np.ndarray:
     """What a law answers to rows of value, temperature and length of step: one row each."""
     program, values = traced(law)
-    if compiler() is None:
+    if find_compiler() is None:
         return stepped(program.bind_floats(*values)[control], start, rows)
     found = np.empty((len(rows), len(program.functions[control].outputs)))
     arrays = [np.array(a, dtype=float) for a in (values, start, rows)]
@@ -129,12 +129,12 @@ def _trace(law: Any) -> tuple[Program, list[str]]:
     program, paths = Program(), [leaf.path for leaf in law.leaves()]
     twin = law.rebuilt({path: program.parameter(path) for path in paths})
     example = law.init(floats, Fractions(0.5, 0.5), 0.0, 300.0)
-    names = [f"m{i}" for i in range(len(flatten(example)))]
+    names = [f"m{i}" for i in range(len(flatten_numbers(example)))]
 
     def answers(xp: Any, memory: Any, residual: Any) -> list[Any]:
         found = twin.fractions(memory)
         strain = twin.strain(xp, found, memory.stress, memory.temperature)
-        return [*flatten(memory), strain, *found, residual]
+        return [*flatten_numbers(memory), strain, *found, residual]
 
     def by_stress(xp: Any, *inputs: Any) -> list[Any]:
         *numbers, stress, temperature, dt = inputs
@@ -148,7 +148,7 @@ def _trace(law: Any) -> tuple[Program, list[str]]:
             free = twin.free_strain(xp, fractions, temperature)
             return (strain - free) / twin.compliance(xp, fractions), temperature
 
-        memory, report = advance(xp, twin, rebuilt(example, iter(numbers)), settle, dt)
+        memory, report = advance_memory(xp, twin, rebuilt(example, iter(numbers)), settle, dt)
         return answers(xp, memory, report.residual)
 
     for name, kernel in (("stress", by_stress), ("strain", by_strain)):
@@ -180,7 +180,7 @@ def follow(
         free = law.free_strain(floats, fractions, first.temperature)
         stress = (first.value - free) / law.compliance(floats, fractions)
     memory = law.init(floats, fractions, stress, first.temperature)
-    numbers: Any = flatten(memory)
+    numbers: Any = flatten_numbers(memory)
     size = len(numbers)
     strain = law.strain(floats, fractions, stress, first.temperature)
     times, rows = [first.time], []

@@ -22,7 +22,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.driven import arranged
+from martensite.simulate.driven import arrange_waveforms
 from martensite.simulate.grid import Grid, grid_at
 from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import Slopes, march_slopes
@@ -62,7 +62,7 @@ class Case:
 
     @cached_property
     def grid(self) -> Grid:
-        waves = arranged(self.system, self.waves)
+        waves = arrange_waveforms(self.system, self.waves)
         times = np.linspace(0.0, self.duration, self.samples).tolist()
         return grid_at(waves, times, self.step, [d.at_end for d in self.system.drives()])
 

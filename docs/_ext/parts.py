@@ -235,7 +235,7 @@ def everyday_units() -> str:
         kinds.setdefault(unit, []).append(spelling)
     rows = [
         ("none" if unit == "1" else code(unit), " ".join(code(s) for s in spellings),
-         "" if units.readable(unit) == unit else code(units.readable(unit)))
+         "" if units.choose_readable_unit(unit) == unit else code(units.choose_readable_unit(unit)))
         for unit, spellings in kinds.items()
     ]  # fmt: skip
     return table(("SI unit", "accepted spellings", "shown as"), rows)

@@ -160,7 +160,7 @@ def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
     how = words.shown(unit)
     assert how["label"] == label
     assert 300.0 * how["factor"] + how["offset"] == pytest.approx(
-        units.from_si(300.0, units.readable(unit), unit)
+        units.from_si(300.0, units.choose_readable_unit(unit), unit)
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.citations import bibliography
 from martensite.studies.base import load_study
 from martensite.studies.finger_calibration import (
@@ -40,7 +40,7 @@ from martensite.studies.tables import PrintedRows, printed_numbers
 PRINTED = printed_numbers("finger_calibration")
 TABLE = data_numbers.table_numbers(PRINTED)
 
-needs_compiler = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 
 
 @pytest.fixture(scope="module")

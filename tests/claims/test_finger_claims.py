@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 from claim_checks import check_decides, settle_some
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.citations import bibliography
 from martensite.studies.base import Claim, load_study
 from martensite.studies.finger import (
@@ -28,7 +28,7 @@ from martensite.studies.tables import printed_numbers
 PRINTED = printed_numbers("finger")
 PER_KELVIN = 200.0 * math.pi * 0.1e-3 * 0.44
 
-needs_compiler = pytest.mark.skipif(compiler() is None, reason="slow without a C compiler")
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="slow without a C compiler")
 
 
 @pytest.fixture(scope="module")

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.studies.base import Claim, load_study
 from martensite.studies.hammerstein_wiener import judged, loop, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
 from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
 from martensite.studies.hammerstein_wiener.study import HammersteinWiener
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 
 
 def test_stage_1_as_in_the_paper() -> None:

@@ -278,7 +278,7 @@ def test_plain_floats_serve_where_there_is_no_compiler(
     monkeypatch: pytest.MonkeyPatch, c_compiler: str
 ) -> None:
     assert readings.runtime() == "c"
-    monkeypatch.setattr(readings, "compiler", lambda: None)
+    monkeypatch.setattr(readings, "find_compiler", lambda: None)
     assert readings.runtime() == "floats"
 
 

@@ -21,7 +21,7 @@ from scipy import integrate, optimize
 from martensite.actuators.assembly import Machine
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import DataError
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.citations import bibliography
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
@@ -46,7 +46,7 @@ FREQUENCIES = "stiffness", "frequency-{mass:.2f}kg", "frequency-{second_mass:.2f
 K, C, M, U, ECC = 541.0, 0.07, 0.25, 0.012, 0.02
 KT, J, L, B, R = 0.0211, 0.82e-4, 3.1e-3, 8.17e-7, 41.0
 VERDICTS = ("reproduced", "not reproduced", "calibrated", "not checkable")
-needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 
 
 def by_id(claims: list[Claim]) -> dict[str, Claim]:

@@ -41,7 +41,7 @@ from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import opened, simulate_bench
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
-from martensite.kernels.nested import flatten
+from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.scenario.citations import bibliography
 from martensite.signals.base import AbstractWaveform
@@ -227,7 +227,7 @@ def test_its_memory_keeps_its_shape(name: str) -> None:
 def keeps_its_shape(controller: AbstractController) -> None:
     """Raise unless what is remembered are so many numbers, whatever is measured."""
     readings = at_rest()
-    memory = tuple(flatten(tuple(controller.rest(floats, MM, readings))))
+    memory = tuple(flatten_numbers(tuple(controller.rest(floats, MM, readings))))
     for k in range(5):
         found = {name: value * (1.0 + 0.01 * k) for name, value in readings.items()}
         _, after = controller.answer(floats, memory, (k - 2) * MM, found, PERIOD)

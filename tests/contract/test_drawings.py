@@ -20,7 +20,14 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
-from martensite.actuators.mechanisms.drawing import KINDS, Reading, Shape, arc, led, length
+from martensite.actuators.mechanisms.drawing import (
+    KINDS,
+    Reading,
+    Shape,
+    lead_wire,
+    measure_length,
+    trace_arc,
+)
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.app.views.scene import assembled, drawn
@@ -66,7 +73,7 @@ class Pictures:
     def wire(self, port: str) -> list[float]:
         """Drawn length [m] of the element at a port, over time."""
         found = [[s for s in shapes if s.port == port] for shapes in self.rows]
-        return [length(wire.points) for (wire,) in found]
+        return [measure_length(wire.points) for (wire,) in found]
 
     def element(self, port: str) -> list[float]:
         """Its length in the run [m]: the `strain` of the tests' element is its elongation."""
@@ -195,16 +202,16 @@ def test_one_that_says_nothing_is_drawn_too(
 
 @pytest.mark.parametrize("last", [0.0, 0.4, 3.0, -2.0])
 def test_an_arc_is_as_long_as_that_of_the_circle(last: float) -> None:
-    points = [(x, 0.0, z) for x, z in arc(0.01, 0.3, 0.3 + last, 8)]
-    assert length(points) == pytest.approx(0.01 * abs(last), rel=1e-12)
+    points = [(x, 0.0, z) for x, z in trace_arc(0.01, 0.3, 0.3 + last, 8)]
+    assert measure_length(points) == pytest.approx(0.01 * abs(last), rel=1e-12)
 
 
 @pytest.mark.parametrize("rest", [0.05, 0.0, -0.03, -0.12])
 def test_a_wire_is_as_long_as_it_is_meant(rest: float) -> None:
     path = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.0, 0.2)]
-    shapes = led("element", path, rest, (-1.0, 0.0, 0.0))
+    shapes = lead_wire("element", path, rest, (-1.0, 0.0, 0.0))
     (wire,) = [shape for shape in shapes if shape.kind == "wire"]
-    assert length(wire.points) == pytest.approx(0.3 + rest, rel=1e-12)
+    assert measure_length(wire.points) == pytest.approx(0.3 + rest, rel=1e-12)
     assert wire.points[-1] == path[-1]
 
 

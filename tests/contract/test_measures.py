@@ -12,8 +12,14 @@ from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import text
-from martensite.base.units import conversion
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, judged, measure, needed
+from martensite.base.units import find_conversion
+from martensite.simulate.measures.base import (
+    MEASURES,
+    AbstractMeasure,
+    judge_runs,
+    list_needed,
+    parse_measure,
+)
 from martensite.simulate.measures.extremes import Largest
 
 SYSTEM = problem_a()
@@ -23,7 +29,7 @@ OPTIONS = {"at": "position, time=1.234 s"}
 
 
 def named(name: str) -> AbstractMeasure:
-    return measure(f"{name}({OPTIONS.get(name, '')})")
+    return parse_measure(f"{name}({OPTIONS.get(name, '')})")
 
 
 def seen(columns: int = 2) -> np.ndarray:
@@ -69,12 +75,12 @@ class TestMeasures:
         assert np.isfinite(named(name).weights(TIMES, still)).all()
 
     def test_its_unit_is_one(self, name: str) -> None:
-        unit = measure(f"{name}(power)").unit_in(SYSTEM)
-        assert conversion(unit, unit) == (1.0, 0.0)
+        unit = parse_measure(f"{name}(power)").unit_in(SYSTEM)
+        assert find_conversion(unit, unit) == (1.0, 0.0)
 
     def test_an_unknown_output_is_named_with_the_nearest(self, name: str) -> None:
         with pytest.raises(InputError, match=r"`powr`.*Did you mean `power`"):
-            measure(f"{name}(powr)").columns(SYSTEM)
+            parse_measure(f"{name}(powr)").columns(SYSTEM)
 
     def test_what_failed_does_not_touch_the_others(self, name: str) -> None:
         one, samples = named(name), seen()
@@ -123,7 +129,7 @@ WAY = np.concatenate([np.linspace(1.0, 5.0, 5), np.linspace(4.0, 1.0, 4)])
     ],
 )
 def test_known_curves(words: str, expected: float) -> None:
-    one = measure(words)
+    one = parse_measure(words)
     assert one.value(RAMP, WAY[None, :, None]) == pytest.approx([expected], rel=1e-12)
     if "time" in words and "at" not in words:
         down = one.value(RAMP, 3.0 - WAY[None, :, None])
@@ -132,24 +138,26 @@ def test_known_curves(words: str, expected: float) -> None:
 
 def test_what_never_happens_takes_forever() -> None:
     there = np.linspace(0.0, 1.0, 9)[None, :, None]
-    assert measure("fall-time").value(RAMP, there) == np.inf
-    assert measure("rise-time").value(RAMP, 0.0 * there) == np.inf
+    assert parse_measure("fall-time").value(RAMP, there) == np.inf
+    assert parse_measure("rise-time").value(RAMP, 0.0 * there) == np.inf
 
 
 def test_several_elements_are_looked_at_together() -> None:
     first, second = WAY, WAY[::-1] + 1.0
     both = np.stack([first, second])[:, :, None]
-    assert measure("max").value(RAMP, both) == [6.0]
-    assert measure("integral").value(RAMP, both) == pytest.approx([12.0 + 16.0])
-    assert measure("final").value(RAMP, both) == [2.0]
+    assert parse_measure("max").value(RAMP, both) == [6.0]
+    assert parse_measure("integral").value(RAMP, both) == pytest.approx([12.0 + 16.0])
+    assert parse_measure("final").value(RAMP, both) == [2.0]
 
 
 def test_columns_and_what_is_needed() -> None:
-    measures = [measure(w) for w in ("stroke", "max(temperature)", "energy", "min(temperature)")]
+    measures = [
+        parse_measure(w) for w in ("stroke", "max(temperature)", "energy", "min(temperature)")
+    ]
     assert measures[0].columns(SYSTEM) == (next(iter(SYSTEM.mechanism.outputs())),)
-    assert needed(measures, SYSTEM) == (*measures[0].columns(SYSTEM), "temperature", "power")
+    assert list_needed(measures, SYSTEM) == (*measures[0].columns(SYSTEM), "temperature", "power")
     columns = {"temperature": np.array([[1.0, 3.0], [2.0, 0.0]])}
-    assert judged(measures[1], SYSTEM, RAMP[:2], columns).tolist() == [3.0, 2.0]
+    assert judge_runs(measures[1], SYSTEM, RAMP[:2], columns).tolist() == [3.0, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -166,12 +174,12 @@ def test_columns_and_what_is_needed() -> None:
 )
 def test_wrong_words_are_refused(words: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        measure(words)
+        parse_measure(words)
 
 
 def test_a_moment_after_the_end_is_refused() -> None:
     with pytest.raises(InputError, match=r"at 5 s, but the run ends at 4 s"):
-        measure("at(position, time=5 s)").value(RAMP, WAY[None, :, None])
+        parse_measure("at(position, time=5 s)").value(RAMP, WAY[None, :, None])
 
 
 def test_a_measure_of_ones_own_is_found_by_its_words() -> None:
@@ -193,7 +201,7 @@ def test_a_measure_of_ones_own_is_found_by_its_words() -> None:
             return found
 
     try:
-        one = measure("test-first(stress)")
+        one = parse_measure("test-first(stress)")
         assert (type(one), one.unit_in(SYSTEM)) == (First, "Pa")
     finally:
         MEASURES._entries.pop("test-first")

@@ -208,7 +208,7 @@ def test_what_is_declared_is_in_its_own_unit(sensor: Any) -> None:
         declared = sensor.declarations.get(name)
         if declared is not None:
             assert sensor.unit is not None
-            assert units.conversion(declared.unit, sensor.unit) == (1.0, 0.0)
+            assert units.find_conversion(declared.unit, sensor.unit) == (1.0, 0.0)
 
 
 def test_every_steady_reading_is_known_and_most_sensors_lag_or_are_noisy() -> None:

@@ -14,7 +14,7 @@ from slope_cases import Case, cases, in_machine, under_weight
 
 from martensite.kernels import c99
 from martensite.physics.laws.brinson import Brinson
-from martensite.simulate.batch import sensitivity
+from martensite.simulate.batch import compute_sensitivity
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import march_slopes
@@ -58,7 +58,7 @@ def test_slopes_are_those_of_jax(case: Case, c_compiler):
     seeds[[compiled.paths.index(path) for path in paths], range(len(paths))] = 1.0
     values = compiled.values(case.system)
     found = march_slopes(compiled, values, seeds, case.grid, [place])
-    meant = sensitivity(
+    meant = compute_sensitivity(
         case.system, case.waves, case.duration, paths, step=case.step, samples=case.samples
     )
     rows, _ = march_lanes(compiled, values, case.grid, 1, [place])

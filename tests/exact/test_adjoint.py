@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.kernels.adjoint import gradient
+from martensite.kernels.adjoint import compute_gradient
 from martensite.kernels.graph import VARYING
-from martensite.kernels.partials import partials
+from martensite.kernels.partials import compute_partials
 from martensite.kernels.program import Function, Program
 
 RNG = np.random.default_rng(1)
@@ -28,8 +28,8 @@ def everything(xp, v):
 def both_ways(kernel, count):
     program = Program()
     moving = [program.graph.input(f"x{i}", VARYING) for i in range(count)]
-    values, (ahead,) = partials(program.xp, kernel, moving)
-    back = gradient(values[0], moving)
+    values, (ahead,) = compute_partials(program.xp, kernel, moving)
+    back = compute_gradient(values[0], moving)
     assert back is not None
     for name, slopes in (("ahead", ahead), ("back", back)):
         row = tuple(slopes.get(i, program.graph.constant(0.0)) for i in range(count))
@@ -47,17 +47,17 @@ def test_all_operations():
 def test_what_does_not_count_is_left_out():
     program = Program()
     a, b = (program.graph.input(name, VARYING) for name in "ab")
-    found = gradient(program.graph.apply("exp", a), [a, b])
+    found = compute_gradient(program.graph.apply("exp", a), [a, b])
     assert found is not None
     assert set(found) == {0}
-    assert gradient(program.graph.constant(2.0), [a, b]) == {}
+    assert compute_gradient(program.graph.constant(2.0), [a, b]) == {}
 
 
 def test_loops_are_not_gone_through():
     program = Program()
     a = program.graph.input("a", VARYING)
     (value,) = program.xp.repeat(3, lambda x: [0.5 * x + a], a)
-    assert gradient(value, [a]) is None
+    assert compute_gradient(value, [a]) is None
 
 
 def test_a_block():

@@ -151,7 +151,7 @@ def test_factors_of_the_platform_spring() -> None:
         f(index)
         for f in (
             coil_theory.exact_stiffness, coil_theory.ancker_goodier, coil_theory.exact_stress,
-            coil_theory.bergstraesser, coil_theory.wahl,
+            coil_theory.compute_bergstraesser_factor, coil_theory.compute_wahl_factor,
         )
     ]  # fmt: skip
     assert found[:2] == pytest.approx([1.003899, 1.003841], abs=5e-7)
@@ -166,7 +166,11 @@ def test_factors_of_thin_coils_approach_one() -> None:
 
 
 def stress_factors() -> tuple[Any, ...]:
-    return coil_theory.bergstraesser, coil_theory.wahl, coil_theory.exact_stress
+    return (
+        coil_theory.compute_bergstraesser_factor,
+        coil_theory.compute_wahl_factor,
+        coil_theory.exact_stress,
+    )
 
 
 @pytest.mark.parametrize(

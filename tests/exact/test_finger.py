@@ -24,7 +24,7 @@ from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.joints import bowstring_arm
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
-from martensite.kernels.nested import flatten
+from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.per_length import PerLengthResistance
 from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.physics.thermal.base import Environment
@@ -340,7 +340,7 @@ def swinging(system: System, rate: float, dt: float, count: int) -> np.ndarray:
     compiled, state = compile_system(system), system.init(floats, 0.0)
     functions = compiled.program.bind_floats(*compiled.values(system))
     course = Course((0.0,), (rate,), (0.0,), (0.0,))
-    numbers = flatten(State(state.elements, state.mechanism._replace(course=course)))
+    numbers = flatten_numbers(State(state.elements, state.mechanism._replace(course=course)))
     names, found = list(system.outputs()), [(0.0, rate)]
     places = [names.index(name) for name in ("angle", "angle_rate")]
     for _ in range(count):

@@ -12,7 +12,7 @@ import martensite as ms
 from martensite.kernels import floats
 from martensite.physics.fluids import air_table, oil
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.physics.fluids.rows import between
+from martensite.physics.fluids.rows import interpolate_rows
 
 # T, μ [1e-6 Pa s], k, c_p [kJ/(kg K)], ρ, dv/dT [1e-7 m³/(kg K)]
 RELEASE = (
@@ -96,6 +96,6 @@ def test_properties_are_held_beyond_the_span(name):
 
 def test_a_shifted_row_is_noticed():
     rows = [(t, 1.02 * k, nu, pr) for t, k, nu, pr in oil.ROWS]
-    conductivity, viscosity, prandtl = between(floats, 300.0, rows)
+    conductivity, viscosity, prandtl = interpolate_rows(floats, 300.0, rows)
     found = FluidProperties(conductivity, viscosity, prandtl, oil.EXPANSION)
     assert found.conductivity != pytest.approx(0.145, rel=1e-2)

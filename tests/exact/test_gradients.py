@@ -10,7 +10,7 @@ from builders import SINE_A, ZERO, chamber, hanging_wire, law_a, problem_a, thro
 
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
-from martensite.simulate.batch import sensitivity
+from martensite.simulate.batch import compute_sensitivity
 
 RUN = {"step": 10e-3, "samples": 601}
 
@@ -30,7 +30,7 @@ def differenced(system, path, share):
 @cache
 def sensitive(rule="resume"):
     """Slopes of a run by the parameters of both tests below; JAX compiles them once."""
-    return sensitivity(problem_a(rule), SINE_A, 60.0, [*PARAMETERS, "C_M"], **RUN)
+    return compute_sensitivity(problem_a(rule), SINE_A, 60.0, [*PARAMETERS, "C_M"], **RUN)
 
 
 PARAMETERS = {"A_f": 1e-4, "C_A": 1e-4, "h0": 1e-4, "diameter": 1e-5}
@@ -68,7 +68,7 @@ def test_printed_gradient_of_the_benchmark_objective():
     factors = zip(paths, target_factors(), strict=True)
     wanted = {p: zeros[p] + (at[p] - zeros[p]) * q for p, q in factors}
     target = np.array(simulate(system.with_values(wanted), SINE_A, 60.0, **RUN)["position"])
-    found = sensitivity(system, SINE_A, 60.0, paths, **RUN)
+    found = compute_sensitivity(system, SINE_A, 60.0, paths, **RUN)
     error, span = found.column - target, np.ptp(target)
     assert np.mean(error**2) / span**2 == pytest.approx(OBJECTIVE_P, rel=2e-5)
     gradient = [2 * np.mean(error * found.slopes[p]) * (at[p] - zeros[p]) / span**2 for p in paths]
@@ -82,7 +82,7 @@ def test_steady_temperature():
     """T = T_a + P/(h S): slopes -ΔT/h, -ΔT/d, 0 for the latent heat, 1 for T_a."""
     system = hanging_wire(mass=0.5, h=80.0)
     rise = 1.5 / (80.0 * math.pi * 0.381e-3 * 0.25)
-    run = sensitivity(
+    run = compute_sensitivity(
         system, Constant(level=1.5), 200.0,
         ["h", "diameter", "latent_heat", "environment.temperature"],
         step=0.05, samples=11, output="temperature",
@@ -103,7 +103,7 @@ def test_contraction_of_a_hanging_wire(rule):
     stress = 9.80665 / (math.pi * 0.381e-3**2 / 4)
     celsius = 75.0 + stress / 10e6
     names = ["eps_L", "A_s", "A_f", "C_A", "length", "E_A"]
-    run = sensitivity(
+    run = compute_sensitivity(
         system, through([20 + ZERO, celsius + ZERO]), 1.0, names, step=0.02, samples=51
     )
     angle = math.pi * 0.7

@@ -126,7 +126,7 @@ def test_element_and_rod_are_one() -> None:
 
 def test_root_without_a_namespace_is_exact() -> None:
     for t in (0.0, 0.045, 0.3, 1.0):
-        assert helix.secant(t) == pytest.approx(math.hypot(1.0, t), rel=1e-15)
+        assert helix.compute_secant(t) == pytest.approx(math.hypot(1.0, t), rel=1e-15)
 
 
 def test_a_force_without_bending_is_noticed() -> None:

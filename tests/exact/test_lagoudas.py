@@ -12,8 +12,12 @@ from scipy.integrate import quad
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
-from martensite.physics.kinetics.hardening import hardening, hardening_integral, transformed
-from martensite.physics.kinetics.waist import unwaisted, waisted
+from martensite.physics.kinetics.hardening import (
+    compute_hardening,
+    hardening_integral,
+    invert_hardening,
+)
+from martensite.physics.kinetics.waist import apply_waist, remove_waist
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.materials.base import load_material
@@ -47,10 +51,10 @@ def oriented_after(law, points, xi, substeps=1):
 def test_hardening_is_inverted_to_rounding(m, n):
     for xi in [*np.linspace(0.0, 1.0, 101).tolist(), 1e-9, 1.0 - 1e-9]:
         share = 0.5 * (1.0 + xi**m - (1.0 - xi) ** n)
-        assert hardening(floats, xi, m, n) == pytest.approx(share, abs=1e-15)
-        assert transformed(floats, share, m, n) == pytest.approx(xi, abs=1e-14)
-    assert transformed(floats, 0.0, m, n) == transformed(floats, -1e30, m, n) == 0.0
-    assert transformed(floats, 1.0, m, n) == transformed(floats, 1e30, m, n) == 1.0
+        assert compute_hardening(floats, xi, m, n) == pytest.approx(share, abs=1e-15)
+        assert invert_hardening(floats, share, m, n) == pytest.approx(xi, abs=1e-14)
+    assert invert_hardening(floats, 0.0, m, n) == invert_hardening(floats, -1e30, m, n) == 0.0
+    assert invert_hardening(floats, 1.0, m, n) == invert_hardening(floats, 1e30, m, n) == 1.0
 
 
 def test_integral_of_hardening():
@@ -70,24 +74,24 @@ def test_waist_is_inverted_to_rounding(b):
     for h in [*np.linspace(0.0, 1.0, 201).tolist(), 1e-9, 0.5 + 1e-12, 1.0 - 1e-9]:
         y = 2.0 * h - 1.0
         share = 0.5 * (1.0 + (1.0 - b) * y + b * y**3)
-        assert waisted(h, b) == pytest.approx(share, abs=1e-15)
-        assert unwaisted(floats, share, b) == pytest.approx(h, abs=1e-14)
-        assert waisted(unwaisted(floats, h, b), b) == pytest.approx(h, abs=1e-14)
-    assert unwaisted(floats, 0.0, b) == unwaisted(floats, -1e30, b) == 0.0
-    assert unwaisted(floats, 1.0, b) == unwaisted(floats, 1e30, b) == 1.0
+        assert apply_waist(h, b) == pytest.approx(share, abs=1e-15)
+        assert remove_waist(floats, share, b) == pytest.approx(h, abs=1e-14)
+        assert apply_waist(remove_waist(floats, h, b), b) == pytest.approx(h, abs=1e-14)
+    assert remove_waist(floats, 0.0, b) == remove_waist(floats, -1e30, b) == 0.0
+    assert remove_waist(floats, 1.0, b) == remove_waist(floats, 1e30, b) == 1.0
 
 
 @pytest.mark.parametrize("b", WAISTS)
 def test_slopes_through_a_waist(b):
     """dh/dh_w = 1/(1 - b + 3 b y²) and dh/db = ½ (y - y³) times it, exactly, also at b = 0."""
     for h in (0.0, 0.1, 0.5, 0.85, 1.0):
-        y, share = 2.0 * h - 1.0, waisted(h, b)
+        y, share = 2.0 * h - 1.0, apply_waist(h, b)
         steep = 1.0 / (1.0 - b + 3.0 * b * y * y)
         inside = min(max(share, 1e-9), 1.0 - 1e-9)
-        _, slope = value_and_slope(floats, lambda xp, x: unwaisted(xp, x, b), inside)
+        _, slope = value_and_slope(floats, lambda xp, x: remove_waist(xp, x, b), inside)
         assert slope == pytest.approx(steep, rel=1e-5)
         if 0.0 < h < 1.0:
-            _, slope = value_and_slope(floats, lambda xp, x, s=share: unwaisted(xp, s, x), b)
+            _, slope = value_and_slope(floats, lambda xp, x, s=share: remove_waist(xp, s, x), b)
             assert slope == pytest.approx(0.5 * (y - y**3) * steep, rel=1e-9, abs=1e-12)
 
 
@@ -96,8 +100,8 @@ def test_slopes_through_a_waist(b):
 @pytest.mark.parametrize("n", [0.05, 0.3, 1.0])
 def test_waisted_hardening_is_inverted(b, m, n):
     for xi in np.linspace(0.0, 1.0, 101).tolist():
-        share = waisted(hardening(floats, xi, m, n), b)
-        found = transformed(floats, unwaisted(floats, share, b), m, n)
+        share = apply_waist(compute_hardening(floats, xi, m, n), b)
+        found = invert_hardening(floats, remove_waist(floats, share, b), m, n)
         assert found == pytest.approx(xi, abs=1e-12)
 
 
@@ -452,7 +456,7 @@ def test_a_turn_of_the_forward_surface_inside_a_leg():
     law = law_of(**TURNING)
     whole = fraction_after(law, TURNS, 0.0)
     end = law.forward_share(floats, law.scale(floats), *TURNS[1])
-    assert whole > transformed(floats, end, law.n_1, law.n_2) + 0.01
+    assert whole > invert_hardening(floats, end, law.n_1, law.n_2) + 0.01
     for substeps in (3, 64, 1000):
         assert fraction_after(law, TURNS, 0.0, substeps) == pytest.approx(whole, abs=1e-12)
     back = TURNS[::-1]

@@ -18,7 +18,7 @@ from scipy import optimize
 from martensite.actuators.assembly import System
 from martensite.actuators.mechanisms.lever import Lever
 from martensite.kernels import floats
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.physics.electrical.power import PowerSource
 from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.signals.step import Step
@@ -86,7 +86,7 @@ def test_the_arm_of_the_wire_is_that_of_the_figure(wire_angle: float) -> None:
     """Perpendicular distance of pivot and wire, from the corners of the triangle."""
     mechanism = lever(wire_angle=wire_angle)
     for angle in (-0.4, 0.0, 0.3, 0.7):
-        (short,), ((arm,),) = jacobian(floats, mechanism.contraction, [angle])
+        (short,), ((arm,),) = compute_jacobian(floats, mechanism.contraction, [angle])
         tip = 0.02 * np.exp(1j * angle)
         wire = 0.02 - 0.08 * np.exp(-1j * wire_angle) - tip
         assert short == pytest.approx(0.08 - path(mechanism, angle), abs=1e-15)
@@ -172,7 +172,7 @@ def test_the_upper_stop_takes_what_the_weight_does_not() -> None:
     mechanism = lever(highest=0.3, stop=500.0)
     result = drawn(mechanism, 15.0)
     angle, force = result["angle"][-1], result["force"][-1]
-    (_,), ((arm,),) = jacobian(floats, mechanism.contraction, [angle])
+    (_,), ((arm,),) = compute_jacobian(floats, mechanism.contraction, [angle])
     weight = 0.5 * G * 0.05 * math.cos(0.1 + angle)
     assert 0.3 < angle < 0.32
     assert 500.0 * (angle - 0.3) == pytest.approx(force * arm - weight, rel=1e-9)

@@ -32,8 +32,8 @@ from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_m
 from martensite.export.mujoco_bridge import read_model
 from martensite.export.mujoco_result import MujocoResult
 from martensite.kernels import floats
-from martensite.kernels.c99 import compiler
-from martensite.kernels.dual import jacobian
+from martensite.kernels.c99 import find_compiler
+from martensite.kernels.dual import compute_jacobian
 from martensite.physics.electrical.power import PowerSource
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.constant import ConstantCooling
@@ -44,7 +44,7 @@ from martensite.simulate.driven import Waveforms
 from martensite.simulate.result import Result
 
 mujoco: Any = installed
-RUNTIME = "c" if compiler() else "floats"
+RUNTIME = "c" if find_compiler() else "floats"
 TRAPEZOID = Table(times=(0.0, 0.2, 2.2, 4.0, 6.0, 8.2), values=(0.0, 0.0, 2.0, 2.0, 0.0, 0.0))
 """2 W: up and back."""
 PULSE: dict[str, Any] = {"first": Step(low=0.0, high=34.0, until=1.9)}
@@ -141,7 +141,7 @@ def test_tendons_are_the_paths_of_the_elements(name: str) -> None:
     home, _ = posed.tendon(np.zeros(len(posed.order)))
     for motion in samples(25, len(posed.order)):
         found, arms = posed.tendon(np.array(motion.position))
-        shorter, slopes = jacobian(floats, mechanism.contraction, motion.position)
+        shorter, slopes = compute_jacobian(floats, mechanism.contraction, motion.position)
         np.testing.assert_allclose(home - found, shorter, atol=1e-15)
         np.testing.assert_allclose(-arms, slopes, atol=1e-15)
 

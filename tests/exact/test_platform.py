@@ -20,8 +20,8 @@ from platform_reference import Platform
 
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.elements.coil_spring import CoilSpring
-from martensite.actuators.mechanics.platform_kinematics import Plates, slopes
-from martensite.actuators.mechanics.platform_rays import crosswise
+from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes
+from martensite.actuators.mechanics.platform_rays import compute_crosswise
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param
@@ -124,7 +124,7 @@ def test_lengths_that_the_paper_needs() -> None:
 
 
 def test_stiffness_of_a_small_tilt_is_the_same_about_all_axes() -> None:
-    _, over_alpha, over_beta = slopes(floats, PLATES, 0.0, 0.0)
+    _, over_alpha, over_beta = compute_length_slopes(floats, PLATES, 0.0, 0.0)
     levers = np.array([over_alpha, over_beta])
     assert levers @ levers.T * RATE == pytest.approx(TILT * np.eye(2), abs=1e-12)
     assert pytest.approx(1.162, abs=5e-4) == TILT
@@ -307,7 +307,7 @@ def test_each_spring_alone_stays_on_its_ray() -> None:
             end, abs=0.05
         )
         for alpha, beta in zip(result["alpha"][::25], result["beta"][::25], strict=True):
-            assert abs(crosswise(floats, PLATES, leg, alpha, beta)) < 2e-7 * SIDE**3
+            assert abs(compute_crosswise(floats, PLATES, leg, alpha, beta)) < 2e-7 * SIDE**3
 
 
 # ---------------------------------------------------------------- weight

@@ -19,13 +19,13 @@ from martensite.actuators.mechanics.platform_inertia import (
     Rates,
     TopPlate,
     Torques,
-    accelerations,
+    compute_accelerations,
     inertia_forces,
     kinetic_energy,
     thin_plate,
     weight_torques,
 )
-from martensite.actuators.mechanics.platform_kinematics import Plates, corners
+from martensite.actuators.mechanics.platform_kinematics import Plates, locate_corners
 from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope, values_and_slopes
@@ -39,7 +39,7 @@ def masses(xp: Any, plates: Plates, alpha: Any, beta: Any) -> list[Any]:
     """X, Y and Z of the three masses, seen from the joint."""
     ca, sa, cb, sb = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
     points: list[Any] = []
-    for x, y in corners(plates.side):
+    for x, y in locate_corners(plates.side):
         # the middle of the side opposite of a vertex is half as far from the centroid
         x, y, z = -0.5 * x, -0.5 * y, -(plates.height - plates.pivot)
         y, z = ca * y - sa * z, sa * y + ca * z
@@ -109,7 +109,7 @@ class TestLagrange:
     def test_accelerations(self, plates: Plates, posture: Any, rates: Rates) -> None:
         plate = thin_plate(plates, MASS)
         forces = inertia_forces(floats, plate, posture[0], rates, ACCELERATIONS)
-        found = accelerations(floats, plate, posture[0], rates, forces)
+        found = compute_accelerations(floats, plate, posture[0], rates, forces)
         assert found == pytest.approx(ACCELERATIONS, rel=1e-13)
 
 
@@ -152,7 +152,7 @@ def test_moments_of_a_uniform_triangle() -> None:
     below = i + j < count - 1
     thirds.append((i[below] + 2 / 3, j[below] + 2 / 3))
     u, v = (np.concatenate([t[k] for t in thirds]) / count for k in (0, 1))
-    (x0, y0), (x1, y1), (x2, y2) = corners(SIDE)
+    (x0, y0), (x1, y1), (x2, y2) = locate_corners(SIDE)
     x, y = x0 + u * (x1 - x0) + v * (x2 - x0), y0 + u * (y1 - y0) + v * (y2 - y0)
     about_x, about_y, about_z = (MASS * np.mean(q) for q in (y**2, x**2, x**2 + y**2))
     assert [about_x, about_y] == pytest.approx([plate.inertia] * 2, rel=1e-5)
@@ -163,7 +163,9 @@ def test_small_swings_have_the_frequency_of_one_mass_on_one_spring() -> None:
     """√(K/I)/2π = 30.7 Hz on three springs of 232.3 N/m."""
     stiffness, plate = 232.3 * SIDE**2 / 2.0, thin_plate(PLATES, MASS)
     tilt = 1e-5
-    found = accelerations(floats, plate, tilt, Rates(0.0, 0.0), Torques(-stiffness * tilt, 0.0))
+    found = compute_accelerations(
+        floats, plate, tilt, Rates(0.0, 0.0), Torques(-stiffness * tilt, 0.0)
+    )
     assert math.sqrt(-found.alpha / tilt) / math.tau == pytest.approx(30.7, abs=0.05)
 
 
@@ -173,7 +175,9 @@ def test_a_free_plate_keeps_its_energy() -> None:
 
     def change(state: Any) -> Any:
         rates = Rates(*state[2:])
-        return np.array([*rates, *accelerations(floats, plate, state[0], rates, Torques(0.0, 0.0))])
+        return np.array(
+            [*rates, *compute_accelerations(floats, plate, state[0], rates, Torques(0.0, 0.0))]
+        )
 
     def drift(steps: int) -> float:
         state, dt = np.array([0.4, 0.1, 2.0, 5.0]), 1.0 / steps
@@ -196,7 +200,7 @@ def test_a_free_plate_keeps_its_energy() -> None:
 def answers(_: Any, xp: Any, m: Any, i: Any, e: Any, a: Any, b: Any, p: Any, q: Any) -> Any:
     plate, rates = TopPlate(m, i, e), Rates(p, q)
     forces = inertia_forces(xp, plate, a, rates, Rates(q, p))
-    found = accelerations(xp, plate, a, rates, Torques(0.001 * p, 0.002 * q))
+    found = compute_accelerations(xp, plate, a, rates, Torques(0.001 * p, 0.002 * q))
     turned = weight_torques(xp, plate, GRAVITY, a, b)
     return forces, found, turned, kinetic_energy(xp, plate, a, rates)
 

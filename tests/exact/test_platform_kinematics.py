@@ -29,12 +29,12 @@ from platform_cases import (
 
 from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
-    correction,
-    lengths,
+    compute_length_slopes,
+    compute_lengths,
+    compute_torques,
+    correct_angles,
     platform_angles,
     platform_lengths,
-    slopes,
-    torques,
 )
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import Parametrised
@@ -58,12 +58,14 @@ def about_x_only(alpha: float, lever: float) -> float:
 def test_lengths_are_those_of_matrices(plates: Plates, posture: tuple[float, float]) -> None:
     alpha, beta = posture
     expected = by_matrices(plates, about_y(beta) @ about_x(alpha))
-    assert lengths(floats, plates, alpha, beta) == pytest.approx(expected, abs=1e-15)
+    assert compute_lengths(floats, plates, alpha, beta) == pytest.approx(expected, abs=1e-15)
 
 
 @pytest.mark.parametrize("plates", GEOMETRIES)
 def test_legs_are_as_long_as_the_plates_are_apart_at_home(plates: Plates) -> None:
-    assert lengths(floats, plates, 0.0, 0.0) == pytest.approx([plates.height] * 3, abs=1e-16)
+    assert compute_lengths(floats, plates, 0.0, 0.0) == pytest.approx(
+        [plates.height] * 3, abs=1e-16
+    )
 
 
 @pytest.mark.parametrize(("degrees", "short", "long"), [(25, 36.009, 72.251), (30, 32.079, 74.534)])
@@ -78,7 +80,7 @@ def test_lengths_of_a_rotation_about_x(degrees: float, short: float, long: float
 def test_a_leg_is_shortest_where_it_points_at_the_joint() -> None:
     """At tan α = h/r the leg lies along the line to the joint: √(r² + h²) - r."""
     alpha = math.atan(HEIGHT / RADIUS)
-    length, slope, _ = slopes(floats, PLATES, alpha, 0.0)
+    length, slope, _ = compute_length_slopes(floats, PLATES, alpha, 0.0)
     assert length[0] == pytest.approx(math.hypot(RADIUS, HEIGHT) - RADIUS, abs=1e-15)
     assert slope[0] == pytest.approx(0.0, abs=1e-15)
     assert math.degrees(alpha) == pytest.approx(46.10, abs=5e-3)
@@ -88,18 +90,18 @@ def test_a_leg_is_shortest_where_it_points_at_the_joint() -> None:
 def test_the_order_of_the_rotations_matters() -> None:
     alpha = beta = math.radians(15.0)
     swapped = by_matrices(PLATES, about_x(alpha) @ about_y(beta))
-    change = 1e3 * (np.array(lengths(floats, PLATES, alpha, beta)) - swapped)
+    change = 1e3 * (np.array(compute_lengths(floats, PLATES, alpha, beta)) - swapped)
     assert np.abs(change).max() == pytest.approx(0.76, abs=0.01)
     alone = by_matrices(PLATES, about_x(alpha) @ about_y(0.0))
-    assert lengths(floats, PLATES, alpha, 0.0) == pytest.approx(alone, abs=1e-15)
+    assert compute_lengths(floats, PLATES, alpha, 0.0) == pytest.approx(alone, abs=1e-15)
 
 
 def test_where_the_joint_is_matters() -> None:
     alpha = math.radians(25.0)
-    top, middle, base = (lengths(floats, p, alpha, 0.0) for p in (PLATES, MIDDLE, BASE))
+    top, middle, base = (compute_lengths(floats, p, alpha, 0.0) for p in (PLATES, MIDDLE, BASE))
     assert 1e3 * (middle[0] - top[0]) == pytest.approx(-2.4, abs=0.05)
     assert base == pytest.approx(top, abs=1e-15)
-    top, base = (lengths(floats, p, alpha, 0.3) for p in (PLATES, BASE))
+    top, base = (compute_lengths(floats, p, alpha, 0.3) for p in (PLATES, BASE))
     assert np.abs(np.subtract(top, base)).max() > 1e-3
 
 
@@ -121,7 +123,7 @@ def closed_slopes(alpha: float, beta: float) -> Any:
 
 @pytest.mark.parametrize("posture", POSTURES)
 def test_slopes_are_those_of_the_closed_form(posture: tuple[float, float]) -> None:
-    _, over_alpha, over_beta = slopes(floats, PLATES, *posture)
+    _, over_alpha, over_beta = compute_length_slopes(floats, PLATES, *posture)
     expected = closed_slopes(*posture)
     assert over_alpha == pytest.approx(expected[:, 0], abs=1e-15)
     assert over_beta == pytest.approx(expected[:, 1], abs=1e-15)
@@ -131,9 +133,9 @@ def test_slopes_are_those_of_the_closed_form(posture: tuple[float, float]) -> No
 @pytest.mark.parametrize("posture", POSTURES)
 def test_slopes_are_those_of_dual_numbers(plates: Plates, posture: tuple[float, float]) -> None:
     alpha, beta = posture
-    _, over_alpha, over_beta = slopes(floats, plates, alpha, beta)
-    _, a = values_and_slopes(floats, lambda xp, a: lengths(xp, plates, a, beta), alpha)
-    _, b = values_and_slopes(floats, lambda xp, b: lengths(xp, plates, alpha, b), beta)
+    _, over_alpha, over_beta = compute_length_slopes(floats, plates, alpha, beta)
+    _, a = values_and_slopes(floats, lambda xp, a: compute_lengths(xp, plates, a, beta), alpha)
+    _, b = values_and_slopes(floats, lambda xp, b: compute_lengths(xp, plates, alpha, b), beta)
     assert over_alpha == pytest.approx(a, abs=1e-15)
     assert over_beta == pytest.approx(b, abs=1e-15)
 
@@ -143,10 +145,13 @@ def test_slopes_are_those_of_dual_numbers(plates: Plates, posture: tuple[float, 
 def test_torques_do_the_work_of_the_legs(plates: Plates, posture: tuple[float, float]) -> None:
     """Q dq = -Σ F dL, by differences of the lengths."""
     pulls, step = [3.0, 5.0, 7.0], 1e-5
-    found = torques(floats, plates, *posture, pulls)
+    found = compute_torques(floats, plates, *posture, pulls)
     for torque, way in zip(found, ((step, 0.0), (0.0, step)), strict=True):
         ends = [
-            np.dot(pulls, lengths(floats, plates, posture[0] + s * way[0], posture[1] + s * way[1]))
+            np.dot(
+                pulls,
+                compute_lengths(floats, plates, posture[0] + s * way[0], posture[1] + s * way[1]),
+            )
             for s in (1.0, -1.0)
         ]
         assert torque == pytest.approx((ends[1] - ends[0]) / (2 * step), abs=1e-9)
@@ -157,8 +162,12 @@ def test_three_springs_are_one_isotropic_spring_at_home() -> None:
     rate, tilt = 232.3, 1e-6
     for way in ((1.0, 0.0), (0.0, 1.0), (0.6, -0.8)):
         alpha, beta = tilt * way[0], tilt * way[1]
-        pulls = [rate * (length - HEIGHT) for length in lengths(floats, PLATES, alpha, beta)]
-        stiffness = [-torque / tilt for torque in torques(floats, PLATES, alpha, beta, pulls)]
+        pulls = [
+            rate * (length - HEIGHT) for length in compute_lengths(floats, PLATES, alpha, beta)
+        ]
+        stiffness = [
+            -torque / tilt for torque in compute_torques(floats, PLATES, alpha, beta, pulls)
+        ]
         assert stiffness == pytest.approx([rate * SIDE**2 / 2 * w for w in way], abs=1e-6)
     assert rate * SIDE**2 / 2 == pytest.approx(1.162, abs=5e-4)
 
@@ -168,16 +177,16 @@ def test_a_hot_spring_against_two_cold_ones_contracts_by_30_mm() -> None:
     hot, cold, solid = 367.6, 232.3, 0.015
 
     def torque(alpha: float) -> float:
-        first, second, third = lengths(floats, PLATES, alpha, 0.0)
+        first, second, third = compute_lengths(floats, PLATES, alpha, 0.0)
         pulls = [hot * (first - solid), cold * (second - HEIGHT), cold * (third - HEIGHT)]
-        return torques(floats, PLATES, alpha, 0.0, pulls)[0]
+        return compute_torques(floats, PLATES, alpha, 0.0, pulls)[0]
 
     low, high = 0.0, 0.7
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if torque(middle) > 0.0 else (low, middle)
     assert math.degrees(low) == pytest.approx(33.68, abs=0.01)
-    short = 1e3 * (HEIGHT - lengths(floats, PLATES, low, 0.0)[0])
+    short = 1e3 * (HEIGHT - compute_lengths(floats, PLATES, low, 0.0)[0])
     assert short == pytest.approx(30.38, abs=0.01)
 
 
@@ -198,9 +207,11 @@ def test_disturbed_lengths_give_the_best_angles(
     alpha: float, beta: float, noise: list[float]
 ) -> None:
     """What is left over is perpendicular to both slopes, and no larger than the noise."""
-    wanted = [x + e for x, e in zip(lengths(floats, PLATES, alpha, beta), noise, strict=True)]
+    wanted = [
+        x + e for x, e in zip(compute_lengths(floats, PLATES, alpha, beta), noise, strict=True)
+    ]
     found = platform_angles(PLATES, wanted)
-    at, over_alpha, over_beta = slopes(floats, PLATES, found.alpha, found.beta)
+    at, over_alpha, over_beta = compute_length_slopes(floats, PLATES, found.alpha, found.beta)
     left = np.subtract(at, wanted)
     assert found.residual == pytest.approx(float(np.linalg.norm(left)), abs=1e-15)
     assert found.residual <= np.linalg.norm(noise) + 1e-12
@@ -209,10 +220,10 @@ def test_disturbed_lengths_give_the_best_angles(
 
 
 def test_corrections_square_the_error() -> None:
-    wanted, alpha, beta = lengths(floats, PLATES, 0.4, -0.3), 0.0, 0.0
+    wanted, alpha, beta = compute_lengths(floats, PLATES, 0.4, -0.3), 0.0, 0.0
     errors: list[float] = []
     for _ in range(5):
-        more = correction(floats, PLATES, wanted, alpha, beta)
+        more = correct_angles(floats, PLATES, wanted, alpha, beta)
         alpha, beta = alpha + more[0], beta + more[1]
         errors.append(math.hypot(alpha - 0.4, beta + 0.3))
     assert errors[2] < 2.0 * errors[1] ** 2 < errors[1]
@@ -261,9 +272,9 @@ def test_what_cannot_be_is_refused(call: Any, sentence: str) -> None:
 
 def answers(_: Any, xp: Any, s: Any, h: Any, z: Any, a: Any, b: Any, F: Any, L: Any) -> Any:
     plates = Plates(s, h, z)
-    found = tuple(tuple(column) for column in slopes(xp, plates, a, b))
-    pulled = torques(xp, plates, a, b, [F, 2.0 * F, 5.0])
-    return found, pulled, correction(xp, plates, [L, h, L], a, b)
+    found = tuple(tuple(column) for column in compute_length_slopes(xp, plates, a, b))
+    pulled = compute_torques(xp, plates, a, b, [F, 2.0 * F, 5.0])
+    return found, pulled, correct_angles(xp, plates, [L, h, L], a, b)
 
 
 KERNEL = Kernel(
@@ -282,7 +293,9 @@ def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
 
 def test_a_leg_of_no_length_has_no_slope_and_no_error() -> None:
     """Vertex 0 meets its base at α = 2 atan(h/2r) if the joint is half-way up."""
-    length, *found = slopes(floats, MIDDLE, 2.0 * math.atan(0.5 * HEIGHT / RADIUS), 0.0)
+    length, *found = compute_length_slopes(
+        floats, MIDDLE, 2.0 * math.atan(0.5 * HEIGHT / RADIUS), 0.0
+    )
     assert length[0] < 1e-15
     assert max(abs(column[0]) for column in found) < 1e-6
 
@@ -293,4 +306,4 @@ def test_a_leg_of_no_length_has_no_slope_and_no_error() -> None:
 def test_rotations_in_the_other_order_are_noticed() -> None:
     alpha, beta = POSTURES[3]
     swapped = by_matrices(PLATES, about_x(alpha) @ about_y(beta))
-    assert lengths(floats, PLATES, alpha, beta) != pytest.approx(swapped, abs=1e-4)
+    assert compute_lengths(floats, PLATES, alpha, beta) != pytest.approx(swapped, abs=1e-4)

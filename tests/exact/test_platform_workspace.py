@@ -16,8 +16,12 @@ from platform_cases import GEOMETRIES, HEIGHT, PLATES, RADIUS, SIDE, about_x, ab
 from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
-from martensite.actuators.mechanics.platform_kinematics import Plates, lengths, slopes
-from martensite.actuators.mechanics.platform_rays import balanced, crosswise, ray
+from martensite.actuators.mechanics.platform_kinematics import (
+    Plates,
+    compute_length_slopes,
+    compute_lengths,
+)
+from martensite.actuators.mechanics.platform_rays import compute_crosswise, find_balanced, trace_ray
 from martensite.actuators.mechanics.platform_workspace import Legs, Workspace, reachable_angles
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
@@ -53,7 +57,7 @@ def test_extents_along_the_axes() -> None:
     low, high = brentq(left, -1.0, 0.0, (LONGEST,)), brentq(left, 0.0, 0.8, (SHORTEST,))
     assert found.alpha_extent == pytest.approx((low, high), abs=1e-11)
     for beta in found.beta_extent:
-        assert max(lengths(floats, PLATES, 0.0, beta)) == pytest.approx(LONGEST, abs=1e-13)
+        assert max(compute_lengths(floats, PLATES, 0.0, beta)) == pytest.approx(LONGEST, abs=1e-13)
 
 
 def test_the_set_is_the_component_of_home() -> None:
@@ -116,7 +120,7 @@ def test_leg_0_alone_turns_about_x_only() -> None:
 @pytest.mark.parametrize("plates", GEOMETRIES)
 def test_legs_leave_home_at_120_degrees(plates: Plates) -> None:
     legs = Legs(plates, 0.98 * plates.height, 1.02 * plates.height)
-    rays = [ray(plates, leg, math.radians(0.1), legs.allow) for leg in range(3)]
+    rays = [trace_ray(plates, leg, math.radians(0.1), legs.allow) for leg in range(3)]
     headings = [math.degrees(math.atan2(*reversed(points[1]))) for points in rays]
     assert headings == pytest.approx([0.0, 120.0, -120.0], abs=0.1)
 
@@ -125,7 +129,7 @@ def balance(leg: int, rate: float) -> Any:
     """Where a hot spring of 15 mm unloaded length holds two cold ones of 232.3 N/m: (α, β)."""
 
     def torque(posture: Any) -> Any:
-        found, over_alpha, over_beta = slopes(floats, PLATES, *posture)
+        found, over_alpha, over_beta = compute_length_slopes(floats, PLATES, *posture)
         pulls = [232.3 * (length - HEIGHT) for length in found]
         pulls[leg] = rate * (found[leg] - 0.015)
         return np.dot(over_alpha, pulls), np.dot(over_beta, pulls)
@@ -140,11 +144,11 @@ def balance(leg: int, rate: float) -> Any:
 @pytest.mark.parametrize("rate", [50.0, 150.0, 367.6])
 def test_a_spring_of_any_rate_pulls_along_its_ray(leg: int, rate: float) -> None:
     alpha, beta = balance(leg, rate)
-    assert crosswise(floats, PLATES, leg, alpha, beta) == pytest.approx(0.0, abs=1e-14)
+    assert compute_crosswise(floats, PLATES, leg, alpha, beta) == pytest.approx(0.0, abs=1e-14)
     heading = math.atan2(beta, alpha)
-    found = balanced(PLATES, leg, math.hypot(alpha, beta), heading + 0.01)
+    found = find_balanced(PLATES, leg, math.hypot(alpha, beta), heading + 0.01)
     assert found == pytest.approx((alpha, beta), abs=1e-10)
-    points = np.array(ray(PLATES, leg, STEP, Legs(PLATES, 0.028, 0.100).allow))
+    points = np.array(trace_ray(PLATES, leg, STEP, Legs(PLATES, 0.028, 0.100).allow))
     assert np.hypot(*(points - found).T).min() <= 0.5001 * STEP
 
 
@@ -157,15 +161,18 @@ def test_where_hot_springs_go() -> None:
 @pytest.mark.parametrize("leg", [1, 2])
 def test_every_point_of_a_ray_is_balanced_and_the_end_is_at_a_limit(leg: int) -> None:
     points = workspace().rays[leg]
-    assert max(abs(crosswise(floats, PLATES, leg, *point)) for point in points) < 1e-9 * SIDE**3
+    assert (
+        max(abs(compute_crosswise(floats, PLATES, leg, *point)) for point in points)
+        < 1e-9 * SIDE**3
+    )
     assert np.hypot(*np.diff(points, axis=0).T)[:-1] == pytest.approx(STEP, rel=0.05)
-    assert lengths(floats, PLATES, *points[-1])[leg] == pytest.approx(SHORTEST, abs=1e-12)
+    assert compute_lengths(floats, PLATES, *points[-1])[leg] == pytest.approx(SHORTEST, abs=1e-12)
 
 
 def test_a_ray_ends_where_its_leg_gets_no_shorter() -> None:
     found = reachable_angles(PLATES, 0.020, 0.200, math.radians(1.0))
     for leg, points in enumerate(found.rays):
-        least = lengths(floats, PLATES, *points[-1])[leg]
+        least = compute_lengths(floats, PLATES, *points[-1])[leg]
         assert least == pytest.approx(math.hypot(RADIUS, HEIGHT) - RADIUS, abs=1e-9)
     assert math.degrees(found.rays[0][-1][0]) == pytest.approx(46.10, abs=5e-3)
 

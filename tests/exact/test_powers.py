@@ -12,15 +12,15 @@ from martensite.base.parameters import Parametrised
 from martensite.export.c_kernels import precision_of
 from martensite.export.c_operations import operations
 from martensite.kernels import floats
-from martensite.kernels.adjoint import gradient
-from martensite.kernels.dual import jacobian, value_and_slope
+from martensite.kernels.adjoint import compute_gradient
+from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.graph import VARYING
 from martensite.kernels.jax_setup import jax_namespace
-from martensite.kernels.partials import partials
+from martensite.kernels.partials import compute_partials
 from martensite.kernels.powers import expand_power, find_whole_exponent
 from martensite.kernels.printer import Printer
 from martensite.kernels.program import Program
-from martensite.kernels.tangent import differentiated
+from martensite.kernels.tangent import differentiate_program
 
 RNG = np.random.default_rng(5)
 POINTS = np.column_stack([RNG.uniform(0.05, 20.0, 48), RNG.uniform(-4.0, 4.0, 48)])
@@ -115,7 +115,7 @@ def test_slopes_are_those_of_differences() -> None:
 
 
 def by_duals(base: float, exponent: float) -> list[float]:
-    _, rows = jacobian(floats, lambda xp, x: [xp.power(x[0], x[1])], [base, exponent])
+    _, rows = compute_jacobian(floats, lambda xp, x: [xp.power(x[0], x[1])], [base, exponent])
     return rows[0]
 
 
@@ -126,8 +126,8 @@ def test_dual_numbers() -> None:
 def traced_slopes(backwards: bool):
     program = Program()
     moving = [program.graph.input(f"k_{name}", VARYING) for name in "be"]
-    (value,), (ahead,) = partials(program.xp, lambda xp, v: [xp.power(v[0], v[1])], moving)
-    row = gradient(value, moving) if backwards else ahead
+    (value,), (ahead,) = compute_partials(program.xp, lambda xp, v: [xp.power(v[0], v[1])], moving)
+    row = compute_gradient(value, moving) if backwards else ahead
     assert row is not None
     program.add("k", ("b", "e"), lambda xp, b, e: (row[0], row[1]))
     return program.bind_floats()["k"]
@@ -144,7 +144,7 @@ def test_traced_slopes(backwards: bool) -> None:
 def test_slopes_ahead_of_a_traced_function() -> None:
     program = Program()
     program.add("step", ("b", "e"), lambda xp, b, e: (xp.power(b, e),))
-    twin = differentiated(program, [], {"step": 2}, [])
+    twin = differentiate_program(program, [], {"step": 2}, [])
     function = twin.functions["step"]
     function.inputs = ("step_b", "step_e", "dstep_b", "dstep_e")
     program.functions = {"step": function}

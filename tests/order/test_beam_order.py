@@ -62,5 +62,5 @@ def test_a_lower_order_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
         masses[-2] += ratio
         return np.diag(masses)
 
-    monkeypatch.setattr(module, "_masses", lumped)
+    monkeypatch.setattr(module, "_build_masses", lumped)
     assert orders(errors(0.0, 1))[-1] < 2.5

@@ -13,7 +13,7 @@ from benchmarks.problem_b import Wire, stiff, system, waveform
 from mas_paths import follow, table_1
 
 from martensite.kernels import floats
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.simulate.api import simulate
 
 STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3)
@@ -82,7 +82,7 @@ def test_loading_alone_is_exact_in_any_step(form):
 @cache
 def stroke(step, wire="nominal", **options):
     p = stiff(Wire()) if wire == "stiff" else Wire()
-    runtime = "c" if compiler() else "floats"
+    runtime = "c" if find_compiler() else "floats"
     run = simulate(system(p, **options), waveform(), 20.0, step=step, samples=201, runtime=runtime)
     return np.array(run["position"])
 

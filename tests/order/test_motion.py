@@ -7,7 +7,12 @@ from itertools import pairwise
 
 import pytest
 
-from martensite.actuators.mechanics.motion import Course, dynamic, predicted, quasi_static
+from martensite.actuators.mechanics.motion import (
+    Course,
+    move_dynamically,
+    predict_position,
+    quasi_static,
+)
 from martensite.kernels import floats
 
 OMEGA, ZETA = 2.0 * math.pi, 0.05
@@ -17,13 +22,13 @@ def march(dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float =
     """An oscillator released at 1: each step is linear in the position at its end."""
     course = Course((1.0,), (0.0,), (-omega * omega,), (-omega * omega,))
     for _ in range(round(end / dt)):
-        after = dynamic(floats, course, dt, rho)
+        after = move_dynamically(floats, course, dt, rho)
 
         def residual(q: float, after=after) -> float:
             (x,), (v,), (a,) = after((q,)).motion()
             return a + 2.0 * zeta * omega * v + omega * omega * x
 
-        (guess,) = predicted(course, dt)
+        (guess,) = predict_position(course, dt)
         first = residual(guess)
         slope = (residual(guess + 1.0) - first) / 1.0
         course = after((guess - first / slope,))
@@ -66,4 +71,4 @@ def test_lost_energy_would_be_noticed():
 def test_a_quasi_static_motion_has_the_velocity_of_its_step():
     course = quasi_static(floats, Course((1.0, 2.0), (0.0, 0.0)), 0.5)((2.0, 1.0))
     assert course.motion() == ((2.0, 1.0), (2.0, -2.0), (0.0, 0.0))
-    assert predicted(course, 0.1) == (2.0, 1.0)
+    assert predict_position(course, 0.1) == (2.0, 1.0)

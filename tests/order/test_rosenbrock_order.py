@@ -14,7 +14,7 @@ from benchmarks.problem_b import Wire, system
 from martensite.actuators.assembly import System
 from martensite.physics.electrical.voltage import VoltageSource
 from martensite.signals.moments import Moments
-from martensite.simulate.compiled import bind_march, fed
+from martensite.simulate.compiled import bind_march, feed_step
 
 POWER, SWING, RATE = 1.0, 0.3, 2.0
 SLOW = Wire()._replace(layer_volume=5e-24, layer_time=5e-2)
@@ -42,7 +42,7 @@ def drive(voltage: bool, begin: float, end: float) -> tuple[float, ...]:
     squares = (mean(lambda u, x: u * u), 6.0 / length * mean(lambda u, x: u * u * x))
     first = (mean(lambda u, x: u), 6.0 / length * mean(lambda u, x: u * x))
     low, high = mean(lambda u, x: u) - 1e-9, mean(lambda u, x: u) + 1e-9
-    return fed(Moments(first[0], squares[0], low, high, 0.0, first[1], squares[1]))
+    return feed_step(Moments(first[0], squares[0], low, high, 0.0, first[1], squares[1]))
 
 
 class Course:
@@ -52,7 +52,7 @@ class Course:
         self.functions, self.size = bind_march(posed)
         self.voltage = voltage
         self.start = self.functions["init"](0.0)[: self.size]
-        warm = fed(Moments.constant(math.sqrt(OHMS * POWER) if voltage else POWER))
+        warm = feed_step(Moments.constant(math.sqrt(OHMS * POWER) if voltage else POWER))
         for _ in range(600):
             self.start = self.functions["step"](*self.start, *warm, 5e-3)[: self.size]
 

@@ -53,5 +53,5 @@ def test_approximations_are_close_but_noticeably_different() -> None:
         found = collocated(index)
         goodier = coil_theory.ancker_goodier(index)
         assert 1e-6 < abs(goodier - found.stiffness) < 1e-3
-        assert abs(coil_theory.bergstraesser(index) - found.peak_stress) < 0.011
-        assert abs(coil_theory.wahl(index) - found.peak_stress) < 0.03
+        assert abs(coil_theory.compute_bergstraesser_factor(index) - found.peak_stress) < 0.011
+        assert abs(coil_theory.compute_wahl_factor(index) - found.peak_stress) < 0.03

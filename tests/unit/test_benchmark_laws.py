@@ -10,7 +10,7 @@ from benchmarks.peers import mas_ode, simcoon_path
 from benchmarks.problem_b import Wire
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.physics.laws.base import LAWS
 
 OURS = Options(available(["ours"]), repeats=1, sizes=(8,))
@@ -20,7 +20,7 @@ LITTLE = sections_mas.Effort(
     simd_batch=(), kvaerno_batch=(), hybrid=(100,), hybrid_jax=(), march=(1e-3, 1e-4),
     march_batch=(1e-3,),
 )  # fmt: skip
-needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 
 
 def row(table, **wanted):

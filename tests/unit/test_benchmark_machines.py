@@ -5,7 +5,7 @@ from benchmarks import sections_machines
 from benchmarks.engines import available
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 OURS = Options(available(["ours"]), repeats=1)
 
@@ -14,7 +14,7 @@ def test_the_section_is_entered():
     assert "machines" in SECTIONS
 
 
-@pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 def test_machines(monkeypatch):
     monkeypatch.setattr(sections_machines, "RUNTIMES", ("c",))
     (table,) = sections_machines.machines(OURS)

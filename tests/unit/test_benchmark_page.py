@@ -20,9 +20,9 @@ from benchmarks.process import Usage
 from benchmarks.report import Table
 from benchmarks.sections import Options
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
-needs_c = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 ENGINES = [
     {"engine": "martensite, C", "setting": "dt 20 ms", "err": 1e-6, "spread": 0.01, "ratio": 1.0},
     {"engine": "other", "setting": "rtol 1e-6", "err": 2e-5, "spread": 0.05, "ratio": 123.4},

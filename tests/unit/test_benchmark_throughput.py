@@ -7,9 +7,9 @@ from benchmarks.inputs import sine
 from benchmarks.roofline import Peaks
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 OPTIONS = Options([], repeats=1, sizes=(3,))
 SMALL = sections_throughput.Effort(laws=(), precisions=("float64",), most=2, scaling=(20,), peer=1)
 

@@ -15,7 +15,7 @@ from martensite.cli import app
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.physics.electrical.voltage import VoltageSource
 from martensite.scenario.scenario import read
-from martensite.signals.carrier import Carrier, pulse
+from martensite.signals.carrier import Carrier, limit_duty
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.ramp import Ramp
@@ -52,7 +52,7 @@ def test_never_and_always_on(duty: float, level: float) -> None:
      (0.96, 1.0), (1.0, 1.0), (1.5, 1.0)],
 )  # fmt: skip
 def test_short_pulses_and_gaps_are_rounded(duty: float, share: float) -> None:
-    assert pulse(duty, 0.1) == pytest.approx(share, abs=1e-15)
+    assert limit_duty(duty, 0.1) == pytest.approx(share, abs=1e-15)
 
 
 def test_a_pulse_longer_than_half_a_period_is_refused() -> None:

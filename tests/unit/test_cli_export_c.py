@@ -17,7 +17,7 @@ from typer.testing import CliRunner, Result
 from martensite.cli import app
 from martensite.export.c_core import build_c_core
 from martensite.export.c_loop import build_c_loop
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.scenario import load
 
 HELD = f"""{THIN_WIRE}
@@ -87,7 +87,15 @@ def test_a_bench_is_written() -> None:
 
 def test_the_example_runs(c_compiler: str) -> None:
     assert call("driven.toml", "--precision", "float32").exit_code == 0
-    command = [compiler() or "", *STRICT, "driven.c", "driven_example.c", "-o", "example", "-lm"]
+    command = [
+        find_compiler() or "",
+        *STRICT,
+        "driven.c",
+        "driven_example.c",
+        "-o",
+        "example",
+        "-lm",
+    ]
     subprocess.run(command, check=True)
     done = subprocess.run(["./example"], capture_output=True, text=True, check=True)
     title, *rows = (line.split(",") for line in done.stdout.splitlines())

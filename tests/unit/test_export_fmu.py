@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError, MartensiteError, ParameterError, UnitError
-from martensite.base.units import dimensions
+from martensite.base.units import find_dimensions
 from martensite.control.loop.run import simulate_bench
 from martensite.export.fmu import Fmu, binaries, to_fmu
 from martensite.export.fmu.units import base_units
@@ -265,13 +265,13 @@ def test_variables_have_units_bounds_and_lasting_references(made: dict[str, Fmu]
 
 def test_units_are_taken_apart() -> None:
     """Exponents of SI base units; a unit that is no coherent one is refused."""
-    assert dimensions("N*m*s/rad") == {"kg": 1.0, "m": 2.0, "s": -1.0, "rad": -1.0}
-    assert dimensions("delta_degC") == {"K": 1.0}
+    assert find_dimensions("N*m*s/rad") == {"kg": 1.0, "m": 2.0, "s": -1.0, "rad": -1.0}
+    assert find_dimensions("delta_degC") == {"K": 1.0}
     assert base_units("1") == {}
     assert base_units("Pa^0.5") is None
     for wrong in ("mm", "nonsense"):
         with pytest.raises(UnitError, match=wrong):
-            dimensions(wrong)
+            find_dimensions(wrong)
 
 
 def test_an_archive_is_reproducible_and_its_token_follows_its_content(

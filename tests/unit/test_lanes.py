@@ -14,7 +14,7 @@ from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.status import Status
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
@@ -26,7 +26,7 @@ PATH = "environment.temperature"
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 WARMER = SYSTEM.value_of(PATH) + np.arange(COUNT, dtype=float)
 NATIVE = [
-    pytest.param(True, marks=pytest.mark.skipif(compiler() is None, reason="no C compiler")),
+    pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")),
     False,
 ]
 
@@ -65,7 +65,7 @@ def test_they_go_the_way_of_a_march(native: bool) -> None:
     assert np.all(np.ptp(moved, axis=0) > 1e-3)
 
 
-@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_c_and_floats_agree_with_parameters_by_lane() -> None:
     native, plain = (lanes(n, **{PATH: WARMER}) for n in (True, False))
     agree(native.advance(signals(40), DT), plain.advance(signals(40), DT))
@@ -190,7 +190,7 @@ def test_hard_steps_are_solved(native: bool) -> None:
     assert np.all(found.worst[0] <= SOLVED)
 
 
-@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_hard_steps_are_the_same_in_c_and_on_floats() -> None:
     native, plain = lanes(True), lanes(False)
     np.testing.assert_allclose(

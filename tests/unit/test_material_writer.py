@@ -100,7 +100,7 @@ def test_fewer_digits_are_rounded_digits(plain: Sample) -> None:
 @given(st.sampled_from(sorted({unit for unit, _ in NAMES.values()})), st.floats(1e-9, 1e12))
 def test_exact_text_reads_back_the_same(unit: str, value: float) -> None:
     for number in (value, -value):
-        assert units.parse(exact_text(number, unit), unit) == number
+        assert units.parse_quantity(exact_text(number, unit), unit) == number
 
 
 @pytest.mark.parametrize(
@@ -278,9 +278,11 @@ def test_counts_errors_and_bounds_are_those_of_the_fit(plain: Sample) -> None:
         assert records[score.record][key] == f"{100 * score.rms:.3g} %"
     for free in plain.fit.problem.free:
         written = fit["free"][free.name]
-        assert units.parse(written["value"], free.unit) == plain.fit[free.name]
-        assert units.parse(written["low"], free.unit) == pytest.approx(free.low, rel=1e-3)
-        assert units.parse(written["high"], free.unit) == pytest.approx(free.high, rel=1e-3)
+        assert units.parse_quantity(written["value"], free.unit) == plain.fit[free.name]
+        assert units.parse_quantity(written["low"], free.unit) == pytest.approx(free.low, rel=1e-3)
+        assert units.parse_quantity(written["high"], free.unit) == pytest.approx(
+            free.high, rel=1e-3
+        )
     assert (fit["cost"], fit["loss"], fit["method"]) == (plain.fit.cost, "linear", "trf")
 
 

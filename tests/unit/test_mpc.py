@@ -27,14 +27,14 @@ from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.hidden import names
 from martensite.control.sensors.position import PositionSensor
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.result import Result
 
-in_c = pytest.mark.skipif(compiler() is None, reason="too slow without a C compiler")
+in_c = pytest.mark.skipif(find_compiler() is None, reason="too slow without a C compiler")
 MM, PERIOD = 1e-3, 0.05
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 OTHER = SYSTEM.with_values({"environment.temperature": 298.15, "cooling.h0": 90.0})

@@ -31,7 +31,7 @@ from martensite.export.mjcf import bridge_of, tendon_signals, to_mjcf
 from martensite.export.mjcf_snippet import to_mjcf_snippet
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.export.mujoco_driver import driver_text
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
 from martensite.studies.platform.bench import SCENARIO as PLATFORM
@@ -124,7 +124,7 @@ def degrees_apart(driven: dict[str, np.ndarray], scenario: Scenario) -> float:
     """Angle of a driver and of our own run, where they are farthest apart."""
     ours = simulate(
         scenario.system, scenario.waveform, scenario.duration, step=2e-3,
-        samples=scenario.samples, runtime="c" if compiler() else "floats",
+        samples=scenario.samples, runtime="c" if find_compiler() else "floats",
     )  # fmt: skip
     np.testing.assert_allclose(driven["time"], ours.times, atol=1e-9)
     assert math.degrees(max(ours["angle"])) > 30.0

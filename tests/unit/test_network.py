@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite.actuators.elements.network import others, solved
+from martensite.actuators.elements.network import fold_others, solve_tridiagonal
 
 POSITIVE = st.floats(1e-3, 1e3)
 ANY = st.floats(-1e3, 1e3)
@@ -52,13 +52,13 @@ def scale(row: Row) -> float:
 @given(rows())
 def test_the_solution_is_that_of_numpy(row: Row) -> None:
     expected = np.linalg.solve(matrix(row), row.right)
-    assert solved(*row) == pytest.approx(expected, abs=1e-9 * scale(row))
+    assert solve_tridiagonal(*row) == pytest.approx(expected, abs=1e-9 * scale(row))
 
 
 @given(rows())
 def test_every_cell_alone_gives_the_solution(row: Row) -> None:
     expected = np.linalg.solve(matrix(row), row.right)
-    seen = others(*row)
+    seen = fold_others(*row)
     for i, temperature in enumerate(expected):
         alone = (row.right[i] + seen.source[i]) / (row.diagonal[i] + seen.slope[i])
         assert alone == pytest.approx(temperature, abs=1e-9 * scale(row))
@@ -69,14 +69,14 @@ def test_what_a_cell_sees_does_not_depend_on_itself(row: Row, d: float, r: float
     for i in range(len(row.diagonal)):
         diagonal, right = list(row.diagonal), list(row.right)
         diagonal[i], right[i] = d, r
-        before, after = others(*row), others(diagonal, right, row.links)
+        before, after = fold_others(*row), fold_others(diagonal, right, row.links)
         assert (before.slope[i], before.source[i]) == (after.slope[i], after.source[i])
 
 
 @given(rows())
 def test_others_are_the_schur_complement(row: Row) -> None:
     """b_i = Σ g - row · (rest)⁻¹ · column, from the whole matrix."""
-    whole, seen = matrix(row), others(*row)
+    whole, seen = matrix(row), fold_others(*row)
     for i in range(len(row.diagonal)):
         rest = [j for j in range(len(row.diagonal)) if j != i]
         if not rest:
@@ -87,11 +87,11 @@ def test_others_are_the_schur_complement(row: Row) -> None:
 
 
 def test_a_cell_without_neighbours_sees_nothing() -> None:
-    assert others([2.0], [3.0], []) == ([0.0], [0.0])
-    assert others([2.0, 5.0], [3.0, 1.0], [0.0]) == ([0.0, 0.0], [0.0, 0.0])
+    assert fold_others([2.0], [3.0], []) == ([0.0], [0.0])
+    assert fold_others([2.0, 5.0], [3.0, 1.0], [0.0]) == ([0.0, 0.0], [0.0, 0.0])
 
 
 def test_a_wrong_link_is_noticed() -> None:
     row = Row([1.0, 2.0, 3.0], [1.0, 0.0, 0.0], [0.5, 0.7])
-    wrong = solved(row.diagonal, row.right, [0.5, 0.8])
+    wrong = solve_tridiagonal(row.diagonal, row.right, [0.5, 0.8])
     assert wrong != pytest.approx(np.linalg.solve(matrix(row), row.right), rel=1e-3)

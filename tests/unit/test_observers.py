@@ -25,7 +25,7 @@ from martensite.control.observers.going import Going
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
-from martensite.kernels.nested import flatten
+from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.per_length import PerLengthResistance
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
@@ -55,7 +55,9 @@ class TestMoved:
         for memory in histories(law):
             at = law.fractions(memory), memory.stress, memory.temperature
             again = law.moved(floats, memory, *at)
-            assert flatten(again) == pytest.approx(flatten(memory), rel=1e-12, abs=1e-12)
+            assert flatten_numbers(again) == pytest.approx(
+                flatten_numbers(memory), rel=1e-12, abs=1e-12
+            )
 
     def test_it_is_where_it_was_put_and_goes_on_from_there(self, law: Any) -> None:
         shares, kelvins = (0.0, 0.3, 1.0), (-3.0, 0.0, 4.0)
@@ -65,7 +67,7 @@ class TestMoved:
             assert law.fractions(put) == pytest.approx(there, abs=1e-12)
             assert (put.stress, put.temperature) == (75e6, memory.temperature + more)
             after, found = law.kinetics(floats, put, 80e6, put.temperature + 1.0, 0.1)
-            assert np.isfinite(flatten(after)).all()
+            assert np.isfinite(flatten_numbers(after)).all()
             assert -1e-12 <= found.martensite <= 1.0 + 1e-12
             assert abs(found.oriented) <= found.martensite + 1e-12
 
@@ -224,7 +226,7 @@ def test_an_old_reading_is_not_used(cls: Any) -> None:
     observer = cls(model=PLANT)
     names = list(observer.estimates())
     matrix = covariance.diagonal([size**2 for size in SIZES])
-    memory = [*flatten(amid(PLANT)), *covariance.packed(matrix)]
+    memory = [*flatten_numbers(amid(PLANT)), *covariance.packed(matrix)]
     found, signals = {}, {"drive": 0.3}
     for age in (0.0, PERIOD):
         readings = {"resistance": 2.5, "resistance.age": age}

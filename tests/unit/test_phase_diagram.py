@@ -18,7 +18,7 @@ from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.show.figures.law_paths import plot_point
 from martensite.show.figures.phase_diagram import Band, Line, bands, driven
 from martensite.simulate.courses import TWINNED, Choices
-from martensite.simulate.landmarks import isobar, loaded
+from martensite.simulate.landmarks import find_isobar, find_loaded
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import PointResult
 
@@ -77,7 +77,7 @@ def test_brinson_has_bands_of_detwinning_and_of_cooling() -> None:
     assert loading.start.temperature[:2] == (260.0, law.M_s)
     (_, t0, t1), (_, s0, s1) = loading.finish.temperature, loading.finish.stress
     assert (s1 - s0) / (t1 - t0) == pytest.approx(law.C_M)
-    onset = loaded(law, 270.0, TWINNED, 1e-5)
+    onset = find_loaded(law, 270.0, TWINNED, 1e-5)
     assert onset is not None
     assert onset.stress == pytest.approx(law.sigma_s, rel=2e-3)
 
@@ -101,7 +101,7 @@ def test_every_law_has_a_forward_and_a_reverse_band_in_the_right_order(name: str
     law = example(name)
     found = lines(bands(law, 200e6, 250.0))
     assert set(NAMES) <= set(found)
-    marks = isobar(law)
+    marks = find_isobar(law)
     assert marks.M_f < marks.M_s
     assert marks.A_s < marks.A_f
     assert marks.M_s < marks.A_f
@@ -113,7 +113,7 @@ def test_a_law_that_never_transforms_has_no_bands_and_no_default_paths() -> None
             return super().follow(xp, move, *rest)._replace(martensite=0.0, oriented=0.0)
 
     law = Inert(**{leaf.path: leaf.value for leaf in example("liang-rogers").leaves()})
-    assert all(math.isnan(value) for value in isobar(law))
+    assert all(math.isnan(value) for value in find_isobar(law))
     assert driven(law, STRESSES, 250.0) == []
     with pytest.raises(ParameterError, match="does not transform fully"):
         named_path("superelastic", law)

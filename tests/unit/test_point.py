@@ -22,7 +22,7 @@ from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.courses import Choices
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import Leg, PointResult, material_point
-from martensite.simulate.stages import residual_strain, stages
+from martensite.simulate.stages import list_stages, residual_strain
 
 LAW: dict[str, Any] = {
     "E_A": 60e9, "E_M": 30e9, "eps_L": 0.05, "A_s": 310.0, "A_f": 325.0, "M_s": 300.0,
@@ -227,12 +227,12 @@ def test_every_path_transforms_and_is_described(name: str) -> None:
     for course in named_path(name, law()):
         result = course.follow(law(), tolerance=1e-3)
         assert np.ptp(result.martensite) > 0.2
-        assert any(stage.process for stage in stages(result))
+        assert any(stage.process for stage in list_stages(result))
 
 
 def test_stages_say_where_a_law_transforms() -> None:
     (course,) = named_path("superelastic", law(), Choices(temperatures=(HOT,)))
-    up, down = stages(course.follow(law(), steps=4000))
+    up, down = list_stages(course.follow(law(), steps=4000))
     assert (up.kind, up.process, up.varies) == ("loading", "forward", ("stress",))
     assert (down.kind, down.process) == ("unloading", "reverse")
     assert up.spots is not None
@@ -325,7 +325,7 @@ def test_rates_matter_for_laws_with_rates_only() -> None:
         for duration, _ in itertools.product((0.1, 1e3), (0,)):
             legs = (Leg(stress=600e6, duration=duration, steps=3000),)
             result = material_point(one, legs, start=(0.0, HOT), tolerance=None)
-            (stage,) = stages(result)
+            (stage,) = list_stages(result)
             assert stage.spots is not None
             starts.append(stage.spots[1].stress)
         assert (abs(starts[0] - starts[1]) > 0.5e6) is matters

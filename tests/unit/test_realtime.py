@@ -24,7 +24,7 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, Verdict
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.sine import Sine
@@ -34,7 +34,7 @@ MM, PERIOD, DURATION = 1e-3, 0.05, 3.0
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 COURSE = Sine(low=1 * MM, high=5 * MM, frequency=0.5)
 NATIVE = [
-    pytest.param(True, marks=pytest.mark.skipif(compiler() is None, reason="no C compiler")),
+    pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")),
     False,
 ]
 

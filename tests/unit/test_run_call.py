@@ -80,6 +80,6 @@ def test_wrong_arguments_are_a_sentence() -> None:
     with pytest.raises(ms.InputError, match="`chain` of `to_control` must be `Chain`, but is `Sc"):
         ms.export.to_control(ms.load(EXAMPLE))  # type: ignore[arg-type]
     with pytest.raises(ms.InputError, match="must be `System`, but is `Scenario`; give its"):
-        ms.simulate.sensitivity(ms.load(EXAMPLE), PULSE, 1.0, ["h0"], step=0.1)  # type: ignore[arg-type]
+        ms.simulate.compute_sensitivity(ms.load(EXAMPLE), PULSE, 1.0, ["h0"], step=0.1)  # type: ignore[arg-type]
     with pytest.raises(ms.InputError, match="`load` cannot be called so"):
         ms.load()  # type: ignore[call-arg]

@@ -24,7 +24,7 @@ from martensite.scenario.netcdf import to_dataset
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
-from martensite.simulate.alarms import Alarm, alarms_of, excursion, undelivered
+from martensite.simulate.alarms import Alarm, alarms_of, find_excursion, find_undelivered
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 
@@ -43,20 +43,20 @@ def when(alarm: Alarm) -> tuple[float, float, float]:
 
 
 def test_a_crossing_between_samples_is_found_exactly() -> None:
-    found = excursion([0.0, 1.0, 2.0, 3.0], [-1.0, 3.0, 1.0, -3.0])
+    found = find_excursion([0.0, 1.0, 2.0, 3.0], [-1.0, 3.0, 1.0, -3.0])
     assert found is not None
     assert (found.first, found.duration, found.worst) == (0.25, 0.75 + 1.0 + 0.25, 1)
 
 
 def test_excursions_add_up_and_the_first_counts() -> None:
-    found = excursion([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 3.0])
+    found = find_excursion([0.0, 2.0, 4.0, 6.0], [1.0, -1.0, -1.0, 3.0])
     assert found is not None
     assert (found.first, found.duration, found.worst) == (0.0, 1.0 + 1.5, 3)
 
 
 @pytest.mark.parametrize("margins", [[-1.0, -2.0], [0.0, 0.0], [-float("inf")] * 2])
 def test_what_only_touches_the_limit_is_none(margins: list[float]) -> None:
-    assert excursion([0.0, 1.0], margins) is None
+    assert find_excursion([0.0, 1.0], margins) is None
 
 
 # ---------------------------------------------------------------- limits of the element
@@ -188,7 +188,7 @@ def test_both_directions_of_a_voltage_count() -> None:
 )  # fmt: skip
 def test_a_demand_that_is_just_met_is_no_alarm(source: AbstractSource) -> None:
     times, drive, ohms = [0.0, 1.0], [1.0, 1.0], [0.7, 0.3]
-    assert undelivered(source, times, drive, ohms) is None
+    assert find_undelivered(source, times, drive, ohms) is None
 
 
 # ---------------------------------------------------------------- where alarms go

@@ -12,10 +12,15 @@ import pytest
 from martensite.base.errors import DataError
 from martensite.signals.records import Record
 from martensite.signals.sampling.gridded import from_record, pieces_of_record, to_record
-from martensite.signals.sampling.periods import periods
-from martensite.signals.sampling.resampling import experiments, resampled, selected, split
+from martensite.signals.sampling.periods import average_periods
+from martensite.signals.sampling.resampling import (
+    collect_experiments,
+    resample_record,
+    select_signals,
+    split_record,
+)
 from martensite.signals.sampling.sampled import Sampled
-from martensite.signals.sampling.trends import detrended, trend
+from martensite.signals.sampling.trends import find_trend, remove_trend
 
 DT = 0.1
 
@@ -150,17 +155,17 @@ def test_averages_obey_the_equation_of_the_record() -> None:
     y = np.zeros(len(u))
     for k in range(1, len(u)):
         y[k] = y[k - 1] + 0.05 * (u[k - 1] - y[k - 1])
-    slow = resampled(record(u, y), ratio=10.0)
+    slow = resample_record(record(u, y), ratio=10.0)
     assert (slow.interval, len(slow)) == (10 * DT, 200)
     assert slow.inputs[:, 0] == pytest.approx(u[::10])
     assert slow.outputs[:, 0] == pytest.approx(y.reshape(-1, 10).mean(axis=1))
-    fast = resampled(record(np.tile([0.0, 1.0], 500), y[:1000]), ratio=4.0)
+    fast = resample_record(record(np.tile([0.0, 1.0], 500), y[:1000]), ratio=4.0)
     assert fast.inputs[:, 0] == pytest.approx(np.full(250, 0.5))  # a carrier becomes its mean
 
 
 def test_any_ratio_keeps_the_mean() -> None:
     given = ramp(1000)
-    found = resampled(given, interval=0.37)
+    found = resample_record(given, interval=0.37)
     assert found.interval == pytest.approx(0.37)
     held = 2.0 + 3.0 * DT * np.floor(found.times[3] / DT - 50.0 + 1e-9)
     assert abs(found.outputs[3, 0] - held) < 3.0 * 0.37
@@ -170,7 +175,7 @@ def test_any_ratio_keeps_the_mean() -> None:
 
 
 def test_going_up_holds_inputs_and_joins_outputs() -> None:
-    found = resampled(record([0.0, 1.0, 0.5], [0.0, 4.0, 2.0]), ratio=0.25)
+    found = resample_record(record([0.0, 1.0, 0.5], [0.0, 4.0, 2.0]), ratio=0.25)
     assert found.inputs[:, 0].tolist() == [0.0] * 4 + [1.0] * 4 + [0.5]
     assert found.outputs[:, 0] == pytest.approx([0.0, 1.0, 2.0, 3.0, 4.0, 3.5, 3.0, 2.5, 2.0])
 
@@ -178,7 +183,7 @@ def test_going_up_holds_inputs_and_joins_outputs() -> None:
 def test_missing_outputs_are_not_averaged_in() -> None:
     y = np.arange(12.0)
     y[[0, 4, 5, 6]] = np.nan
-    found = resampled(record(np.zeros(12), y), ratio=4.0)
+    found = resample_record(record(np.zeros(12), y), ratio=4.0)
     assert found.outputs[0, 0] == pytest.approx(2.0)
     assert np.isnan(found.outputs[1, 0])
     assert found.outputs[2, 0] == pytest.approx(9.5)
@@ -188,45 +193,45 @@ def test_missing_outputs_are_not_averaged_in() -> None:
                                    {"interval": 1e3}])  # fmt: skip
 def test_a_wrong_interval_is_refused(given: dict[str, float]) -> None:
     with pytest.raises(DataError):
-        resampled(ramp(), **given)
+        resample_record(ramp(), **given)
 
 
 # ---------------------------------------------------------------- parts
 
 
 def test_split() -> None:
-    first, second = split(ramp(), share=0.7)
+    first, second = split_record(ramp(), share=0.7)
     assert (len(first), len(second)) == (70, 30)
     assert second.start == pytest.approx(12.0)
     assert np.vstack([first.outputs, second.outputs]) == pytest.approx(ramp().outputs)
-    first, second = split(ramp(), time=6.0)
+    first, second = split_record(ramp(), time=6.0)
     assert len(first) == 10
     with pytest.raises(DataError, match="would be empty"):
-        split(ramp(), time=4.0)
+        split_record(ramp(), time=4.0)
     with pytest.raises(DataError, match="either"):
-        split(ramp())
+        split_record(ramp())
 
 
 def test_experiments_have_names_and_fit_together() -> None:
-    named = experiments(ramp(), ramp(50), ramp(60).rows(0, 20, "else"))
+    named = collect_experiments(ramp(), ramp(50), ramp(60).rows(0, 20, "else"))
     assert [r.name for r in named] == ["log (1)", "log (2)", "else"]
     with pytest.raises(DataError, match="sampled every"):
-        experiments(ramp(), resampled(ramp(), ratio=2.0))
+        collect_experiments(ramp(), resample_record(ramp(), ratio=2.0))
     other = ramp()
     other.units["y"] = "m"  # type: ignore[index]
     with pytest.raises(DataError, match="`y` is in mm and in m"):
-        experiments(ramp(), other)
+        collect_experiments(ramp(), other)
 
 
 def test_an_output_becomes_an_input() -> None:
     y = np.stack([np.arange(6.0), np.arange(6.0) ** 2], axis=1)
     y[2, 0] = np.nan
     whole = Sampled("log", DT, np.zeros(6), y, ("u",), ("T", "y"))
-    stage = selected(whole, ["T"], ["y"])
+    stage = select_signals(whole, ["T"], ["y"])
     assert stage.inputs[:, 0] == pytest.approx(np.arange(6.0))
     assert "1 missing samples of `T`" in stage.remarks[0]
     with pytest.raises(DataError, match="has no signal `z`"):
-        selected(whole, ["z"], ["y"])
+        select_signals(whole, ["z"], ["y"])
 
 
 # ---------------------------------------------------------------- levels and periods
@@ -234,23 +239,23 @@ def test_an_output_becomes_an_input() -> None:
 
 def test_trends() -> None:
     given = ramp()
-    flat, found = detrended(given, "line")
+    flat, found = remove_trend(given, "line")
     assert flat.outputs == pytest.approx(np.zeros((100, 1)), abs=1e-12)
     assert (found.outputs[0], found.output_slopes[0]) == pytest.approx((2.0, 3.0))
     assert found.restored(flat).outputs == pytest.approx(given.outputs)
     assert found.restored(flat).inputs == pytest.approx(given.inputs)
-    centred, _ = detrended(given)
+    centred, _ = remove_trend(given)
     assert centred.outputs.mean() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(DataError, match="Did you mean `mean`"):
-        trend(given, "means")
+        find_trend(given, "means")
 
 
 def test_the_level_at_rest_is_that_before_the_input_moves() -> None:
     rng = np.random.default_rng(3)
     u, y = np.zeros(100), np.full(100, 23.0) + 0.01 * rng.standard_normal(100)
     u[40:], y[40:] = 1.0, 80.0
-    assert trend(record(u, y), "rest").outputs[0] == pytest.approx(23.0, abs=0.01)
-    assert trend(record(u, y), "rest", rest=6.0).outputs[0] > 30.0
+    assert find_trend(record(u, y), "rest").outputs[0] == pytest.approx(23.0, abs=0.01)
+    assert find_trend(record(u, y), "rest", rest=6.0).outputs[0] > 30.0
 
 
 def test_periods_give_the_mean_and_the_noise() -> None:
@@ -259,7 +264,7 @@ def test_periods_give_the_mean_and_the_noise() -> None:
     y = np.tile(wave, 11) + 0.05 * rng.standard_normal(2200)
     y[:200] += np.exp(-np.arange(200) / 40.0)  # a transient
     y[700] = np.nan
-    found = periods(record(np.tile(wave, 11), y), 20.0, skip=20.0)
+    found = average_periods(record(np.tile(wave, 11), y), 20.0, skip=20.0)
     assert found.count == 10
     assert found.noise[0] == pytest.approx(0.05, rel=0.05)
     assert np.std(found.mean.outputs[:, 0] - wave) == pytest.approx(
@@ -268,16 +273,16 @@ def test_periods_give_the_mean_and_the_noise() -> None:
     assert found.mean.remarks == ()
     assert 92.0 < found.ceiling()[0] < 94.0
     drifting = record(np.linspace(0.0, 1.0, 2200), y)
-    assert "differs between periods" in periods(drifting, 20.0).mean.remarks[0]
+    assert "differs between periods" in average_periods(drifting, 20.0).mean.remarks[0]
 
 
 @pytest.mark.parametrize("period", [0.25, 150.0, 0.0])
 def test_a_wrong_period_is_refused(period: float) -> None:
     with pytest.raises(DataError):
-        periods(ramp(), period)
+        average_periods(ramp(), period)
 
 
 def test_a_wrong_average_would_be_noticed() -> None:
     """Taking every tenth sample is not the mean: the check of averages can fail."""
     y = np.arange(100.0)
-    assert resampled(record(y, y), ratio=10.0).outputs[:, 0] != pytest.approx(y[::10])
+    assert resample_record(record(y, y), ratio=10.0).outputs[:, 0] != pytest.approx(y[::10])

@@ -21,11 +21,11 @@ from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.c99 import load_library
-from martensite.kernels.c99_slopes import constants, slopes_source
+from martensite.kernels.c99_slopes import count_constants, slopes_source
 from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes
-from martensite.kernels.jax_setup import jax_namespace, storing
+from martensite.kernels.jax_setup import jax_namespace, make_storing_namespace
 from martensite.kernels.program import Program
-from martensite.kernels.tangent import differentiated
+from martensite.kernels.tangent import differentiate_program
 
 TURNS = 24
 Kernel = Callable[..., Sequence[Any]]
@@ -119,7 +119,7 @@ def on_jax(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
     xp = jax_namespace()
 
     def run(both: Any, one: Any) -> Any:
-        return xp.np.stack(kernel(storing(xp, one), *both))
+        return xp.np.stack(kernel(make_storing_namespace(xp, one), *both))
 
     at, one = xp.np.array([a, b]), xp.np.ones(())
     slopes = xp.jax.jit(xp.jax.jacfwd(run))(at, one)
@@ -143,8 +143,8 @@ def on_c(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
     program = Program()
     node = program.parameter("a")
     program.add("kernel", ["b"], lambda xp, b: kernel(xp, node, b))
-    twin = differentiated(program, [0], {"kernel": 1}, ())
-    count, slopes = constants(twin)
+    twin = differentiate_program(program, [0], {"kernel": 1}, ())
+    count, slopes = count_constants(twin)
     entry = _ENTRY.format(max(count, 1), max(slopes, 1))
     functions = list(twin.functions.values())
     library = load_library(slopes_source(twin, functions, [0], WIDTH) + entry)

@@ -22,7 +22,7 @@ from martensite.identify.chains.search import Candidate, Searched, search
 from martensite.identify.chains.search import _decided as decided
 from martensite.identify.chains.stages import Identified, Stage, identify_stages
 from martensite.identify.chains.thinning import coarse
-from martensite.signals.sampling.resampling import resampled, selected
+from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
 FEW = Options(starts=3, refined=3)
@@ -30,7 +30,7 @@ PATTERN = "poly{1,2} | oe(1,1,1)"
 
 
 def stage_one(record: Sampled) -> Sampled:
-    return selected(record, ["duty"], ["temperature"])
+    return select_signals(record, ["duty"], ["temperature"])
 
 
 FITTED, SLOW = log("pulses", pulses(1)), log("ramps", ramps(), seed=2)
@@ -137,7 +137,7 @@ def test_stages_and_their_series(found: Identified) -> None:
     assert rows["stage 1", "validation"].rms == pytest.approx(0.1, rel=0.15)  # the noise
     assert rows["series", "validation"].rms == pytest.approx(0.01, rel=0.2)
     assert rows["stage 1", "validation"].unit == "degC"
-    run = found.model.simulate(selected(SLOW, ["duty"], ["position"]))
+    run = found.model.simulate(select_signals(SLOW, ["duty"], ["position"]))
     assert rows["series", "validation"].worst == pytest.approx(
         np.max(np.abs(run - SLOW.outputs[:, 1:]))
     )
@@ -186,7 +186,7 @@ def test_free_runs_begin_as_is_said(found: Identified) -> None:
 
 
 def test_a_record_of_another_sample_time_is_brought_to_that_of_the_model(found: Identified) -> None:
-    fine = resampled(stage_one(SLOW), ratio=0.5)
+    fine = resample_record(stage_one(SLOW), ratio=0.5)
     (score,) = scored(found.estimates[0].chain, [fine], "other")
     assert (score.role, score.fit > 98.0) == ("other", True)
 

@@ -22,7 +22,7 @@ from martensite.base.errors import MartensiteError
 scenario = ms.load("{examples}/pwm_bias_spring.toml")
 system, waveform = scenario.system, scenario.waveform
 assert scenario.run().stroke > 0.0
-slopes = ms.simulate.sensitivity(system, waveform, 20.0, ["preload"], step=0.02, samples=51)
+slopes = ms.simulate.compute_sensitivity(system, waveform, 20.0, ["preload"], step=0.02, samples=51)
 assert slopes.of_range()["mechanism.preload"] != 0.0
 batch = ms.run(system, waveform, 2.0, over={{"preload": ["1 N", 2.0]}}, step=0.02, samples=5)
 assert not batch.status.failed and batch["position"].shape == (2, 5)
@@ -60,7 +60,7 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
     monkeypatch.setattr("shutil.which", lambda name: None)
     c99._find_zig.cache_clear()
     try:
-        found = c99.compiler()
+        found = c99.find_compiler()
         assert found is not None
         words = [found, "-O3", "-fno-tree-pre", "-o", "a b.so"]
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
@@ -73,5 +73,5 @@ def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("shutil.which", lambda name: None)
     monkeypatch.setattr(c99, "find_spec", lambda name: None)
     c99._find_zig.cache_clear()
-    assert c99.compiler() is None
+    assert c99.find_compiler() is None
     c99._find_zig.cache_clear()

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from martensite.base.errors import MartensiteError
 from martensite.base.files import cache_folder
-from martensite.base.parameters import structure
-from martensite.kernels.c99 import compiler
+from martensite.base.parameters import describe_structure
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
@@ -36,8 +36,8 @@ def run(scenario: Scenario) -> tuple[Result, str]:
     """The run, and the runtime that made it."""
     if scenario.outside:
         return scenario.run(), "floats"
-    key = structure(scenario.whole)
-    if compiler() is None or (key in _begun and key not in _ready):
+    key = describe_structure(scenario.whole)
+    if find_compiler() is None or (key in _begun and key not in _ready):
         return scenario.run(runtime="floats"), "floats"
     if key in _ready or _mark(key).exists() or _is_long(scenario):
         return _in_c(scenario, key), "c"

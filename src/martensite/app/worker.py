@@ -28,7 +28,7 @@ from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from martensite.app.messages import BadMessageError, dumps, refused
-from martensite.base.errors import suggestion
+from martensite.base.errors import suggest_name
 
 PACKAGE = "martensite.app.calls"
 MEMORY = 4 * 2**30
@@ -60,7 +60,7 @@ def answer(call: str, request: dict[str, Any], desk: Desk) -> Any:
         MartensiteError: it is not known, or its request is wrong, or it failed.
     """
     if call not in calls():
-        raise BadMessageError(f"There is no call `{call}`. {suggestion(call, calls())}")
+        raise BadMessageError(f"There is no call `{call}`. {suggest_name(call, calls())}")
     return import_module(f"{PACKAGE}.{call}").answer(request, desk)
 
 

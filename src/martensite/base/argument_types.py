@@ -48,7 +48,7 @@ def describe_mismatch(
         parameter = signature.parameters[argument]
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
-        classes = _resolve(parameter.annotation, function)
+        classes = _resolve_classes(parameter.annotation, function)
         if classes and not isinstance(value, classes):
             wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in classes)
             inner = getattr(value, "system", None)
@@ -58,7 +58,7 @@ def describe_mismatch(
     return None
 
 
-def _resolve(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
+def _resolve_classes(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
     """Classes that an annotation allows; none if it allows what cannot be told here."""
     if isinstance(annotation, str):
         scope = dict(vars(sys.modules[function.__module__]))
@@ -67,7 +67,7 @@ def _resolve(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
         except (NameError, TypeError, AttributeError):  # known to type checkers only
             return ()
     if get_origin(annotation) in (Union, UnionType):
-        inner = [_resolve(one, function) for one in get_args(annotation)]
+        inner = [_resolve_classes(one, function) for one in get_args(annotation)]
         return tuple(cls for one in inner for cls in one) if all(inner) else ()
     annotation = get_origin(annotation) or annotation
     if annotation is None:

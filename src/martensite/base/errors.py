@@ -27,7 +27,7 @@ class UnknownNameError(InputError):
     """A name is not one of the valid ones."""
 
     def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
-        super().__init__(f"No {kind} named `{name}`. {suggestion(name, valid)}")
+        super().__init__(f"No {kind} named `{name}`. {suggest_name(name, valid)}")
 
 
 class MissingMethodError(InputError, NotImplementedError):
@@ -58,7 +58,7 @@ class SolveError(MartensiteError):
     """A simulation could not be completed; the sentence says where and what to try."""
 
 
-def suggestion(name: str, valid: Iterable[str]) -> str:
+def suggest_name(name: str, valid: Iterable[str]) -> str:
     """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
     names = sorted(valid)
     near = get_close_matches(name.lower(), [n.lower() for n in names], n=1, cutoff=0.6)

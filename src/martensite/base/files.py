@@ -14,7 +14,7 @@ from martensite.base.errors import DataError
 
 
 @contextmanager
-def replacing(path: Path) -> Generator[Path]:
+def replace_file(path: Path) -> Generator[Path]:
     """A new file beside `path` that takes its place once it is complete.
 
     Raises:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transform
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, suggestion
+from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.base.interfaces import require_methods
 from martensite.base.registry import Registry
 
@@ -55,18 +55,21 @@ class Declared:
         if self.kind == "parameter":
             return self._number(owner, name, value)
         if self.kind == "text":
-            return _texts(owner, name, value)
+            return _convert_texts(owner, name, value)
         if self.kind == "option" and isinstance(value, int):
             value = str(value)  # a count, such as `cells = 20`
         if self.kind == "option" and value not in self.choices:
             raise ParameterError(
-                f"Option `{name}` of `{owner}` is `{value}`. {suggestion(str(value), self.choices)}"
+                f"Option `{name}` of `{owner}` is `{value}`. "
+                f"{suggest_name(str(value), self.choices)}"
             )
         return value
 
     def _number(self, owner: str, name: str, value: Any) -> float:
         try:
-            number = units.parse(value, self.unit) if isinstance(value, str) else float(value)
+            number = (
+                units.parse_quantity(value, self.unit) if isinstance(value, str) else float(value)
+            )
         except UnitError as error:
             raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
         except (TypeError, ValueError):
@@ -109,7 +112,7 @@ class Declared:
 
     def _readable(self) -> str:
         """The unit a person would rather read, unless it makes the bounds unwieldy."""
-        unit = units.readable(self.unit)
+        unit = units.choose_readable_unit(self.unit)
         sizes = [abs(units.from_si(v, unit, self.unit)) for v in self.bounds if math.isfinite(v)]
         return unit if all(size == 0.0 or 1e-3 <= size < 1e5 for size in sizes) else self.unit
 
@@ -183,7 +186,7 @@ class Leaf:
     owner: str = field(default="")
 
 
-def _texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
+def _convert_texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
     """A text, or texts as a tuple."""
     if isinstance(value, str):
         return value
@@ -227,7 +230,8 @@ class Parametrised:
         unknown = next((name for name in values if name not in self.declarations), None)
         if unknown is not None:
             raise ParameterError(
-                f"`{owner}` has no parameter `{unknown}`. {suggestion(unknown, self.declarations)}"
+                f"`{owner}` has no parameter `{unknown}`. "
+                f"{suggest_name(unknown, self.declarations)}"
             )
         for name, declared in self.declarations.items():
             value = values.get(name, declared.default)
@@ -296,7 +300,9 @@ class Parametrised:
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with the numbers at the given paths (or unique endings) changed."""
         paths = [leaf.path for leaf in self.leaves()]
-        return self._with_paths({_resolved(name, paths): value for name, value in values.items()})
+        return self._with_paths(
+            {_resolve_path(name, paths): value for name, value in values.items()}
+        )
 
     def with_parts(self, **parts: Any) -> Self:
         """A checked copy with whole components (or numbers) of its own exchanged."""
@@ -321,29 +327,29 @@ class Parametrised:
 
     def resolve(self, name: str) -> str:
         """The full path of a parameter given by its path or by a unique ending of it."""
-        return _resolved(name, [leaf.path for leaf in self.leaves()])
+        return _resolve_path(name, [leaf.path for leaf in self.leaves()])
 
 
-def meant(name: str, paths: Iterable[str]) -> list[str]:
+def find_paths(name: str, paths: Iterable[str]) -> list[str]:
     """The path that a name is, or else all that it ends."""
     known = list(paths)
     return [p for p in known if p == name] or [p for p in known if p.endswith(f".{name}")]
 
 
-def _resolved(name: str, paths: Sequence[str]) -> str:
+def _resolve_path(name: str, paths: Sequence[str]) -> str:
     """The one among some paths that a name is, or ends."""
-    found = meant(name, paths)
+    found = find_paths(name, paths)
     if len(found) == 1:
         return found[0]
     if found:
         raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-    raise ParameterError(f"There is no parameter `{name}`. {suggestion(name, paths)}")
+    raise ParameterError(f"There is no parameter `{name}`. {suggest_name(name, paths)}")
 
 
 Part = TypeVar("Part", bound=Parametrised)
 
 
-def structure(part: Parametrised) -> tuple[Any, ...]:
+def describe_structure(part: Parametrised) -> tuple[Any, ...]:
     """A hashable description of everything but the numbers."""
     options = tuple(
         (name, getattr(part, name))
@@ -354,7 +360,7 @@ def structure(part: Parametrised) -> tuple[Any, ...]:
         type(part),
         options,
         part.layout(),
-        tuple((name, structure(child)) for name, child in part.children()),
+        tuple((name, describe_structure(child)) for name, child in part.children()),
     )
 
 
@@ -364,7 +370,7 @@ class Keyed(Generic[Part]):
     __slots__ = ("key", "part")
 
     def __init__(self, part: Part) -> None:
-        self.key, self.part = structure(part), part
+        self.key, self.part = describe_structure(part), part
 
     def __hash__(self) -> int:
         return hash(self.key)

@@ -110,7 +110,7 @@ _SPELLINGS = str.maketrans(
 )
 
 
-def parse(text: str, unit: str) -> float:
+def parse_quantity(text: str, unit: str) -> float:
     """Read a quantity such as `"0.381 mm"` as a float in the SI `unit`.
 
     Raises:
@@ -126,17 +126,17 @@ def parse(text: str, unit: str) -> float:
 
 def to_si(value: float, spelling: str, unit: str) -> float:
     """Convert `value` from the unit `spelling` to the declared SI `unit`."""
-    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    factor, offset = find_conversion(spelling.translate(_SPELLINGS), unit)
     return value * factor + offset
 
 
 def from_si(value: float, spelling: str, unit: str) -> float:
     """Convert `value` from the declared SI `unit` to the unit `spelling`."""
-    factor, offset = conversion(spelling.translate(_SPELLINGS), unit)
+    factor, offset = find_conversion(spelling.translate(_SPELLINGS), unit)
     return (value - offset) / factor
 
 
-def conversion(spelling: str, unit: str) -> tuple[float, float]:
+def find_conversion(spelling: str, unit: str) -> tuple[float, float]:
     """Return (factor, offset) with value in `unit` = value in `spelling` * factor + offset."""
     if spelling == unit or (spelling, unit) == ("K", DEGREES):
         return 1.0, 0.0
@@ -152,20 +152,20 @@ def require_unit(unit: str) -> None:
         _ask_pint(unit, unit)
 
 
-def readable(unit: str) -> str:
+def choose_readable_unit(unit: str) -> str:
     """The unit in which a person would rather read a quantity declared in `unit`."""
     return READABLE.get(unit, unit)
 
 
 def of_column(name: str, unit: str) -> str:
     """The unit in which a column is read: percent for strains, else what is readable."""
-    return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else readable(unit)
+    return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else choose_readable_unit(unit)
 
 
-def familiar(value: float, unit: str) -> str:
+def choose_familiar_unit(value: float, unit: str) -> str:
     """The unit in which a value of this size, in SI, is best read: GPa for a modulus."""
     larger = _LARGER.get(unit)
-    return larger[0] if larger and abs(value) >= larger[1] else readable(unit)
+    return larger[0] if larger and abs(value) >= larger[1] else choose_readable_unit(unit)
 
 
 def of_reading(unit: str, reading: str) -> str:
@@ -184,7 +184,7 @@ _BASES = {
 
 
 @cache
-def dimensions(unit: str) -> dict[str, float]:
+def find_dimensions(unit: str) -> dict[str, float]:
     """Exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
 
     Raises:
@@ -210,8 +210,8 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
 
     ureg = _pint_registry()
     try:
-        zero = ureg.Quantity(0.0, _delta(spelling)).to(_delta(unit)).magnitude
-        one = ureg.Quantity(1.0, _delta(spelling)).to(_delta(unit)).magnitude
+        zero = ureg.Quantity(0.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
+        one = ureg.Quantity(1.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
     except pint.DimensionalityError:
         raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
     except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
@@ -219,7 +219,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     return float(one - zero), float(zero)
 
 
-def _delta(spelling: str) -> str:
+def _spell_difference(spelling: str) -> str:
     """Inside a compound unit a degree Celsius is a difference of temperature."""
     if spelling in ("degC", "degF"):
         return spelling

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.confidence import LEVEL
-from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.characterise.clausius_clapeyron import Direction, fit_direction
 from martensite.characterise.estimate import Estimate
 from martensite.characterise.tangent_lines import COSINE
@@ -112,7 +112,7 @@ class TangentFit:
             ParameterError: `ends` is neither.
         """
         if ends not in ENDS:
-            raise ParameterError(f"Argument `ends` is `{ends}`. {suggestion(ends, ENDS)}")
+            raise ParameterError(f"Argument `ends` is `{ends}`. {suggest_name(ends, ENDS)}")
         found: dict[str, float] = {}
         for name, one in (("C_A", self.reverse), ("C_M", self.forward)):
             strip = one.start.value, one.finish.value

@@ -82,7 +82,9 @@ def _scaled(choice: Choice, factor: float, scenario: Scenario) -> dict[str, Any]
     before = choice.written.removesuffix("peak")
     held = _waveform(scenario, before).get("values")
     if isinstance(held, list):
-        values = [units.parse(v, choice.unit) if isinstance(v, str) else float(v) for v in held]
+        values = [
+            units.parse_quantity(v, choice.unit) if isinstance(v, str) else float(v) for v in held
+        ]
         return {f"{before}waveform.values": [exact_text(factor * v, choice.unit) for v in values]}
     level = choice.level
     drive = "" if level is None else level.drive

@@ -47,13 +47,13 @@ def c(
     Operations are counted at worst: what is not chosen in a step is not computed.
     """
     import_modules(modules)
-    from martensite.base.errors import ParameterError, suggestion
+    from martensite.base.errors import ParameterError, suggest_name
     from martensite.export.c_names import checked_identifier, identifier
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.scenario import load
 
     if part not in PARTS:
-        raise ParameterError(f"There is no part `{part}`. {suggestion(part, PARTS)}")
+        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
     name = checked_identifier(name or identifier(scenario.stem))
     files = _free(out, name, force)
     loaded = load(scenario, read_settings(settings or []))
@@ -79,9 +79,9 @@ def _free(folder: Path, name: str, force: bool) -> list[Path]:
 
 
 def _write(path: Path, text: str) -> None:
-    from martensite.base.files import replacing
+    from martensite.base.files import replace_file
 
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
 
 

@@ -113,10 +113,10 @@ def _driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[st
 
 
 def _write(texts: dict[Path, str]) -> None:
-    from martensite.base.files import replacing
+    from martensite.base.files import replace_file
 
     for path, text in texts.items():
-        with replacing(path) as part:
+        with replace_file(path) as part:
             part.write_text(text, encoding="utf-8")
 
 

@@ -174,8 +174,8 @@ def _shown(free: Free) -> tuple[float, float, str]:
     if is_nuisance(free):
         factor, spelling = difference(free.unit)
         return factor, 0.0, spelling
-    spelling = units.readable(free.unit)
-    return (*units.conversion(spelling, free.unit), spelling)
+    spelling = units.choose_readable_unit(free.unit)
+    return (*units.find_conversion(spelling, free.unit), spelling)
 
 
 def _value(free: Free, value: float) -> str:

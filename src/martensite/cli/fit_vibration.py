@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import DataError, InputError, suggestion
+from martensite.base.errors import DataError, InputError, suggest_name
 from martensite.cli.options import quantity
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def _chosen(record: Record, column: str | None) -> str:
         return others[0]
     if column not in others:
         raise DataError(
-            f"Record `{record.name}` has no column `{column}`. {suggestion(column, others)}"
+            f"Record `{record.name}` has no column `{column}`. {suggest_name(column, others)}"
         )
     return column
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.cli.identify_columns import chosen
 from martensite.cli.options import quantity
 from martensite.cli.outputs import Outputs, parts
@@ -119,7 +119,7 @@ class Given:
 
         if self.initial not in STARTS:
             raise InputError(
-                f"Option `--initial` is `{self.initial}`. {suggestion(self.initial, STARTS)}"
+                f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}"
             )
         rest = ANCHOR if self.initial == "rest" else 0.0
         seconds = 0.0 if self.skip is None else quantity("skip", self.skip, "s")

@@ -132,7 +132,7 @@ def _quantities(option: str, text: str | None, unit: str) -> tuple[float, ...]:
     if text is None:
         return ()
     try:
-        found = tuple(units.parse(part, unit) for part in text.split(","))
+        found = tuple(units.parse_quantity(part, unit) for part in text.split(","))
     except UnitError as error:
         raise UnitError(f"Option `{option}`: {error}") from None
     if any(value < 0.0 or (value == 0.0 and unit != "Pa") for value in found):
@@ -160,7 +160,7 @@ def _rate(text: str) -> tuple[str, float]:
     spelled = text.replace("%", " percent")
     for name, unit in RATES.items():
         try:
-            value = units.parse(spelled, unit)
+            value = units.parse_quantity(spelled, unit)
         except UnitError:
             continue
         if value > 0.0:
@@ -214,7 +214,7 @@ def _report(
 def _one(result: PointResult) -> dict[str, Any]:
     from dataclasses import asdict
 
-    from martensite.simulate.stages import residual_strain, stages
+    from martensite.simulate.stages import list_stages, residual_strain
 
     return {
         "label": result.label,
@@ -224,7 +224,7 @@ def _one(result: PointResult) -> dict[str, Any]:
         "residual_strain": residual_strain(result),
         "work": result.work,
         "warnings": result.warnings,
-        "legs": [asdict(stage) for stage in stages(result)],
+        "legs": [asdict(stage) for stage in list_stages(result)],
     }
 
 
@@ -260,11 +260,11 @@ def _left(result: PointResult) -> str:
 
 
 def _rows(result: PointResult) -> list[tuple[str, ...]]:
-    from martensite.simulate.stages import stages
+    from martensite.simulate.stages import list_stages
 
     return [
         (result.label if i == 0 else "", *_row(i + 1, stage))
-        for i, stage in enumerate(stages(result))
+        for i, stage in enumerate(list_stages(result))
     ]
 
 

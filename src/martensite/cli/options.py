@@ -40,7 +40,7 @@ def quantity(name: str, text: str, unit: str) -> float:
     from martensite.base import units
 
     try:
-        return units.parse(text, unit)
+        return units.parse_quantity(text, unit)
     except UnitError as error:
         raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
 

@@ -114,10 +114,10 @@ def _write(table: SweepTable, front: ParetoFront, path: Path) -> None:
     """The front as text: one row per run, numbers in SI, units in the heads."""
     import csv
 
-    from martensite.base.files import replacing
+    from martensite.base.files import replace_file
 
     columns = front.columns(table)
-    with replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+    with replace_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["run", *(f"{name} [{c.unit}]" for name, c in columns.items())])
         for run in front.runs:

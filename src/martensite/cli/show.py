@@ -75,7 +75,7 @@ def quantity(value: float, unit: str) -> str:
     if math.isinf(value):
         return "none"
 
-    shown = units.readable(unit)
+    shown = units.choose_readable_unit(unit)
     number = f"{units.from_si(value, shown, unit):.6g}"
     return number if shown == "1" else f"{number} {shown}"
 
@@ -84,7 +84,7 @@ def difference(value: float, unit: str) -> str:
     """A difference of two quantities declared in the SI `unit`, in a readable unit."""
     from martensite.base import units
 
-    shown = units.readable(unit)
-    factor, _ = units.conversion(shown, unit)
+    shown = units.choose_readable_unit(unit)
+    factor, _ = units.find_conversion(shown, unit)
     label = {"1": "", "degC": " K"}.get(shown, f" {shown}")
     return f"{value / factor:.4g}{label}"

@@ -136,7 +136,7 @@ def _chosen(sizing: Sizing, pick: int | None) -> int | None:
 
 
 def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
-    from martensite.base.files import replacing
+    from martensite.base.files import replace_file
     from martensite.design.sizing.scenario import scenario_text
     from martensite.physics.materials.wires import load_wires
 
@@ -147,7 +147,7 @@ def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
             f"{nearest.alloy} °C: {nearest.reasons[0]}; choose one with --pick."
         )
     text = scenario_text(sizing.request, sizing.candidates[chosen], load_wires())
-    with replacing(out) as part:
+    with replace_file(out) as part:
         part.write_text(text, encoding="utf-8")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.cli.options import quantity
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def _spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
     if len(paths) != 1:
         some = ", ".join(f"`{written[p]}`" for p in paths)
         fault = f"is ambiguous: {some}." if paths else "is no number of the plant."
-        hint = "" if paths else f" {suggestion(name, written.values())}"
+        hint = "" if paths else f" {suggest_name(name, written.values())}"
         raise ParameterError(f"`{name}` {fault}{hint}")
     unit = next(x.declared.unit for x in bench.plant.leaves() if x.path == paths[0])
     if unit == "K" and "deg" in size:

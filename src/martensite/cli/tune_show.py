@@ -156,8 +156,10 @@ def _number(name: str, value: float, found: Tuning) -> str:
     if "{}" not in UNITS[name]:
         label = "" if UNITS[name] in ("1", "signal") else f" {UNITS[name]}"
         return f"{100.0 * value:.3g} %" if name in SHARES else f"{value:.4g}{label}"
-    shown_unit = {"degC": "K"}.get(units.readable(unit), units.readable(unit))
-    factor, _ = units.conversion(shown_unit, unit)
+    shown_unit = {"degC": "K"}.get(
+        units.choose_readable_unit(unit), units.choose_readable_unit(unit)
+    )
+    factor, _ = units.find_conversion(shown_unit, unit)
     return f"{value / factor:.4g} {UNITS[name].format(shown_unit)}"
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.export.c_kernels import Precision, precision_of, used_parameters
 from martensite.export.c_names import (
@@ -75,7 +75,7 @@ class CCore:
         found: list[Path] = []
         for name, text in self.files.items():
             found.append(Path(folder) / name)
-            with replacing(found[-1]) as part:
+            with replace_file(found[-1]) as part:
                 part.write_text(text, encoding="utf-8", newline="\n")
         return found
 

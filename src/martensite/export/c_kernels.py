@@ -15,7 +15,7 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.kernels.c99 import Going, scalar_dialect
 from martensite.kernels.graph import Expr
 from martensite.kernels.printer import Dialect, Printer
@@ -106,7 +106,7 @@ def precision_of(name: str) -> Precision:
     """
     if name not in PRECISIONS:
         raise ParameterError(
-            f"There is no precision `{name}`. {suggestion(name, list(PRECISIONS))}"
+            f"There is no precision `{name}`. {suggest_name(name, list(PRECISIONS))}"
         )
     return PRECISIONS[name]
 

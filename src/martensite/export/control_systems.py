@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.design.synthesis.linear import linearised
 from martensite.design.synthesis.operating_point import OperatingPoint
@@ -157,7 +157,7 @@ def _chosen(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
     """Names that were asked for, or all."""
     for name in wanted or ():
         if name not in known:
-            raise InputError(f"There is no output `{name}`. {suggestion(name, known)}")
+            raise InputError(f"There is no output `{name}`. {suggest_name(name, known)}")
     return list(wanted or known)
 
 

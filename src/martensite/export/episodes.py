@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.actuators.assembly.base import Drive
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import JITTER, NOISE, references
 from martensite.control.loop.run import reference_waveforms
@@ -97,7 +97,7 @@ class Episodes:
         self._followed = [drives.index(name) for name in references(bench)]
         if task.output not in plant.outputs():
             raise InputError(
-                f"There is no output `{task.output}`. {suggestion(task.output, plant.outputs())}"
+                f"There is no output `{task.output}`. {suggest_name(task.output, plant.outputs())}"
             )
         self._output, self._read = seen(task.output), [seen(name) for name in self.observed]
         ports = list(plant.actuators())
@@ -156,7 +156,7 @@ class Episodes:
         given = dict(options or {})
         for name in given:
             if name not in OPTIONS:
-                raise InputError(f"There is no option `{name}`. {suggestion(name, OPTIONS)}")
+                raise InputError(f"There is no option `{name}`. {suggest_name(name, OPTIONS)}")
         chosen: list[int] = np.flatnonzero(which).tolist()
         changed = [self._draw(k, random[k], given) for k in chosen]
         state, worst = self._lanes.state, self._lanes.worst.copy()

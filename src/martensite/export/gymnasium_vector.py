@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import Episodes, Outcome
 from martensite.export.gymnasium import HERE, gymnasium, spaces
@@ -130,7 +130,7 @@ class SmaVectorEnv(BASE):
 def _mode(name: str) -> Any:
     """A mode by its name."""
     if name not in MODES:
-        raise InputError(f"There is no autoreset mode `{name}`. {suggestion(name, MODES)}")
+        raise InputError(f"There is no autoreset mode `{name}`. {suggest_name(name, MODES)}")
     return MODES[name]
 
 

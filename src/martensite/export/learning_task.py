@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, MEASURED, readings
 from martensite.design.tuning.perturbed import (
@@ -85,7 +85,7 @@ class Task:
             raise ParameterError(f"A task needs a kind of reference: {', '.join(KINDS)}.")
         for kind in self.references:
             if kind not in KINDS:
-                raise ParameterError(f"No reference is named `{kind}`. {suggestion(kind, KINDS)}")
+                raise ParameterError(f"No reference is named `{kind}`. {suggest_name(kind, KINDS)}")
         if min(self.preview, default=0.0) < 0.0:
             raise ParameterError(f"A preview is ahead, but one is {min(self.preview):g} s.")
 
@@ -170,7 +170,7 @@ def free_signals(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
         raise InputError("Every drive of this bench has a controller; leave one to the learner.")
     for name in task.signals:
         if name not in free:
-            raise InputError(f"There is no free drive `{name}`. {suggestion(name, free)}")
+            raise InputError(f"There is no free drive `{name}`. {suggest_name(name, free)}")
     for name, unit in free.items():
         if name not in task.signals and unit != "1":
             raise InputError(
@@ -192,7 +192,9 @@ def observed_readings(bench: Bench, task: Task) -> dict[str, tuple[float, float]
     wanted = dict(task.observed) or {task.output: (task.low, task.high)}
     for name in wanted:
         if name not in known:
-            raise InputError(f"There is no reading `{name}` to observe. {suggestion(name, known)}")
+            raise InputError(
+                f"There is no reading `{name}` to observe. {suggest_name(name, known)}"
+            )
     _require_ranges(wanted)
     mounted = bench.sensors.members()
     return {MEASURED + n if n in mounted else n: span for n, span in wanted.items()}

@@ -24,7 +24,7 @@ from martensite.export.mjcf_platform import write_platform
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.driven import Waveforms, arranged
+from martensite.simulate.driven import Waveforms, arrange_waveforms
 
 TIMESTEP = 2e-3
 """MuJoCo's own default [s]."""
@@ -121,4 +121,4 @@ def tendon_signals(system: AbstractSystem, waveform: Waveforms) -> dict[str, Abs
     Raises:
         InputError: a name or a unit does not fit.
     """
-    return dict(zip(system.actuators(), arranged(system, waveform), strict=False))
+    return dict(zip(system.actuators(), arrange_waveforms(system, waveform), strict=False))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element
 
-from martensite.actuators.mechanics.platform_kinematics import corners
+from martensite.actuators.mechanics.platform_kinematics import locate_corners
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, add, add_element
 from martensite.kernels import floats
@@ -46,12 +46,12 @@ def write_platform(model: Model, platform: ParallelPlatform, timestep: float) ->
 
 def _vertices(parent: Element, name: str, side: float, height: float) -> None:
     """Sites at the vertices of a plate."""
-    for i, (x, y) in enumerate(corners(side)):
+    for i, (x, y) in enumerate(locate_corners(side)):
         add(parent, "site", name=f"{name}{i}", pos=(x, -y, height), size=0.012 * side)
 
 
 def _mesh(model: Model, side: float) -> None:
     """A thin triangle."""
     half = 0.008 * side
-    points = [v for z in (-half, half) for x, y in corners(side) for v in (x, -y, z)]
+    points = [v for z in (-half, half) for x, y in locate_corners(side) for v in (x, -y, z)]
     add(model.asset, "mesh", name="plate", vertex=points)

@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.actuators.assembly import Actuator
-from martensite.base.errors import InputError, ParameterError, UnknownNameError, suggestion
+from martensite.base.errors import InputError, ParameterError, UnknownNameError, suggest_name
 from martensite.base.parameters import param, part
 from martensite.export.mujoco_plant import Plant, load_mujoco, scalar_joints
 from martensite.export.mujoco_result import MujocoResult
@@ -42,7 +42,7 @@ from martensite.export.strand import CENTRED, END, Strand
 from martensite.kernels.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import MOST_STEPS, require_unit, share
+from martensite.simulate.grid import MOST_STEPS, place_signal, require_unit
 
 COUPLINGS = {"end": END, "centred": CENTRED}
 
@@ -92,7 +92,7 @@ class MujocoBridge:
         coupling: str = "end",
     ) -> None:
         if coupling not in COUPLINGS:
-            raise InputError(f"No coupling `{coupling}`. {suggestion(coupling, COUPLINGS)}")
+            raise InputError(f"No coupling `{coupling}`. {suggest_name(coupling, COUPLINGS)}")
         tendons = [actuator.tendon for actuator in actuators]
         if not tendons or len(set(tendons)) < len(tendons):
             raise InputError("A bridge needs actuators, each at a tendon of its own.")
@@ -188,7 +188,7 @@ class MujocoBridge:
         """The signals of the step that begins at a time [s]."""
         found: dict[str, float] = {}
         for strand in self.strands:
-            part = share(strand.system.source.sets_temperature)
+            part = place_signal(strand.system.source.sets_temperature)
             found[strand.name] = waves[strand.name].value(time + part * self.plant.dt)
         return found
 

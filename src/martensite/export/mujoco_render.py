@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.export.mujoco_plant import load_mujoco
 from martensite.export.mujoco_result import MujocoResult
 
@@ -136,7 +136,7 @@ def _film_times(result: MujocoResult, fps: float, speed: float) -> list[float]:
 def _write_png(frame: np.ndarray, path: Path) -> Path:
     from matplotlib.image import imsave
 
-    with replacing(path) as part:
+    with replace_file(path) as part:
         imsave(part, frame, format="png")
     return path
 
@@ -173,7 +173,7 @@ def _ffmpeg() -> str | None:
 def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None:
     """H.264 in an MP4, whose sides must be even: an odd last line or column is left out."""
     _, height, width, _ = frames.shape
-    with replacing(path) as part:
+    with replace_file(path) as part:
         command = [
             program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
             "-s", f"{width}x{height}", "-r", f"{fps}", "-i", "-", "-vf",
@@ -189,7 +189,7 @@ def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
     from PIL import Image
 
     images = [Image.fromarray(frame) for frame in frames]
-    with replacing(path) as part:
+    with replace_file(path) as part:
         images[0].save(
             part, format="gif", save_all=True, append_images=images[1:], loop=0,
             duration=max(1000.0 / fps, 20.0),

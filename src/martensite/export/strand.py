@@ -12,9 +12,9 @@ from martensite.base.status import Status
 from martensite.export.balance import Answer
 from martensite.export.tendon_line import Held, TendonLine
 from martensite.kernels import floats
-from martensite.kernels.nested import flatten
+from martensite.kernels.nested import flatten_numbers
 from martensite.simulate.compiled import compile_system
-from martensite.simulate.march import classify
+from martensite.simulate.march import classify_step
 
 NOTICED = 1e5
 """Stress [Pa] that counts as one."""
@@ -53,7 +53,7 @@ class Strand:
         self._names = compiled.outputs
         state = self.system.init(floats, self.drive, 0.0, 0.0)
         spring = actuator.element.tangent(floats, state.elements[0], start_force)
-        self.state = tuple(flatten(state))
+        self.state = tuple(flatten_numbers(state))
         self.force = self.before = start_force
         self.line = spring.free + spring.compliance * start_force - slack, 0.0
         self.reference = length - self.line[0]
@@ -86,7 +86,7 @@ class Strand:
 
     def require(self, answer: Answer, time: float) -> Status:
         """Status of an answer, or `SolveError` if it cannot be trusted."""
-        status = classify(answer.residual, answer.crossing)
+        status = classify_step(answer.residual, answer.crossing)
         if not math.isfinite(sum(answer.state)):
             status = Status.NOT_FINITE
         if status.failed:

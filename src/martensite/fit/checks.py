@@ -127,11 +127,11 @@ def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> st
 
 def _acted(problem: Problem, free: Free) -> list[str]:
     """Outputs that a parameter moves at the start, compared or not."""
-    from martensite.kernels.c99 import compiler
+    from martensite.kernels.c99 import find_compiler
     from martensite.simulate.native_slopes import march_slopes
 
     found: list[str] = []
-    if compiler() is None or is_nuisance(free):
+    if find_compiler() is None or is_nuisance(free):
         return found
     for k, runner in enumerate(problem.runners):
         values = runner.compiled.values(problem.system(k, problem.start))

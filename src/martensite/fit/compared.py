@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.fit.wishes import Compared
 from martensite.signals.records import Record
 
@@ -76,7 +76,9 @@ def _named(record: Record, name: str) -> str:
     spelt = re.sub(r"[\s-]+", "_", name.strip().lower())
     if name not in record.columns and spelt not in record.columns:
         known = [column for column in record.columns if column != "time"]
-        raise DataError(f"Record `{record.name}` has no column `{name}`. {suggestion(name, known)}")
+        raise DataError(
+            f"Record `{record.name}` has no column `{name}`. {suggest_name(name, known)}"
+        )
     return name if name in record.columns else spelt
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import DataError, ParameterError, UnitError, suggestion
+from martensite.base.errors import DataError, ParameterError, UnitError, suggest_name
 from martensite.base.files import toml_document
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
@@ -76,7 +76,9 @@ def _document(path: Path) -> dict[str, Any]:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
-        raise DataError(f"There is no fit file `{path}`. {suggestion(path.name, beside)}") from None
+        raise DataError(
+            f"There is no fit file `{path}`. {suggest_name(path.name, beside)}"
+        ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the fit file `{path}`: {error}.") from None
     return toml_document(text, f"`{path}`")
@@ -173,6 +175,6 @@ def _seconds(table: Mapping[str, Any], name: str, where: str) -> float | None:
             f"{where}: `{name}` must be text with a unit, such as `1 s`, but is {given!r}."
         )
     try:
-        return units.parse(given, "s")
+        return units.parse_quantity(given, "s")
     except UnitError as error:
         raise UnitError(f"{where}: `{name}`: {error}") from None

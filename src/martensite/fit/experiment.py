@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.signals.records import Record
-from martensite.simulate.driven import Waveforms, arranged
+from martensite.simulate.driven import Waveforms, arrange_waveforms
 from martensite.simulate.grid import Grid, grid_at
 
 LEAST_ROWS = 8
@@ -92,7 +92,7 @@ class Experiment:
         if times[0] > 0.0:
             times = [0.0, *times]
         at_end = [drive.at_end for drive in self.system.drives()]
-        waves = arranged(self.system, self.waveform)
+        waves = arrange_waveforms(self.system, self.waveform)
         longest = min(self.step, times[-1]) if step is None else step
         return grid_at(waves, times, longest, at_end)
 
@@ -116,7 +116,7 @@ def check(experiment: Experiment) -> None:
         )
     for output, column in experiment.columns.items():
         if output not in known:
-            raise DataError(f"There is no output `{output}`. {suggestion(output, known)}")
+            raise DataError(f"There is no output `{output}`. {suggest_name(output, known)}")
         numbers = record[column]
         if record.units[column] != known[output].unit:
             raise DataError(

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Leaf
 
 WARMER = 50.0
@@ -106,7 +106,7 @@ def _free(wish: Wish, leaves: Sequence[Leaf], record: str | None) -> Free:
     if not found:
         names = list(dict.fromkeys(x.path.rpartition(".")[2] for x in leaves))
         raise ParameterError(
-            f"There is no parameter `{wish.name}` to be fitted. {suggestion(wish.name, names)}"
+            f"There is no parameter `{wish.name}` to be fitted. {suggest_name(wish.name, names)}"
         )
     first = found[0]
     start = first.value if wish.start is None else wish.start
@@ -157,6 +157,6 @@ def _box(wish: Wish, leaf: Leaf, start: float) -> tuple[float, float]:
 
 
 def _shown(value: float, leaf: Leaf) -> str:
-    unit = units.readable(leaf.declared.unit)
+    unit = units.choose_readable_unit(leaf.declared.unit)
     number = f"{units.from_si(value, unit, leaf.declared.unit):.6g}"
     return number if unit == "1" else f"{number} {unit}"

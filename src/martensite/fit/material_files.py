@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.fit.fit_provenance import (
     PACKAGE,
     cautions_of,
@@ -73,7 +73,7 @@ def write_material(
         raise DataError(f"A material file ends in .toml, but this is `{path}`.")
     numbers = Numbers(fit, scenario or scenario_of(fit), port, digits)
     text = material_text(numbers, title, cite)
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")
 
 

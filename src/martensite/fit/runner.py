@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.experiment import Experiment
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.grid import Grid
 from martensite.simulate.march import SOLVED, march_floats
@@ -46,7 +46,7 @@ class Runner:
         self.first = len(self.grid.times) - len(experiment.times)
         names = self.compiled.outputs
         self.places = tuple(names.index(output) for output in experiment.outputs)
-        self.native = compiler() is not None
+        self.native = find_compiler() is not None
 
     def run(self, values: Sequence[float], seeds: Any = None) -> Seen:
         """One run; `seeds` (parameters, directions) say in which directions to differentiate."""

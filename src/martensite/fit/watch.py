@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.fit.problem import Evaluation, Problem
 
 EVERY = 2.0
@@ -101,7 +101,7 @@ class Watch:
             return
         self._written = time.monotonic()
         document = {"problem": key(self.problem), "values": self.best, "done": self.done}
-        with replacing(self.path) as part:
+        with replace_file(self.path) as part:
             part.write_text(json.dumps(document), encoding="utf-8")
 
     def resume(self) -> None:

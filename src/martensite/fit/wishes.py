@@ -104,7 +104,7 @@ def _unit(name: str, systems: Sequence[AbstractSystem]) -> tuple[str, bool]:
 
 def _bounds(text: str, unit: str, apart: bool) -> tuple[float | None, float | None]:
     low, dots, high = (part.strip() for part in text.partition(DOTS))
-    shown = "" if unit == "1" else f" {units.readable(unit)}"
+    shown = "" if unit == "1" else f" {units.choose_readable_unit(unit)}"
     if not dots or not (low or high):
         raise UnitError(f"`{text}` is no range; write for example `1{DOTS}2{shown}`.")
     if _NUMBER.match(low) and (spelt := _AMOUNT.match(high)):
@@ -113,7 +113,7 @@ def _bounds(text: str, unit: str, apart: bool) -> tuple[float | None, float | No
 
 
 def _amount(text: str, unit: str, apart: bool) -> float:
-    return read_difference(text, unit) if apart else units.parse(text, unit)
+    return read_difference(text, unit) if apart else units.parse_quantity(text, unit)
 
 
 def read_difference(text: str, unit: str) -> float:
@@ -123,7 +123,7 @@ def read_difference(text: str, unit: str) -> float:
         UnitError: the text is no number with a unit that fits.
     """
     zero = re.sub(_AMOUNT, lambda found: f"0 {found[2]}", text)
-    return units.parse(text, unit) - units.parse(zero, unit)
+    return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
 
 
 def read_noise(

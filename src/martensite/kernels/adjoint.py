@@ -20,17 +20,17 @@ Rule = Callable[[Graph, Any, Any, Sequence[Any]], Sequence[Any]]
 """From ȳ, y and its arguments to what each argument gets; None for nothing."""
 
 
-def _choice(flag: Any, bar: Any) -> tuple[Any, Any]:
+def _add_choice_slopes(flag: Any, bar: Any) -> tuple[Any, Any]:
     graph: Graph = bar.graph
     return graph.apply("where", flag, bar, 0.0), graph.apply("where", flag, 0.0, bar)
 
 
-def _root(graph: Graph, bar: Any, y: Any, a: Any) -> Any:
+def _add_root_slopes(graph: Graph, bar: Any, y: Any, a: Any) -> Any:
     safe = graph.apply("where", a > 0.0, y, 1.0)
     return graph.apply("where", a > 0.0, bar * (0.5 / safe), 0.0)
 
 
-def _power(graph: Graph, bar: Any, y: Any, base: Any, exponent: Any) -> tuple[Any, Any]:
+def _add_power_slopes(graph: Graph, bar: Any, y: Any, base: Any, exponent: Any) -> tuple[Any, Any]:
     safe = graph.apply("where", base > 0.0, base, 1.0)
     return bar * (exponent * y / safe), bar * (y * graph.apply("log", safe))
 
@@ -41,14 +41,14 @@ _RULES: dict[str, Rule] = {
     "mul": lambda g, bar, y, a: (bar * a[1], bar * a[0]),
     "div": lambda g, bar, y, a: (bar * (1.0 / a[1]), -(bar * (1.0 / a[1]) * y)),
     "neg": lambda g, bar, y, a: (-bar,),
-    "where": lambda g, bar, y, a: (None, *_choice(a[0], bar)),
-    "minimum": lambda g, bar, y, a: _choice(a[0] < a[1], bar),
-    "maximum": lambda g, bar, y, a: _choice(a[0] > a[1], bar),
+    "where": lambda g, bar, y, a: (None, *_add_choice_slopes(a[0], bar)),
+    "minimum": lambda g, bar, y, a: _add_choice_slopes(a[0] < a[1], bar),
+    "maximum": lambda g, bar, y, a: _add_choice_slopes(a[0] > a[1], bar),
     "abs": lambda g, bar, y, a: (g.apply("where", a[0] < 0.0, -bar, bar),),
-    "sqrt": lambda g, bar, y, a: (_root(g, bar, y, a[0]),),
+    "sqrt": lambda g, bar, y, a: (_add_root_slopes(g, bar, y, a[0]),),
     "exp": lambda g, bar, y, a: (bar * y,),
     "log": lambda g, bar, y, a: (bar * (1.0 / g.apply("maximum", a[0], 1e-300)),),
-    "power": lambda g, bar, y, a: _power(g, bar, y, *a),
+    "power": lambda g, bar, y, a: _add_power_slopes(g, bar, y, *a),
     "sin": lambda g, bar, y, a: (bar * g.apply("cos", a[0]),),
     "cos": lambda g, bar, y, a: (-(bar * g.apply("sin", a[0])),),
     "tanh": lambda g, bar, y, a: (bar * (1.0 - y * y),),
@@ -62,13 +62,13 @@ _RULES: dict[str, Rule] = {
 }  # fmt: skip
 
 
-def gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
+def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
     """Derivatives of a value by the number of the variable, those that are zero left out.
 
     None if there is a loop on the way.
     """
     graph, places = value.graph, {v.index: i for i, v in enumerate(variables)}
-    order = _moving(graph, value.index, frozenset(places))
+    order = _list_dependent(graph, value.index, frozenset(places))
     if order is None:
         return None
     moving = frozenset(order)
@@ -88,7 +88,7 @@ def gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
     return {i: slope for i, slope in found.items() if graph.value_of(slope) != 0.0}
 
 
-def _moving(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:
+def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:
     """What the value is computed from and depends on the variables, in the order of computation.
 
     None if there are loops among it.
@@ -99,17 +99,17 @@ def _moving(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | 
         index = stack.pop()
         if index not in reached:
             reached.add(index)
-            stack += _arguments(graph, index)
+            stack += _list_arguments(graph, index)
     moving: set[int] = set()
     for index in sorted(reached):
-        if index in variables or any(a in moving for a in _arguments(graph, index)):
+        if index in variables or any(a in moving for a in _list_arguments(graph, index)):
             moving.add(index)
     if any(graph.operations[index] in LOOPS for index in moving):
         return None
     return sorted(moving)
 
 
-def _arguments(graph: Graph, index: int) -> tuple[int, ...]:
+def _list_arguments(graph: Graph, index: int) -> tuple[int, ...]:
     """What derivatives follow: no flags, nothing detached, of a root its Newton step."""
     operation, arguments = graph.operations[index], graph.arguments[index]
     if operation in ("input", "constant", "detach") or operation in FLAGS:

@@ -14,7 +14,7 @@ from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
 from martensite.kernels.powers import expand_power
 
 
-def _same(x: Any) -> Any:
+def _return_same(x: Any) -> Any:
     return x
 
 
@@ -22,9 +22,15 @@ class ArrayNamespace:
     """The operations over an array module `np` (numpy or jax.numpy)."""
 
     def __init__(
-        self, np: Any, detach: Any = _same, store: Any = _same, precision: str = "float64",
-        repeat: Any = floats.repeat, solved: Any = floats.solved, iterate: Any = None,
-    ) -> None:  # fmt: skip
+        self,
+        np: Any,
+        detach: Any = _return_same,
+        store: Any = _return_same,
+        precision: str = "float64",
+        repeat: Any = floats.repeat,
+        solved: Any = floats.solved,
+        iterate: Any = None,
+    ) -> None:
         self.level = 0
         self.np = np
         self.precision = precision
@@ -101,12 +107,12 @@ class ArrayNamespace:
 
     def quarter_sine(self, x: Any) -> Any:
         """sin(πx/2) for 0 ≤ x ≤ 1 by Horner's rule."""
-        return horner(QUARTER_SINE, x * x) * x
+        return evaluate_horner(QUARTER_SINE, x * x) * x
 
     def erfcx(self, x: Any) -> Any:
         """exp(x²) erfc(x) for x ≥ 0 by Horner's rule."""
         t = (x - ERFCX_CENTRE) / (x + ERFCX_CENTRE)
-        return horner(ERFCX, t) / (1.0 + 2.0 * x)
+        return evaluate_horner(ERFCX, t) / (1.0 + 2.0 * x)
 
     def stack(self, around: Sequence[Any], *columns: Sequence[Any]) -> list[Any]:
         """Every column as one array, its rows along a first axis before those of `around`."""
@@ -119,7 +125,7 @@ class ArrayNamespace:
         return rows.reshape(rows.shape[:1] + (1,) * (rank + 1 - rows.ndim) + rows.shape[1:])
 
 
-def horner(coefficients: Sequence[float], x: Any) -> Any:
+def evaluate_horner(coefficients: Sequence[float], x: Any) -> Any:
     """A polynomial with the coefficients of ascending powers."""
     total: Any = coefficients[-1]
     for coefficient in reversed(coefficients[:-1]):

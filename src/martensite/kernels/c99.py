@@ -26,7 +26,7 @@ from martensite.base.errors import MartensiteError
 from martensite.base.files import cache_folder
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.graph import Expr
-from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
+from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import (
     FLAG,
     NUMBER,
@@ -45,7 +45,7 @@ WIDE = ("-mprefer-vector-width=512",)
 """For processors with AVX-512: compilers prefer half the width, which costs a batch a third."""
 
 
-def _constant(value: float | bool) -> str:
+def _print_constant(value: float | bool) -> str:
     return str(int(value)) if isinstance(value, bool) else c_number(value)
 
 
@@ -59,20 +59,22 @@ _TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def _assign(name: str, expression: str, kind: str, types: Mapping[str, str] = _TYPES) -> str:
+def _print_assignment(
+    name: str, expression: str, kind: str, types: Mapping[str, str] = _TYPES
+) -> str:
     return f"const {types[kind]} {name} = {expression};"
 
 
-def _loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
+def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
     """A loop over arrays on the stack."""
     rows = len(loop.columns[0])
-    kinds = [_declared(kind, types) for kind in loop.row_kinds]
+    kinds = [_declare_kind(kind, types) for kind in loop.row_kinds]
     columns = [f"{loop.name}_{name}" for name in loop.row]
     tables = zip(kinds, columns, loop.columns, strict=True)
     named = set(_WORD.findall(" ".join((*loop.body, *loop.outputs))))
     inputs = list(zip(kinds, loop.row, columns, strict=True))
     results = list(zip(loop.results(), loop.outputs, strict=True))
-    stored = [_declared(kind, types) for kind in loop.output_kinds]
+    stored = [_declare_kind(kind, types) for kind in loop.output_kinds]
     made = zip(stored, loop.results(), strict=True)
     row = f"r_{loop.name}"
     return [
@@ -91,7 +93,7 @@ def _loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
     ]
 
 
-def _declared(kind: str, types: Mapping[str, str]) -> str:
+def _declare_kind(kind: str, types: Mapping[str, str]) -> str:
     """Type of what a loop holds: it stores flags as numbers."""
     return types[NUMBER if kind == FLAG else kind]
 
@@ -106,14 +108,14 @@ class Going:
     """What a variable becomes, from its `old` and `new` value and the first number, `going`."""
 
 
-def _repeat(
+def _print_repetition(
     loop: RepeatText, types: Mapping[str, str] = _TYPES, going: Going = Going()
 ) -> list[str]:
     """A loop over variables of its own block."""
     name, first = loop.name, loop.state[0]
     test = f" && {going.test.format(first)}" if loop.stops else ""
     keep = going.keep if loop.stops else Going.keep
-    kinds = [_declared(kind, types) for kind in loop.kinds]
+    kinds = [_declare_kind(kind, types) for kind in loop.kinds]
     state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
     rows = zip(loop.used, kinds, loop.results(), loop.state, strict=True)
     results = [row[1:] for row in rows if row[0]]
@@ -163,10 +165,10 @@ C_DIALECT = Dialect(
         "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log", "power"}),
-    assign=_assign,
-    constant=_constant,
-    loop=_loop,
-    repeat=_repeat,
+    assign=_print_assignment,
+    constant=_print_constant,
+    loop=_print_loop,
+    repeat=_print_repetition,
 )
 
 
@@ -188,10 +190,10 @@ def scalar_dialect(
         C_DIALECT,
         templates={**C_DIALECT.templates, **templates},
         wants_names=C_DIALECT.wants_names - {"where"},
-        assign=partial(_assign, types=types),
+        assign=partial(_print_assignment, types=types),
         constant=constant,
-        loop=partial(_loop, types=types),
-        repeat=partial(_repeat, types=types, going=going),
+        loop=partial(_print_loop, types=types),
+        repeat=partial(_print_repetition, types=types, going=going),
     )
 
 
@@ -203,24 +205,24 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
     printer = Printer(program.graph, replace(C_DIALECT, shares_inverses=shares_inverses))
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
-    parts = [prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
+    parts = [write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted)]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
 
     def constant(i: int) -> str:
         return f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
 
     printer.share(program.hoisted, constant)
-    parts += [_traced(printer, function) for function in functions]
+    parts += [_print_traced(printer, function) for function in functions]
     return "\n".join(parts)
 
 
-def _traced(printer: Printer, function: Function) -> str:
+def _print_traced(printer: Printer, function: Function) -> str:
     for i, name in enumerate(function.inputs):
         printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"x[{i} * n + l]")
-    return _function(printer, function.name, "c", ("x",), function.outputs)
+    return _print_function(printer, function.name, "c", ("x",), function.outputs)
 
 
-def _function(
+def _print_function(
     printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
 ) -> str:
     lines, values = printer.block(outputs)
@@ -259,7 +261,7 @@ def vector_math() -> str:
     return _VECTOR_MATH
 
 
-def prelude() -> str:
+def write_prelude() -> str:
     """What every source begins with."""
     return (
         f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
@@ -267,20 +269,20 @@ def prelude() -> str:
         "    const double y = pow(base > 0.0 ? base : 1.0, exponent);\n"
         f"    return base > 0.0 ? (y < {LARGEST!r} ? y : {LARGEST!r}) : 0.0;\n}}\n"
         "static inline double quarter_sine(double x) {\n"
-        f"    const double z = x * x{_polynomial(QUARTER_SINE)} * x;\n}}\n"
+        f"    const double z = x * x{_print_polynomial(QUARTER_SINE)} * x;\n}}\n"
         "static inline double erfcx(double x) {\n"
         f"    const double z = (x - {ERFCX_CENTRE}) / (x + {ERFCX_CENTRE})"
-        f"{_polynomial(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
+        f"{_print_polynomial(ERFCX)} / (1.0 + 2.0 * x);\n}}\n"
     )
 
 
-def _polynomial(coefficients: list[float]) -> str:
+def _print_polynomial(coefficients: list[float]) -> str:
     """A polynomial in z, with the powers that it needs."""
-    powers, text = estrin(coefficients)
+    powers, text = evaluate_estrin(coefficients)
     return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
 
-def compiler() -> str | None:
+def find_compiler() -> str | None:
     """The C compiler that would be used, or None.
 
     That of the machine: the one that `CC` names, `cc` or `gcc`; else the one of the package
@@ -321,37 +323,39 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     Raises:
         MartensiteError: there is no compiler, or it failed.
     """
-    command = _command(more)
+    command = _build_command(more)
     path = _kept_as(command, source)
     if not path.exists():
-        _compile(command, source, path)
+        _compile_source(command, source, path)
     return ctypes.CDLL(str(path))
 
 
 def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
     """Whether `load_library` would find what it needs, so that nothing is compiled."""
-    return compiler() is not None and _kept_as(_command(more), source).exists()
+    return find_compiler() is not None and _kept_as(_build_command(more), source).exists()
 
 
-def _command(more: tuple[str, ...]) -> tuple[str, ...]:
+def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
     """The compiler and its flags."""
-    cc = compiler()
+    cc = find_compiler()
     if cc is None:
         raise MartensiteError(
             "The C runtime needs a C compiler and none was found; install gcc or clang, "
             "or use the runtime `floats`."
         )
-    wide = WIDE if "avx512f" in _machine() else ()
+    wide = WIDE if "avx512f" in _describe_machine() else ()
     return (cc, *FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
 
 
 def _kept_as(command: Sequence[str], source: str) -> Path:
     """Where a library is kept."""
-    key = hashlib.sha256(" ".join((*command, _machine(), source)).encode()).hexdigest()[:24]
+    key = hashlib.sha256(" ".join((*command, _describe_machine(), source)).encode()).hexdigest()[
+        :24
+    ]
     return cache_folder() / "c" / f"{key}.so"
 
 
-def _machine() -> str:
+def _describe_machine() -> str:
     """What -march=native depends on, so that a shared cache folder never misleads."""
     try:
         text = Path("/proc/cpuinfo").read_text()
@@ -360,7 +364,7 @@ def _machine() -> str:
     return next((line for line in text.splitlines() if line.startswith("flags")), "")
 
 
-def _compile(command: Sequence[str], source: str, path: Path) -> None:
+def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"

@@ -20,7 +20,7 @@ from textwrap import dedent
 from martensite.kernels.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.graph import Expr
-from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, estrin
+from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import Dialect, Printer
 from martensite.kernels.program import Function, Program
 
@@ -163,40 +163,40 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
 
     Same functions and layout as of `martensite.kernels.c99.c_source`.
     """
-    printer = Printer(program.graph, _dialect())
+    printer = Printer(program.graph, _build_dialect())
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"AT(p, {i})")
-    parts = [_prelude(), _function(printer, "prepare", "p", (), program.hoisted)]
+    parts = [_write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted)]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
 
     def constant(i: int) -> str:
         return f"differs(AT(c, {i}), all(0.0))" if flags[i] else f"AT(c, {i})"
 
     printer.share(program.hoisted, constant)
-    parts += [_traced(printer, function) for function in functions]
+    parts += [_print_traced(printer, function) for function in functions]
     return "\n".join(parts)
 
 
-def _dialect() -> Dialect:
+def _build_dialect() -> Dialect:
     templates = {**C_DIALECT.templates, **_TEMPLATES}
     going = Going("some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})")
-    dialect = scalar_dialect("number", templates, _constant, "flags", going)
+    dialect = scalar_dialect("number", templates, _print_constant, "flags", going)
     return replace(dialect, wants_names=frozenset(), shares_inverses=True)
 
 
-def _constant(value: float | bool) -> str:
+def _print_constant(value: float | bool) -> str:
     if isinstance(value, bool):
         return f"FLAGS({-int(value)})"
     return f"all({c_number(value)})"
 
 
-def _traced(printer: Printer, function: Function) -> str:
+def _print_traced(printer: Printer, function: Function) -> str:
     for i, name in enumerate(function.inputs):
         printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"AT(x, {i})")
-    return _function(printer, function.name, "c", ("x",), function.outputs)
+    return _print_function(printer, function.name, "c", ("x",), function.outputs)
 
 
-def _function(
+def _print_function(
     printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
 ) -> str:
     lines, values = printer.block(outputs)
@@ -211,7 +211,7 @@ def _function(
     )
 
 
-def _prelude() -> str:
+def _write_prelude() -> str:
     centre = f"all({ERFCX_CENTRE!r})"
     return (
         f"#include <math.h>\n#include <string.h>\n{vector_math()}{dedent(_PRELUDE)}"
@@ -220,15 +220,15 @@ def _prelude() -> str:
         f"    const number z = least(pow_1(pick(positive, x, all(1.0)), y), all({LARGEST!r}));\n"
         "    return pick(positive, z, all(0.0));\n}\n"
         "INLINE number quarter_sine_of(number x) {\n"
-        f"    const number z = times(x, x){_polynomial(QUARTER_SINE, 'times({}, x)')}}}\n"
+        f"    const number z = times(x, x){_print_polynomial(QUARTER_SINE, 'times({}, x)')}}}\n"
         "INLINE number erfcx_of(number x) {\n"
         f"    const number z = over(minus(x, {centre}), plus(x, {centre}))"
-        f"{_polynomial(ERFCX, 'over({}, plus(all(1.0), times(all(2.0), x)))')}}}\n"
+        f"{_print_polynomial(ERFCX, 'over({}, plus(all(1.0), times(all(2.0), x)))')}}}\n"
     )
 
 
-def _polynomial(coefficients: list[float], result: str) -> str:
+def _print_polynomial(coefficients: list[float], result: str) -> str:
     """A polynomial in z, with the powers that it needs, in what is returned."""
-    powers, text = estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
+    powers, text = evaluate_estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
     lines = "".join(f", {name} = {power}" for name, power in powers)
     return f"{lines};\n    return {result.format(text)};\n"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from martensite.kernels.c99 import C_DIALECT, prelude
+from martensite.kernels.c99 import C_DIALECT, write_prelude
 from martensite.kernels.graph import PARAMETER, SLOPE, VARYING, Expr
 from martensite.kernels.printer import SLOPES, Printer
 from martensite.kernels.program import Function, Program
@@ -34,29 +34,32 @@ def slopes_source(
         node = graph.input(slope_input(f"p{i}"), PARAMETER | SLOPE)
         printer.share([node], lambda _, k=k: f"dp[{k}]")
     hoisted = program.hoisted
-    parts = [_types(width), _function(printer, "prepare", ("p", "dp"), ("c", "dc"), hoisted)]
-    for node, (array, place, flag) in zip(hoisted, _places(printer, hoisted), strict=True):
+    parts = [
+        _declare_types(width),
+        _print_function(printer, "prepare", ("p", "dp"), ("c", "dc"), hoisted),
+    ]
+    for node, (array, place, flag) in zip(hoisted, _list_places(printer, hoisted), strict=True):
         text = f"{array}[{place}]"
         printer.share([node], lambda _, t=f"({text} != 0.0)" if flag else text: t)
-    parts += [_traced(printer, function) for function in functions]
+    parts += [_print_traced(printer, function) for function in functions]
     return "\n".join(parts)
 
 
-def constants(program: Program) -> tuple[int, int]:
+def count_constants(program: Program) -> tuple[int, int]:
     """How many numbers, and how many derivatives, depend on parameters alone."""
     slopes = sum(bool(program.graph.depends[node.index] & SLOPE) for node in program.hoisted)
     return len(program.hoisted) - slopes, slopes
 
 
-def _types(width: int) -> str:
+def _declare_types(width: int) -> str:
     return (
-        f"{prelude()}"
+        f"{write_prelude()}"
         f"typedef double slopes __attribute__((vector_size({8 * width}), aligned(8)));\n"
         f"static const slopes {ZERO};\n"
     )
 
 
-def _places(printer: Printer, nodes: Sequence[Expr]) -> list[tuple[str, int, bool]]:
+def _list_places(printer: Printer, nodes: Sequence[Expr]) -> list[tuple[str, int, bool]]:
     """Array, index and whether it is a flag, of every constant."""
     counts = {"c": 0, "dc": 0}
     found: list[tuple[str, int, bool]] = []
@@ -67,7 +70,7 @@ def _places(printer: Printer, nodes: Sequence[Expr]) -> list[tuple[str, int, boo
     return found
 
 
-def _traced(printer: Printer, function: Function) -> str:
+def _print_traced(printer: Printer, function: Function) -> str:
     graph = printer.graph
     for i, name in enumerate(function.inputs):
         printer.share([graph.input(name, 0)], lambda _, i=i: f"x[{i}]")
@@ -76,18 +79,18 @@ def _traced(printer: Printer, function: Function) -> str:
     count = len(function.outputs) // 2
     arrays = [("y", k) for k in range(count)] + [("dy", k) for k in range(count)]
     taken = ("c", "dc", "x", "dx")
-    return _body(printer, function.name, taken, ("y", "dy"), function.outputs, arrays)
+    return _print_body(printer, function.name, taken, ("y", "dy"), function.outputs, arrays)
 
 
-def _function(
+def _print_function(
     printer: Printer, name: str, taken: tuple[str, ...], made: tuple[str, str],
     outputs: Sequence[Expr],
 ) -> str:  # fmt: skip
-    arrays = [(array, place) for array, place, _ in _places(printer, outputs)]
-    return _body(printer, name, taken, made, outputs, arrays)
+    arrays = [(array, place) for array, place, _ in _list_places(printer, outputs)]
+    return _print_body(printer, name, taken, made, outputs, arrays)
 
 
-def _body(
+def _print_body(
     printer: Printer, name: str, taken: Sequence[str], made: tuple[str, str],
     outputs: Sequence[Expr], arrays: Sequence[tuple[str, int]],
 ) -> str:  # fmt: skip

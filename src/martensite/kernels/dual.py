@@ -36,8 +36,8 @@ class Dual(TracedNumber):
         self.level = level
 
     def __add__(self, other: Any) -> Dual:
-        level, (v, t), (w, s) = split(self, other)
-        return Dual(v + w, plus(t, s), level)
+        level, (v, t), (w, s) = raise_levels(self, other)
+        return Dual(v + w, add_tangents(t, s), level)
 
     __radd__ = __add__
 
@@ -45,80 +45,80 @@ class Dual(TracedNumber):
         return Dual(-self.value, None if self.tangent is None else -self.tangent, self.level)
 
     def __sub__(self, other: Any) -> Dual:
-        level, (v, t), (w, s) = split(self, other)
-        return Dual(v - w, minus(t, s), level)
+        level, (v, t), (w, s) = raise_levels(self, other)
+        return Dual(v - w, subtract_tangents(t, s), level)
 
     def __rsub__(self, other: Any) -> Dual:
-        level, (v, t), (w, s) = split(self, other)
-        return Dual(w - v, minus(s, t), level)
+        level, (v, t), (w, s) = raise_levels(self, other)
+        return Dual(w - v, subtract_tangents(s, t), level)
 
     def __mul__(self, other: Any) -> Dual:
-        level, (v, t), (w, s) = split(self, other)
-        return Dual(v * w, plus(times(t, w), times(s, v)), level)
+        level, (v, t), (w, s) = raise_levels(self, other)
+        return Dual(v * w, add_tangents(scale_tangent(t, w), scale_tangent(s, v)), level)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Dual:
-        level, top, bottom = split(self, other)
-        return quotient(top, bottom, level)
+        level, top, bottom = raise_levels(self, other)
+        return divide_duals(top, bottom, level)
 
     def __rtruediv__(self, other: Any) -> Dual:
-        level, bottom, top = split(self, other)
-        return quotient(top, bottom, level)
+        level, bottom, top = raise_levels(self, other)
+        return divide_duals(top, bottom, level)
 
     def __lt__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = split(self, other)
+        _, (v, _), (w, _) = raise_levels(self, other)
         return v < w
 
     def __le__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = split(self, other)
+        _, (v, _), (w, _) = raise_levels(self, other)
         return v <= w
 
     def __gt__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = split(self, other)
+        _, (v, _), (w, _) = raise_levels(self, other)
         return v > w
 
     def __ge__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = split(self, other)
+        _, (v, _), (w, _) = raise_levels(self, other)
         return v >= w
 
 
-def parts(x: Any, level: int) -> Pair:
+def split_dual(x: Any, level: int) -> Pair:
     """Value and tangent of a number as seen at a level."""
     if isinstance(x, Dual) and x.level == level:
         return x.value, x.tangent
     return x, None
 
 
-def split(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
+def raise_levels(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
     """The higher level of two numbers, and both as seen at it."""
     level = max(a.level, b.level) if isinstance(b, Dual) else a.level
-    return level, parts(a, level), parts(b, level)
+    return level, split_dual(a, level), split_dual(b, level)
 
 
-def plus(a: Tangent, b: Tangent) -> Tangent:
+def add_tangents(a: Tangent, b: Tangent) -> Tangent:
     """Sum of two tangents."""
     if a is None or b is None:
         return b if a is None else a
     return a + b
 
 
-def minus(a: Tangent, b: Tangent) -> Tangent:
+def subtract_tangents(a: Tangent, b: Tangent) -> Tangent:
     """Difference of two tangents."""
     if b is None:
         return a
     return -b if a is None else a - b
 
 
-def times(a: Tangent, factor: Any) -> Tangent:
+def scale_tangent(a: Tangent, factor: Any) -> Tangent:
     """A tangent times a value."""
     return None if a is None else a * factor
 
 
-def quotient(top: Pair, bottom: Pair, level: int) -> Dual:
+def divide_duals(top: Pair, bottom: Pair, level: int) -> Dual:
     """Division of two (value, tangent) pairs."""
     ratio = top[0] / bottom[0]
-    change = minus(top[1], times(bottom[1], ratio))
+    change = subtract_tangents(top[1], scale_tangent(bottom[1], ratio))
     return Dual(ratio, None if change is None else change / bottom[0], level)
 
 
@@ -137,7 +137,7 @@ class DualNamespace:
 
     def parts(self, x: Any) -> Pair:
         """Value and tangent at this namespace's level."""
-        return parts(x, self.level)
+        return split_dual(x, self.level)
 
     def pair(self, value: Any, tangent: Tangent) -> Any:
         """A dual number, or the bare value if it is constant."""
@@ -211,7 +211,7 @@ class DualNamespace:
         safe = self.base.where(v > 0.0, v, 1.0)
         by_base = None if t is None else t * (e * value / safe)
         by_exponent = None if s is None else s * (value * self.base.log(safe))
-        return self.pair(value, plus(by_base, by_exponent))
+        return self.pair(value, add_tangents(by_base, by_exponent))
 
     def sin(self, x: Any) -> Any:
         """Sine."""
@@ -254,7 +254,9 @@ class DualNamespace:
         self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
     ) -> tuple[Sequence[Any], ...]:
         """Columns of values and tangents through the base's loop."""
-        split_columns = [_unzip([self.parts(item) for item in column]) for column in columns]
+        split_columns = [
+            _separate_pairs([self.parts(item) for item in column]) for column in columns
+        ]
         moving = [tangents is not None for _, tangents in split_columns]
         flat = [part for pair in split_columns for part in pair if part is not None]
         shape: list[bool] = []
@@ -314,7 +316,7 @@ class DualNamespace:
         return self.base.detach(self.parts(x)[0])
 
 
-def _unzip(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
+def _separate_pairs(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
     """Values, and tangents (0 where constant) if there are any."""
     values = [value for value, _ in pairs]
     if all(tangent is None for _, tangent in pairs):
@@ -339,7 +341,7 @@ def values_and_slopes(
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]
 
 
-def jacobian(
+def compute_jacobian(
     xp: Namespace,
     function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]],
     at: Sequence[Scalar],

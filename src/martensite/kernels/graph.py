@@ -36,7 +36,7 @@ COMMUTATIVE = ("add", "mul", "both", "either")
 """Operations whose two arguments may change places without a change of a single bit."""
 
 
-def _divide(a: float, b: float) -> float:
+def _divide_numbers(a: float, b: float) -> float:
     return a / b
 
 
@@ -44,7 +44,7 @@ _FOLD: dict[str, Any] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
-    "div": _divide,
+    "div": _divide_numbers,
     "neg": operator.neg,
     "lt": operator.lt,
     "le": operator.le,
@@ -272,7 +272,7 @@ class Graph:
             fold = _FOLD.get(operation) or getattr(floats, operation)
             return self.constant(fold(*known))
         if operation in ("add", "sub", "mul", "div"):
-            simple = _identities(operation, nodes, known)
+            simple = _apply_identities(operation, nodes, known)
             return self._signs(operation, nodes, known) if simple is None else simple
         if operation == "solved" and known[0] is not None:
             return nodes[0]
@@ -304,7 +304,7 @@ class Graph:
         return nodes[1] if nodes[1].index == nodes[2].index else None
 
 
-def _identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
+def _apply_identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
     """Rules that are exact in floating point for finite numbers."""
     a, b = nodes
     if operation == "add":
@@ -332,25 +332,25 @@ class Expr(TracedNumber):
         self.index = index
 
     def __add__(self, other: Any) -> Any:
-        return _operate("add", self, other, "__radd__")
+        return _apply_operation("add", self, other, "__radd__")
 
     def __radd__(self, other: Any) -> Expr:
         return self.graph.apply("add", other, self)
 
     def __sub__(self, other: Any) -> Any:
-        return _operate("sub", self, other, "__rsub__")
+        return _apply_operation("sub", self, other, "__rsub__")
 
     def __rsub__(self, other: Any) -> Expr:
         return self.graph.apply("sub", other, self)
 
     def __mul__(self, other: Any) -> Any:
-        return _operate("mul", self, other, "__rmul__")
+        return _apply_operation("mul", self, other, "__rmul__")
 
     def __rmul__(self, other: Any) -> Expr:
         return self.graph.apply("mul", other, self)
 
     def __truediv__(self, other: Any) -> Any:
-        return _operate("div", self, other, "__rtruediv__")
+        return _apply_operation("div", self, other, "__rtruediv__")
 
     def __rtruediv__(self, other: Any) -> Expr:
         return self.graph.apply("div", other, self)
@@ -359,19 +359,19 @@ class Expr(TracedNumber):
         return self.graph.apply("neg", self)
 
     def __lt__(self, other: Any) -> Any:
-        return _operate("lt", self, other, "__gt__")
+        return _apply_operation("lt", self, other, "__gt__")
 
     def __le__(self, other: Any) -> Any:
-        return _operate("le", self, other, "__ge__")
+        return _apply_operation("le", self, other, "__ge__")
 
     def __gt__(self, other: Any) -> Any:
-        return _operate("gt", self, other, "__lt__")
+        return _apply_operation("gt", self, other, "__lt__")
 
     def __ge__(self, other: Any) -> Any:
-        return _operate("ge", self, other, "__le__")
+        return _apply_operation("ge", self, other, "__le__")
 
 
-def _operate(operation: str, a: Expr, b: Any, reflected: str) -> Any:
+def _apply_operation(operation: str, a: Expr, b: Any, reflected: str) -> Any:
     """Apply, unless the other side is richer (a dual number, an array): then let it answer."""
     if isinstance(b, Expr | float | int):
         return a.graph.apply(operation, a, b)

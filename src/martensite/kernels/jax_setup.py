@@ -21,7 +21,7 @@ class JaxNamespace(ArrayNamespace):
     """The kernel operations over JAX arrays, and the configured `jax` itself."""
 
     def __init__(self, jax: Any) -> None:
-        detach, solved = jax.lax.stop_gradient, _solved(jax)
+        detach, solved = jax.lax.stop_gradient, _make_implicit_root(jax)
         super().__init__(
             jax.numpy, detach=detach, repeat=self.loop, solved=solved, iterate=self.until
         )
@@ -73,7 +73,7 @@ class JaxNamespace(ArrayNamespace):
         return [self.np.broadcast_to(v, shape).astype(m.dtype) for v, m, shape in rows]
 
 
-def _solved(jax: Any) -> Any:
+def _make_implicit_root(jax: Any) -> Any:
     """A function (root, newton) whose value is the root and whose slopes are those of `newton`."""
 
     def solved(root: Any, newton: Any) -> Any:
@@ -122,7 +122,7 @@ def jax_namespace() -> JaxNamespace:
     return JaxNamespace(jax)
 
 
-def storing(xp: JaxNamespace, one: Any) -> ArrayNamespace:
+def make_storing_namespace(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     """The namespace whose `store` divides by a number `one` the compiler does not know.
 
     XLA repeats cheap arithmetic wherever a value is used, but never a division: this keeps

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from types import FrameType
 
-from martensite.base.errors import KernelError, UnknownOperationError, suggestion
+from martensite.base.errors import KernelError, UnknownOperationError, suggest_name
 from martensite.kernels.namespace import OPERATIONS
 
 _FUNCTIONS = ("abs", "cos", "exp", "log", "maximum", "minimum", "nearest", "power", "sin", "sqrt")
@@ -56,7 +56,7 @@ def make_kernel_error(reason: str, instead: str = "", called: str = "") -> Kerne
 def make_operation_error(name: str) -> UnknownOperationError:
     """An error about an operation that kernels have not."""
     place, _ = _find_place()
-    valid = suggestion(name, [_SAME[name]] if name in _SAME else OPERATIONS)
+    valid = suggest_name(name, [_SAME[name]] if name in _SAME else OPERATIONS)
     return UnknownOperationError(f"Kernels have no operation `{name}`, used in {place}. {valid}")
 
 

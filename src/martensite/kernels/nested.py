@@ -25,14 +25,14 @@ class Shape:
         return next(numbers)
 
 
-def flatten(nested: Any) -> list[Any]:
+def flatten_numbers(nested: Any) -> list[Any]:
     """All numbers of nested tuples, in order."""
     if isinstance(nested, tuple):
-        return [number for item in nested for number in flatten(item)]  # type: ignore[misc]
+        return [number for item in nested for number in flatten_numbers(item)]  # type: ignore[misc]
     return [nested]
 
 
-def total(column: Sequence[Scalar]) -> Scalar:
+def sum_column(column: Sequence[Scalar]) -> Scalar:
     """Sum of the numbers of a column."""
     result = column[0]
     for number in column[1:]:
@@ -40,7 +40,7 @@ def total(column: Sequence[Scalar]) -> Scalar:
     return result
 
 
-def largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
+def find_largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
     """The largest number of a column."""
     result = column[0]
     for number in column[1:]:

@@ -16,7 +16,7 @@ R = TypeVar("R")
 _LOCK = RLock()
 
 
-def once(maxsize: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
+def cache_answers(maxsize: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A decorator: keep the last `maxsize` answers; others wait while one is being made."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:

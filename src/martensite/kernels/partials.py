@@ -92,7 +92,7 @@ class _Partials(DualNamespace):
         return tuple(zip(*results, strict=True))
 
 
-def partials(
+def compute_partials(
     xp: GraphNamespace,
     kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
     variables: Sequence[Expr],
@@ -104,9 +104,9 @@ def partials(
     moving = [duals.pair(v, _Sparse({i: one})) for i, v in enumerate(variables)]
     pairs = [duals.parts(result) for result in kernel(duals, moving)]
     values = [v if isinstance(v, Expr) else xp.graph.constant(v) for v, _ in pairs]
-    return values, [{} if t is None else _entries(xp, t) for _, t in pairs]
+    return values, [{} if t is None else _list_entries(xp, t) for _, t in pairs]
 
 
-def _entries(xp: GraphNamespace, tangent: _Sparse) -> Row:
+def _list_entries(xp: GraphNamespace, tangent: _Sparse) -> Row:
     made = {i: s if isinstance(s, Expr) else xp.graph.constant(s) for i, s in tangent.row.items()}
     return {i: s for i, s in made.items() if xp.graph.value_of(s) != 0.0}

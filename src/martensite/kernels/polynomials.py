@@ -43,7 +43,7 @@ ERFCX = [
 ]
 
 
-def estrin(
+def evaluate_estrin(
     coefficients: list[float],
     times: str = "{} * {}",
     plus: str = "({} + {})",

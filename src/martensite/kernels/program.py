@@ -91,11 +91,11 @@ class Program:
     @cached_property
     def bind_floats(self) -> Callable[..., Mapping[str, Callable[..., tuple[float, ...]]]]:
         """`bind_floats(*parameters)` returns the functions as plain Python over floats."""
-        return _compiled(self._source(FLOAT_DIALECT), dict(FLOAT_GLOBALS))
+        return _compile_source(self._source(FLOAT_DIALECT), dict(FLOAT_GLOBALS))
 
     def bind_arrays(self, xp: ArrayNamespace, values: Sequence[Any]) -> Mapping[str, Any]:
         """The functions over arrays of the given module, with the parameters bound."""
-        return _compiled(self._array_source, {"xp": xp})(*values)
+        return _compile_source(self._array_source, {"xp": xp})(*values)
 
     @cached_property
     def _array_source(self) -> str:
@@ -126,6 +126,6 @@ def _function_source(printer: Printer, function: Function) -> list[str]:
     ]
 
 
-def _compiled(source: str, names: dict[str, Any]) -> Any:
+def _compile_source(source: str, names: dict[str, Any]) -> Any:
     exec(compile(source, "<traced kernel>", "exec"), names)
     return names["bind"]

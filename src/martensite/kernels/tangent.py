@@ -32,7 +32,7 @@ def slope_input(name: str) -> str:
     return f"d{name}"
 
 
-def differentiated(
+def differentiate_program(
     program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
 ) -> Program:
     """The functions of a program with their derivatives, over the same graph.

@@ -29,7 +29,7 @@ from martensite.identify.blocks.base import AbstractBlock as AbstractBlock
 from martensite.identify.blocks.base import AbstractStatic as AbstractStatic
 from martensite.kernels import floats as floats
 from martensite.kernels.c99 import c_source as c_source
-from martensite.kernels.dual import jacobian as jacobian
+from martensite.kernels.dual import compute_jacobian as compute_jacobian
 from martensite.kernels.namespace import Namespace as Namespace
 from martensite.kernels.namespace import Scalar as Scalar
 from martensite.kernels.program import Program as Program

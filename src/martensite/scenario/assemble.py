@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, cast
 from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine, System
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
@@ -130,7 +130,7 @@ class Assembly:
             if name not in ports:
                 raise ParameterError(
                     f"[{GROUP}.{name}]: `{mechanism.registered_name}` has no port of that name. "
-                    f"{suggestion(name, ports)}"
+                    f"{suggest_name(name, ports)}"
                 )
         members: dict[str, Actuator] = {}
         for port in ports:
@@ -176,7 +176,7 @@ class Assembly:
             if name not in units:
                 raise ParameterError(
                     f"[{SIGNALS}.{name}]: `{mechanism.registered_name}` has no signal of that "
-                    f"name. {suggestion(name, units)}"
+                    f"name. {suggest_name(name, units)}"
                 )
             path = f"{SIGNALS}.{name}"
             self.waveforms[name] = self._waveform({"waveform": table}, units[name], path, name)
@@ -195,7 +195,7 @@ class Assembly:
     def _waveform(self, drive: Table, unit: str, path: str, name: str) -> AbstractWaveform:
         """The waveform of the drive of a name; one that is recorded has an end."""
         if "waveform" not in drive:
-            kinds = suggestion("", WAVEFORMS.names())
+            kinds = suggest_name("", WAVEFORMS.names())
             raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
         below = path if path.startswith(SIGNALS) else f"{path}.waveform"
         return self.waveform_of(drive["waveform"], unit, below, name)

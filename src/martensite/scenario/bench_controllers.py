@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised
 from martensite.scenario.assemble import section_of
 from martensite.scenario.bench_parts import PartsBuilder, reading_units
@@ -91,7 +91,9 @@ class ControllersBuilder:
             )
         name = name or (list(drives) if len(drives) == 1 else free)[0]
         if name not in drives:
-            raise ParameterError(f"[{path}] There is no drive `{name}`. {suggestion(name, drives)}")
+            raise ParameterError(
+                f"[{path}] There is no drive `{name}`. {suggest_name(name, drives)}"
+            )
         if name in waved:
             raise ParameterError(
                 f"[{path}] has the drive `{name}`, which has a waveform as well; leave one out."

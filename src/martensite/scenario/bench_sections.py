@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised, option, param
 from martensite.kernels.namespace import Scalar
 from martensite.scenario.assemble import Assembly, section_of
@@ -151,7 +151,7 @@ def _check_references(document: Table, found: Mapping[str, AbstractController]) 
     if idle is not None:
         raise ParameterError(
             f"[references.{idle}] has no effect, since there is no [controllers.{idle}]. "
-            f"{suggestion(idle, [] if single else found)}"
+            f"{suggest_name(idle, [] if single else found)}"
         )
     if "reference" in document and not single:
         raise ParameterError(

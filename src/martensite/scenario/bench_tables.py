@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from copy import deepcopy
 from typing import Any, cast
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.scenario.assemble import section_of
@@ -45,7 +45,7 @@ def kind_of(registry: Registry[Any], table: Table, path: str) -> type[Parametris
         InputError: it names no kind, or none that there is.
     """
     if "kind" not in table:
-        raise ParameterError(f"[{path}] needs `kind`. {suggestion('', registry.names())}")
+        raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
     return chosen(registry, table, path)
 
 

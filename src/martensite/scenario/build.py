@@ -16,7 +16,7 @@ from typing import Any, cast
 
 from martensite.actuators.elements.from_material import ASSUMED_KINDS
 from martensite.base import units
-from martensite.base.errors import InputError, ParameterError, UnitError, suggestion
+from martensite.base.errors import InputError, ParameterError, UnitError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import Material
@@ -53,7 +53,7 @@ class Builder:
         """Build the component of `registry` that the table (or bare kind) describes."""
         full = as_table(table, path)
         if "kind" not in full:
-            raise ParameterError(f"[{path}] needs `kind`. {suggestion('', registry.names())}")
+            raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
         return self.build(chosen(registry, full, path), full, path, draws=draws)
 
     def build(
@@ -132,7 +132,7 @@ class Builder:
         elif isinstance(declared.default, Parametrised):
             full = {"kind": declared.default.registered_name, **full}
         if "kind" not in full:
-            valid = suggestion("", declared.registry.names())
+            valid = suggest_name("", declared.registry.names())
             raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
         return chosen(declared.registry, full, f"{path}.{name}"), full
 
@@ -161,7 +161,7 @@ class Builder:
             valid = (
                 f"Write a table [{path}.{name}]."
                 if known is None
-                else suggestion("", known.names())
+                else suggest_name("", known.names())
             )
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
@@ -204,7 +204,7 @@ class Builder:
                     f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
                 )
         raise ParameterError(
-            f"[{path}] `{_name(cls)}` has no `{unknown}`. {suggestion(unknown, valid)}"
+            f"[{path}] `{_name(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}"
         )
 
     def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
@@ -232,7 +232,7 @@ def _plain(value: Any, name: str, unit: str, path: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
     if unit != "1":
-        label = units.readable(unit)
+        label = units.choose_readable_unit(unit)
         raise UnitError(
             f"[{path}] `{name}` is {value} without a unit; "
             f'write for example `{name} = "{value} {label}"`.'
@@ -271,7 +271,7 @@ def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> Non
     names = list(valid)
     unknown = next((key for key in keys if key not in names), None)
     if unknown is not None:
-        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, names)}")
+        raise ParameterError(f"{where} has no `{unknown}`. {suggest_name(unknown, names)}")
 
 
 @contextmanager

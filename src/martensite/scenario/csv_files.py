@@ -11,7 +11,7 @@ import csv
 import os
 from pathlib import Path
 
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.simulate.result import Result
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -24,7 +24,7 @@ def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
         DataError: the file cannot be written.
     """
     headings = [heading("time", "s"), *(heading(n, result.unit(n)) for n in result.columns)]
-    with replacing(Path(path)) as part, part.open("w", newline="", encoding="utf-8") as file:
+    with replace_file(Path(path)) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(headings)
         writer.writerows(zip(result.times, *result.columns.values(), strict=True))

@@ -19,7 +19,7 @@ from urllib.error import HTTPError
 from urllib.request import urlopen
 
 from martensite.base.errors import DataError, UnknownNameError
-from martensite.base.files import cache_folder, replacing
+from martensite.base.files import cache_folder, replace_file
 from martensite.scenario.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
@@ -222,5 +222,5 @@ def _store(path: Path, content: bytes) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DataError(f"Cannot make the folder `{path.parent}`: {error.strerror}.") from None
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_bytes(content)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from martensite.base import units
-from martensite.base.units import familiar
+from martensite.base.units import choose_familiar_unit
 
 
 def exact_text(value: float, unit: str, digits: int | None = None) -> str:
@@ -16,7 +16,7 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
         unit: its SI unit.
         digits: significant digits in the unit that is written; as many as it takes if left out.
     """
-    spelling = familiar(value, unit)
+    spelling = choose_familiar_unit(value, unit)
     if digits is not None:
         return _text(f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling)
     near = units.from_si(value, spelling, unit)
@@ -24,19 +24,19 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
     beside = (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
     for number in (*short, *beside):
         text = _text(repr(number), spelling)
-        if units.parse(text, unit) == value:
+        if units.parse_quantity(text, unit) == value:
             return text
     return _text(repr(value), unit)
 
 
 def shown(value: float, unit: str, digits: int = 4) -> str:
     """A quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
-    return shown_in(value, unit, familiar(value, unit), digits)
+    return shown_in(value, unit, choose_familiar_unit(value, unit), digits)
 
 
 def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
     """Two quantities in one unit: `62.5 to 63.9 degC`."""
-    spelling = familiar(max(map(abs, ends)), unit)
+    spelling = choose_familiar_unit(max(map(abs, ends)), unit)
     low, high = (shown_in(end, unit, spelling, digits) for end in ends)
     return high if low == high else f"{low.removesuffix(f' {spelling}')} to {high}"
 

@@ -123,7 +123,9 @@ def usual_units(name: str) -> list[str]:
     if wanted is None:
         return []
     fitting = [s for s in SPELLINGS if _fits(s, wanted)]
-    first = "%" if name == "strain" else "V" if wanted == DRIVE else units.readable(wanted)
+    first = (
+        "%" if name == "strain" else "V" if wanted == DRIVE else units.choose_readable_unit(wanted)
+    )
     clock = [CLOCK] if name == "time" else []
     return [*sorted(fitting, key=lambda s: s != first), *clock]
 
@@ -185,7 +187,7 @@ def _fits(spelling: str, wanted: str) -> bool:
     options = ("V", "A", "W", "K") if wanted == DRIVE else (wanted,)
     for unit in options:
         try:
-            units.conversion(spelling, unit)
+            units.find_conversion(spelling, unit)
         except UnitError:
             continue
         return True

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material, load_material, material_names
@@ -88,7 +88,7 @@ def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, 
             valid = {p for name in tables for p in LAWS[name].declarations}
             raise ParameterError(
                 f"The setting `{key}` reaches none of the laws. "
-                f"{suggestion(key.rpartition('.')[2], valid)}"
+                f"{suggest_name(key.rpartition('.')[2], valid)}"
             )
 
 

@@ -151,4 +151,4 @@ def _misfit(spelling: str, unit: str) -> str:
 
 
 def _usual(unit: str | None) -> str:
-    return "V" if unit in (None, DRIVE) else units.readable(unit)
+    return "V" if unit in (None, DRIVE) else units.choose_readable_unit(unit)

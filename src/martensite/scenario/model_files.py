@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from martensite.base.errors import DataError, InputError, MartensiteError, suggestion
-from martensite.base.files import replacing
+from martensite.base.errors import DataError, InputError, MartensiteError, suggest_name
+from martensite.base.files import replace_file
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import fit_percent, rms
@@ -53,7 +53,7 @@ def write_model(
     if path.suffix.lower() != ".json":
         raise DataError(f"A model file ends in .json, but this is `{path}`.")
     text = model_text(chain, provenance)
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
@@ -172,7 +172,7 @@ def _document(path: Path) -> dict[str, Any]:
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob("*.json"))[:10]]
         raise DataError(
-            f"There is no model file `{path}`. {suggestion(path.name, beside)}"
+            f"There is no model file `{path}`. {suggest_name(path.name, beside)}"
         ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the model file `{path}`: {error}.") from None

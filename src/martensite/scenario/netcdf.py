@@ -24,7 +24,7 @@ import numpy as np
 
 from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.physics.materials.base import Material
 from martensite.simulate.result import Result, Variants
 
@@ -131,7 +131,7 @@ def save(
     import h5netcdf
 
     description = describe(result, scenario_text, material, citations)
-    with replacing(Path(path)) as part, h5netcdf.File(part, "w") as file:
+    with replace_file(Path(path)) as part, h5netcdf.File(part, "w") as file:
         file.attrs.update(description.attributes)
         for variable in description.variables:
             for name, size in zip(variable.dims, variable.data.shape, strict=True):

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from martensite.base import units
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.simulate.point import PointResult
 
 COLUMNS = {
@@ -38,5 +38,5 @@ def write_points(results: Sequence[PointResult], path: Path) -> None:
         for row in zip(*columns, strict=True):
             cells = [f"{value:.9g}" for value in row]
             lines.append(",".join([str(i), *cells] if several else cells))
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")

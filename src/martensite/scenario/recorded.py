@@ -166,7 +166,7 @@ def _quantity(value: Any, name: str, unit: str, path: str) -> float:
         )
     with section(path):
         try:
-            return units.parse(value, unit)
+            return units.parse_quantity(value, unit)
         except UnitError as error:
             raise UnitError(f"`{name}`: {error}") from None
 

@@ -65,7 +65,7 @@ def run(
         what = load(what)
     if not isinstance(what, Scenario | AbstractSystem):
         raise TypeError("neither a scenario nor a system")
-    seconds = units.parse(duration, "s") if isinstance(duration, str) else duration
+    seconds = units.parse_quantity(duration, "s") if isinstance(duration, str) else duration
     scenario = _arrange(what, drive, seconds)
     changed = {"tolerance": tolerance, "samples": samples}
     given = {name: value for name, value in changed.items() if value is not None}

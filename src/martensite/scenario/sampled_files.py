@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base import units as unit_table
-from martensite.base.errors import DataError, InputError, suggestion
-from martensite.base.files import replacing
+from martensite.base.errors import DataError, InputError, suggest_name
+from martensite.base.files import replace_file
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record, out_of_order
@@ -102,7 +102,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
     lines = [",".join(f"{name} [{spelled.get(name, '1')}]" for name in names)]
     table = np.column_stack([record.times, record.inputs, record.outputs])
     lines += [",".join("" if math.isnan(v) else f"{v:.9g}" for v in row) for row in table]
-    with replacing(Path(path)) as part:
+    with replace_file(Path(path)) as part:
         part.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
@@ -135,14 +135,14 @@ def _table(
     spelled: dict[str, str] = {}
     for name in wanted:
         if name not in plain:
-            raise DataError(f"`{path.name}` has no column `{name}`. {suggestion(name, plain)}")
+            raise DataError(f"`{path.name}` has no column `{name}`. {suggest_name(name, plain)}")
         heading = plain[name]
         unit = units.get(name, "s" if name == "time" else "")
         headed = heading if "[" in heading or not unit else f"{heading} [{unit}]"
         (column,) = read_headings([headed], f"`{path.name}`")
         if column.spelling in (CLOCK, IGNORED):
             raise DataError(f"`{path.name}`: column `{name}` must hold numbers.")
-        factor, offset = unit_table.conversion(column.spelling, column.unit)
+        factor, offset = unit_table.find_conversion(column.spelling, column.unit)
         columns[name] = [float(value) * factor + offset for value in found[heading]]
         spelled[name] = column.unit
     return _timed(path, columns, spelled, interval)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Declared, Parametrised
 from martensite.signals.base import DRIVE
 
@@ -45,7 +45,7 @@ class Scales:
         if unknown is None:
             raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
         raise ParameterError(
-            f"There is no reading `{unknown}`. {suggestion(unknown, self.readings)}"
+            f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}"
         )
 
     def known(self, declared: Declared) -> str | None:
@@ -61,7 +61,7 @@ class Scales:
 
     def label(self, declared: Declared) -> str:
         """The unit in which a person would rather read it; nothing if there is or is known none."""
-        unit = units.readable(self.known(declared) or "1")
+        unit = units.choose_readable_unit(self.known(declared) or "1")
         return "" if unit == "1" else unit
 
 

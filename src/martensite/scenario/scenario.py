@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
 from martensite.kernels.namespace import Scalar
@@ -192,7 +192,7 @@ def load(
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
         raise DataError(
-            f"There is no scenario file `{path}`. {suggestion(path.name, beside)}"
+            f"There is no scenario file `{path}`. {suggest_name(path.name, beside)}"
         ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None

@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from martensite.base import units
-from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.scenario.layout import CLOCK, IGNORED, Column, Layout, read_headings
 from martensite.scenario.sheets import (
     SEPARATORS,
@@ -64,7 +64,7 @@ def read_table(
     if interval is not None and not 0.0 < interval < math.inf:
         raise ParameterError(f"Argument `interval` must be above 0 s, but is {interval} s.")
     if separator not in ("auto", *SEPARATORS):
-        valid = suggestion(separator, ("auto", *SEPARATORS))
+        valid = suggest_name(separator, ("auto", *SEPARATORS))
         raise ParameterError(f"Argument `separator` is `{separator}`. {valid}")
     path, layout, name = _origin(source)
     if columns is not None:

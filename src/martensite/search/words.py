@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.base.units import conversion, from_si, readable
+from martensite.base.units import choose_readable_unit, find_conversion, from_si
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -15,7 +15,7 @@ def number(value: float, digits: int = 4) -> str:
 
 def quantity(value: float, unit: str) -> str:
     """A value given in the SI `unit`: `47.5 degC`."""
-    spelling = readable(unit)
+    spelling = choose_readable_unit(unit)
     return _with_unit(from_si(value, spelling, unit), spelling)
 
 
@@ -27,8 +27,8 @@ def change(amount: float, unit: str, digits: int = 4) -> str:
 
 def difference(unit: str) -> tuple[float, str]:
     """Factor to the SI `unit`, and name, of the unit in which a difference is read."""
-    factor, offset = conversion(readable(unit), unit)
-    return (1.0, unit) if offset else (factor, readable(unit))
+    factor, offset = find_conversion(choose_readable_unit(unit), unit)
+    return (1.0, unit) if offset else (factor, choose_readable_unit(unit))
 
 
 def quotient(above: str, below: str) -> str:

@@ -5,10 +5,10 @@ from martensite.signals.pwm import PulseWidthModulation as PulseWidthModulation
 from martensite.signals.ramp import Ramp as Ramp
 from martensite.signals.records import Record as Record
 from martensite.signals.records import table_waveform as table_waveform
-from martensite.signals.sampling.resampling import resampled as resampled
-from martensite.signals.sampling.resampling import split as split
+from martensite.signals.sampling.resampling import resample_record as resample_record
+from martensite.signals.sampling.resampling import split_record as split_record
 from martensite.signals.sampling.sampled import Sampled as Sampled
-from martensite.signals.sampling.trends import detrended as detrended
+from martensite.signals.sampling.trends import remove_trend as remove_trend
 from martensite.signals.sine import Sine as Sine
 from martensite.signals.staircase import Staircase as Staircase
 from martensite.signals.step import Step as Step

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
-from martensite.signals.moments import Moments, Segment, Shape, Tone, parabolas
+from martensite.signals.moments import Moments, Segment, Shape, Tone, fit_parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
 DRIVE = "drive"
@@ -77,7 +77,7 @@ class AbstractWaveform(AbstractDrive):
             cuts = [first, *(edge for edge in self.edges(last) if edge > first), last]
             for one, next_one in pairwise(cuts):
                 if next_one > begin:
-                    yield from parabolas(self.value, one, next_one)
+                    yield from fit_parabolas(self.value, one, next_one)
             first, last = last, 2.0 * last
 
     def tones(self) -> tuple[Tone, ...]:

@@ -17,7 +17,7 @@ from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.pulses import AbstractPulses
 
 
-def pulse(duty: float, shortest: float) -> float:
+def limit_duty(duty: float, shortest: float) -> float:
     """Share of a period that is on, for a duty and a `shortest` pulse as a share of the period."""
     duty = min(max(duty, 0.0), 1.0)
     if duty < shortest:
@@ -53,7 +53,7 @@ class Carrier(AbstractPulses):
 
     def share(self, k: int) -> float:
         """The duty at the start of period k, as the switch can make it."""
-        return pulse(self.duty.value(self._start(k)), self.shortest * self.frequency)
+        return limit_duty(self.duty.value(self._start(k)), self.shortest * self.frequency)
 
     def value(self, time: float) -> float:
         """1 while on, else 0; the new one at a jump itself."""

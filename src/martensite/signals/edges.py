@@ -15,7 +15,7 @@ from martensite.base.errors import ParameterError
 MOST_EDGES = 5_000_000
 
 
-def inside(times: Iterable[float], duration: float) -> list[float]:
+def select_inside(times: Iterable[float], duration: float) -> list[float]:
     """Of ascending times, those in (0, duration), each once [s]."""
     kept: list[float] = []
     last = 0.0
@@ -35,7 +35,7 @@ def require_countable(owner: str, edges: float, duration: float) -> None:
         )
 
 
-def interval(time: float, guess: float, start: Callable[[int], float]) -> int:
+def find_interval(time: float, guess: float, start: Callable[[int], float]) -> int:
     """The number k with start(k) ≤ time < start(k + 1), looked for next to a guess of it."""
     k = int(guess)
     while start(k + 1) <= time:
@@ -45,7 +45,7 @@ def interval(time: float, guess: float, start: Callable[[int], float]) -> int:
     return k
 
 
-def blend(first: float, last: float, share: float) -> float:
+def blend_levels(first: float, last: float, share: float) -> float:
     """The level at a share of the way from `first` to `last`, never outside the two."""
     if share <= 0.0:
         return first
@@ -55,7 +55,7 @@ def blend(first: float, last: float, share: float) -> float:
     return min(max(first + share * (last - first), low), high)
 
 
-def blends(first: Any, last: Any, share: Any) -> Any:
+def blend_arrays(first: Any, last: Any, share: Any) -> Any:
     """`blend` over arrays: the same numbers."""
     import numpy as np
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from martensite.base.parameters import param, part
 from martensite.signals.base import AbstractWaveform
-from martensite.signals.edges import inside, interval
+from martensite.signals.edges import find_interval, select_inside
 from martensite.signals.moments import Segment
 
 
@@ -22,7 +22,7 @@ class Held(AbstractWaveform):
 
     def edges(self, duration: float) -> list[float]:
         """Starts of the periods in (0, duration) [s]."""
-        return inside((self._start(k) for k in range(1, len(self.values))), duration)
+        return select_inside((self._start(k) for k in range(1, len(self.values))), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """One for each value."""
@@ -31,7 +31,7 @@ class Held(AbstractWaveform):
 
     def _period(self, time: float) -> int:
         """Number of the value at `time` [s]."""
-        k = interval(time, time * self.frequency, self._start)
+        k = find_interval(time, time * self.frequency, self._start)
         return min(max(k, 0), len(self.values) - 1)
 
     def _start(self, k: int) -> float:

@@ -101,19 +101,19 @@ class Shape(NamedTuple):
 
     def value(self, time: float) -> float:
         """The signal at `time` [s]; right-continuous at jumps."""
-        at = max(0, bisect_right(self.segments, time, key=_start) - 1)
+        at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
         return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
 
     def before(self, time: float) -> float:
         """The signal just before `time` [s]."""
-        at = max(0, bisect_right(self.segments, time, key=_start) - 1)
+        at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
         if at > 0 and not self.segments[at].start < time:
             at -= 1
         return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
 
     def moments(self, begin: float, end: float) -> Moments:
         """Moments over [begin, end] [s]."""
-        at = max(0, bisect_right(self.segments, begin, key=_start) - 1)
+        at = max(0, bisect_right(self.segments, begin, key=_get_start) - 1)
         swings = [_Swing(tone, begin, end) for tone in self.tones]
         found, left = _Sum(begin, end, swings), begin
         for segment, after in zip(
@@ -173,7 +173,7 @@ class _Sum:
     def add(self, segment: Segment, left: float, right: float) -> None:
         """A piece of the interval."""
         half, aside = 0.5 * (right - left), 0.5 * (left + right) - self.middle
-        d0, d1, d2 = _centred(segment, left + half)
+        d0, d1, d2 = _center_parabola(segment, left + half)
         share, two = 2.0 * half / self.length, half * half
         third, fifth = two / 3.0, two * two / 5.0
         mean, square = d0 + d2 * third, d0 * d0 + (d1 * d1 + 2.0 * d0 * d2) * third
@@ -182,7 +182,9 @@ class _Sum:
         self.square += share * square
         self.lean += share * (aside * mean + d1 * third)
         self.square_lean += share * (aside * square + 2.0 * d1 * (d0 * third + d2 * fifth))
-        self.cross += share * sum(_product(s.tone, left, right, d0, d1, d2) for s in self.swings)
+        self.cross += share * sum(
+            _average_product(s.tone, left, right, d0, d1, d2) for s in self.swings
+        )
         reach, curve = abs(d1) * half, d2 * two
         self.low = min(self.low, d0 - reach + min(curve, 0.0))
         self.high = max(self.high, d0 + reach + max(curve, 0.0))
@@ -198,7 +200,7 @@ class _Sum:
             mean, slope = mean + swing.mean, slope + per * swing.lean
         if swings:  # that of the square as if both were straight
             second += 2.0 * (mean * slope - self.mean * per * self.lean)
-        square = self.square + 2.0 * self.cross + _beats(swings)
+        square = self.square + 2.0 * self.cross + _average_beats(swings)
         return Moments(mean, square, low, high, lapse, slope, second)
 
     def _lapse(self, size: float, slope: float, second: float) -> float:
@@ -227,14 +229,14 @@ class _Swing:
         self.reach = tone.rate * half
         size = abs(tone.amplitude)
         at, steep = tone.amplitude * math.cos(self.angle), size * abs(math.sin(self.angle))
-        self.mean = at * sinc(self.reach)
-        self.lean = -tone.amplitude * math.sin(self.angle) * half * leaning(self.reach)
+        self.mean = at * compute_sinc(self.reach)
+        self.lean = -tone.amplitude * math.sin(self.angle) * half * compute_leaning_mean(self.reach)
         spread = steep * self.reach + 0.5 * size * self.reach * self.reach
         self.low, self.high = max(-size, at - spread), min(size, at + spread)
         self.lapse = size / tone.rate if self.reach > RESOLVED else 0.0
 
 
-def sinc(x: float) -> float:
+def compute_sinc(x: float) -> float:
     """sin x / x."""
     if abs(x) < SERIES:
         z = x * x
@@ -242,7 +244,7 @@ def sinc(x: float) -> float:
     return math.sin(x) / x
 
 
-def leaning(x: float) -> float:
+def compute_leaning_mean(x: float) -> float:
     """(sin x / x - cos x)/x: the mean of s sin xs over s between -1 and 1."""
     if abs(x) < SERIES:
         z = x * x
@@ -250,7 +252,7 @@ def leaning(x: float) -> float:
     return (math.sin(x) / x - math.cos(x)) / x
 
 
-def _centred(segment: Segment, middle: float) -> tuple[float, float, float]:
+def _center_parabola(segment: Segment, middle: float) -> tuple[float, float, float]:
     """A parabola about the middle of an interval."""
     along = middle - segment.start
     return (
@@ -260,11 +262,13 @@ def _centred(segment: Segment, middle: float) -> tuple[float, float, float]:
     )
 
 
-def _product(tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float) -> float:
+def _average_product(
+    tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float
+) -> float:
     """Mean of a parabola times a tone."""
     half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
     angle, x = tone.rate * middle + tone.phase, tone.rate * half
-    s0, s1 = sinc(x), half * leaning(x)
+    s0, s1 = compute_sinc(x), half * compute_leaning_mean(x)
     if abs(x) < SERIES:
         z = x * x
         s2 = half * half * (1.0 / 3.0 - z / 10.0 * (1.0 - 5.0 * z / 84.0 * (1.0 - 7.0 * z / 270.0)))
@@ -273,22 +277,22 @@ def _product(tone: Tone, begin: float, end: float, d0: float, d1: float, d2: flo
     return tone.amplitude * (math.cos(angle) * (d0 * s0 + d2 * s2) - math.sin(angle) * d1 * s1)
 
 
-def _beats(swings: Sequence[_Swing]) -> float:
+def _average_beats(swings: Sequence[_Swing]) -> float:
     """Mean square of the sum of tones."""
     found = 0.0
     for j, a in enumerate(swings):
         for k, b in enumerate(swings[: j + 1]):
-            part = math.cos(a.angle - b.angle) * sinc(a.reach - b.reach)
-            part += math.cos(a.angle + b.angle) * sinc(a.reach + b.reach)
+            part = math.cos(a.angle - b.angle) * compute_sinc(a.reach - b.reach)
+            part += math.cos(a.angle + b.angle) * compute_sinc(a.reach + b.reach)
             found += (0.5 if k == j else 1.0) * a.tone.amplitude * b.tone.amplitude * part
     return found
 
 
-def _start(segment: Segment) -> float:
+def _get_start(segment: Segment) -> float:
     return segment.start
 
 
-def added(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]:
+def add_segments(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]:
     """Segments of a sum of signals, each times a factor, from those of all."""
     here = [next(segments) for _, segments in terms]
     ahead = [next(segments, None) for _, segments in terms]
@@ -296,7 +300,7 @@ def added(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]
     while True:
         level = slope = bend = 0.0
         for (factor, _), segment in zip(terms, here, strict=True):
-            d0, d1, d2 = _centred(segment, start)
+            d0, d1, d2 = _center_parabola(segment, start)
             level, slope, bend = level + factor * d0, slope + factor * d1, bend + factor * d2
         yield Segment(start, level, slope, bend)
         starts = [segment.start for segment in ahead if segment is not None]
@@ -308,7 +312,7 @@ def added(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]
                 here[k], ahead[k] = segment, next(terms[k][1], None)
 
 
-def parabolas(value: Callable[[float], float], first: float, last: float) -> Iterator[Segment]:
+def fit_parabolas(value: Callable[[float], float], first: float, last: float) -> Iterator[Segment]:
     """Parabolas through a signal that is smooth in [first, last), ascending."""
     stack = [(first, last)]
     while stack:

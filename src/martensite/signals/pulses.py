@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from itertools import count
 
 from martensite.signals.base import AbstractWaveform
-from martensite.signals.edges import inside, interval, require_countable
+from martensite.signals.edges import find_interval, require_countable, select_inside
 from martensite.signals.moments import Segment
 
 
@@ -29,19 +29,19 @@ class AbstractPulses(AbstractWaveform):
 
     def is_on(self, time: float) -> bool:
         """Whether a pulse is on at `time` [s]; it is at its start and is not at its end."""
-        return time < self._end(interval(time, time * self.frequency, self._start))
+        return time < self._end(find_interval(time, time * self.frequency, self._start))
 
     def edges(self, duration: float) -> list[float]:
         """Start and end of every pulse in (0, duration) [s]."""
         count = 2.0 * self.frequency * duration
         require_countable(self.registered_name, count, duration)
         periods = range(int(0.5 * count) + 2)
-        return inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
+        return select_inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """A pulse and a gap by turns, as far as they have a length."""
         on, off = self.levels()
-        for k in count(max(interval(begin, begin * self.frequency, self._start), 0)):
+        for k in count(max(find_interval(begin, begin * self.frequency, self._start), 0)):
             start, end, after = self._start(k), self._end(k), self._start(k + 1)
             if end > start:
                 yield Segment(start, on)

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, MANY, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import blend, blends, inside
+from martensite.signals.edges import blend_arrays, blend_levels, select_inside
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
@@ -38,7 +38,7 @@ class Ramp(AbstractWaveform):
 
     def value(self, time: float) -> float:
         """Level at `time` [s]."""
-        return blend(self.low, self.high, (time - self.start) / (self.end - self.start))
+        return blend_levels(self.low, self.high, (time - self.start) / (self.end - self.start))
 
     def signals(self, times: Sequence[float]) -> list[float]:
         """Levels at many times, the same numbers as one by one."""
@@ -47,11 +47,11 @@ class Ramp(AbstractWaveform):
         import numpy as np
 
         shares = (np.array(times) - self.start) / (self.end - self.start)
-        return blends(self.low, self.high, shares).tolist()
+        return blend_arrays(self.low, self.high, shares).tolist()
 
     def edges(self, duration: float) -> list[float]:
         """Beginning and end of the ramp, where they lie in (0, duration) [s]."""
-        return inside((self.start, self.end), duration)
+        return select_inside((self.start, self.end), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Level, rising, level."""

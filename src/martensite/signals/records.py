@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.signals.table import Table
 
 
@@ -50,7 +50,7 @@ class Record:
         """
         if name not in self.columns:
             raise DataError(
-                f"Record `{self.name}` has no column `{name}`. {suggestion(name, self.columns)}"
+                f"Record `{self.name}` has no column `{name}`. {suggest_name(name, self.columns)}"
             )
         return self.columns[name]
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from martensite.base.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import blend, require_order
+from martensite.signals.edges import blend_levels, require_order
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment, Tone
 
@@ -40,7 +40,7 @@ class Sine(AbstractWaveform):
     def value(self, time: float) -> float:
         """Level at `time` [s]."""
         turns = math.fmod(time * self.frequency, 1.0) + _TURNS[self.phase]
-        return blend(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
+        return blend_levels(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Its middle."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import inside, interval
+from martensite.signals.edges import find_interval, select_inside
 from martensite.signals.levels import INCREMENT
 from martensite.signals.moments import Segment
 
@@ -40,7 +40,7 @@ class Staircase(AbstractWaveform):
     def edges(self, duration: float) -> list[float]:
         """All jumps in (0, duration) [s]."""
         jumps = min(self._last, int(duration / self.hold) + 1)
-        return inside((self._start(k) for k in range(1, jumps + 1)), duration)
+        return select_inside((self._start(k) for k in range(1, jumps + 1)), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """One for each level."""
@@ -49,7 +49,7 @@ class Staircase(AbstractWaveform):
 
     def _step(self, time: float) -> int:
         """Number of the level at `time` [s]."""
-        return min(max(interval(time, time / self.hold, self._start), 0), self._last)
+        return min(max(find_interval(time, time / self.hold, self._start), 0), self._last)
 
     def _level(self, step: int) -> float:
         top = int(self.count) - 1

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import inside
+from martensite.signals.edges import select_inside
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
@@ -41,7 +41,7 @@ class Step(AbstractWaveform):
 
     def edges(self, duration: float) -> list[float]:
         """The step and the step back, where they lie in (0, duration) [s]."""
-        return inside((self.at, self.until), duration)
+        return select_inside((self.at, self.until), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Before, between and behind the jumps."""

@@ -11,7 +11,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param, part
 from martensite.kernels.namespace import Scalar
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import blend, blends, inside
+from martensite.signals.edges import blend_arrays, blend_levels, select_inside
 from martensite.signals.levels import SAMPLES
 from martensite.signals.moments import Segment
 
@@ -66,7 +66,7 @@ class Table(AbstractWaveform):
         place = np.clip(np.searchsorted(known, asked, side="right"), 1, len(known) - 1)
         first, last = levels[place - 1], levels[place]
         share = (asked - known[place - 1]) / (known[place] - known[place - 1])
-        return (self.factor * blends(first, last, share)).tolist()
+        return (self.factor * blend_arrays(first, last, share)).tolist()
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Straight lines between the samples, and the levels before and behind them."""
@@ -89,10 +89,12 @@ class Table(AbstractWaveform):
             return self.values[-1]
         before, after = self.times[right - 1], self.times[right]
         share = (time - before) / (after - before)
-        return blend(self.values[right - 1], self.values[right], share)
+        return blend_levels(self.values[right - 1], self.values[right], share)
 
     def edges(self, duration: float) -> list[float]:
         """The samples in (0, duration) at which the signal does not just stay level [s]."""
         v = self.values
         around = zip((v[0], *v[:-1]), v, (*v[1:], v[-1]), self.times, strict=True)
-        return inside((t * self.stretch for a, b, c, t in around if not a == b == c), duration)
+        return select_inside(
+            (t * self.stretch for a, b, c, t in around if not a == b == c), duration
+        )

@@ -7,7 +7,13 @@ from itertools import count
 
 from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import blend, inside, interval, require_countable, require_order
+from martensite.signals.edges import (
+    blend_levels,
+    find_interval,
+    require_countable,
+    require_order,
+    select_inside,
+)
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 
@@ -26,23 +32,23 @@ class Triangle(AbstractWaveform):
 
     def value(self, time: float) -> float:
         """Level at `time` [s]."""
-        k = interval(time, 2.0 * time * self.frequency, self._bend)
+        k = find_interval(time, 2.0 * time * self.frequency, self._bend)
         begin, end = self._bend(k), self._bend(k + 1)
         share = (time - begin) / (end - begin)
         if k % 2:
-            return blend(self.high, self.low, share)
-        return blend(self.low, self.high, share)
+            return blend_levels(self.high, self.low, share)
+        return blend_levels(self.low, self.high, share)
 
     def edges(self, duration: float) -> list[float]:
         """All bends in (0, duration) [s]: k/(2 f)."""
         count = 2.0 * self.frequency * duration
         require_countable("triangle", count, duration)
-        return inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
+        return select_inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Up and down by turns."""
         rise = 2.0 * self.frequency * (self.high - self.low)
-        for k in count(max(interval(begin, 2.0 * begin * self.frequency, self._bend), 0)):
+        for k in count(max(find_interval(begin, 2.0 * begin * self.frequency, self._bend), 0)):
             level, slope = (self.high, -rise) if k % 2 else (self.low, rise)
             yield Segment(self._bend(k), level, slope)
 

@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
-from martensite.simulate.compiled import Functions, fed
+from martensite.simulate.compiled import Functions, feed_step
 from martensite.simulate.ledger import Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import HAIR, AbstractMarch, Plan, Row
@@ -170,7 +170,7 @@ class AdaptiveMarch(AbstractMarch):
                 length = min(length, PRESCRIBED / reader.fastest)
             edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
             end = min(end, edges[0] - self.time) if edges else end
-        return reach(length, end)
+        return stretch_length(length, end)
 
     def _before_kink(self, length: float) -> float:
         """A length to the next kink of a law, if all goes on as in the last half step."""
@@ -190,7 +190,7 @@ class AdaptiveMarch(AbstractMarch):
         for reader in self.heating:
             edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
             if edges and len(edges) <= FEW:
-                length = reach(length, edges[0] - self.time)
+                length = stretch_length(length, edges[0] - self.time)
                 whole = whole or length >= edges[0] - self.time
         if self.plan.parted and whole and not self.split:
             length, self.split = 0.5 * length, True
@@ -198,7 +198,7 @@ class AdaptiveMarch(AbstractMarch):
         while True:
             middle = begin + 0.5 * length
             halves = [self._brought(begin, middle), self._brought(middle, begin + length)]
-            lapse = max(map(_lapse, halves))
+            lapse = max(map(_find_lapse, halves))
             shorter = length if self.power * lapse <= allowed else self._to_edge(length)
             if not shorter < length:
                 return length, [self._fed(half, k) for k, half in enumerate(halves)]
@@ -225,7 +225,7 @@ class AdaptiveMarch(AbstractMarch):
         """The inputs of a step; what is owed goes into the first."""
         found: list[float] = []
         for one, owed in zip(brought, self.owed, strict=True):
-            found += fed(one, 0.0 if half else owed) if isinstance(one, Moments) else (one,)
+            found += feed_step(one, 0.0 if half else owed) if isinstance(one, Moments) else (one,)
         return tuple(found)
 
     def _whole(self, halves: Sequence[Row], length: float) -> Row:
@@ -239,7 +239,7 @@ class AdaptiveMarch(AbstractMarch):
                 found += last
                 continue
             joined = join_halves(Moments(*first[:-1]), Moments(*last[:-1]), length)
-            found += fed(joined, first[-1])
+            found += feed_step(joined, first[-1])
         return tuple(found)
 
     def _try_step(self, length: float, halves: Sequence[Row]) -> Trial:
@@ -348,13 +348,13 @@ class AdaptiveMarch(AbstractMarch):
             at += size
             dips = (find_dip(*(row[k] for row in rows[1:])) for k in range(4, size))
             first = min([first, *(share for share in dips if BESIDE < share < 1.0 - BESIDE)])
-            changed = max(_variation(rows, k) for k in (2, 3))
+            changed = max(_compute_variation(rows, k) for k in (2, 3))
             allowed = TURN * self.plan.tolerance * self._scale(fraction) / weight
             if not changed > allowed:
                 continue
             drives = [(row[0] - row[1] * PER_STRESS,) for row in rows]
             share, height = find_extreme(*(drive for (drive,) in drives[1:]))
-            moved = _variation(drives, 0)
+            moved = _compute_variation(drives, 0)
             if BESIDE < share < 1.0 - BESIDE and changed * height > allowed * moved:
                 first = min(first, share)
             if trial.error > 1.0:
@@ -479,7 +479,7 @@ class AdaptiveMarch(AbstractMarch):
 
     def _between(self, nodes: Sequence[Node], time: float) -> Row | None:
         """State on that polynomial; None where it overshoots what it goes through."""
-        found = list(interpolate(nodes, time))
+        found = list(interpolate_state(nodes, time))
         for k, column in enumerate(zip(*(node.state for node in nodes), strict=True)):
             low, high = min(column), max(column)
             hair = ROUNDING * (abs(low) + abs(high))
@@ -523,7 +523,7 @@ def join_halves(first: Moments, last: Moments, length: float) -> Moments:
     return Moments(mean, square, min(first.low, last.low), max(first.high, last.high), 0.0, *slopes)
 
 
-def reach(length: float, end: float) -> float:
+def stretch_length(length: float, end: float) -> float:
     """A length that reaches an end without a short rest before it."""
     if length >= (1.0 - HAIR) * end:
         return end
@@ -570,7 +570,7 @@ def divided_difference(times: Sequence[float], values: Sequence[float]) -> float
     return found[0]
 
 
-def interpolate(nodes: Sequence[Node], time: float) -> Row:
+def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
     """State on the polynomial through some nodes."""
     weights: list[float] = []
     for i, node in enumerate(nodes):
@@ -580,9 +580,9 @@ def interpolate(nodes: Sequence[Node], time: float) -> Row:
     return tuple(sum(w * x for w, x in zip(weights, column, strict=True)) for column in columns)
 
 
-def _lapse(brought: Sequence[Moments | float]) -> float:
+def _find_lapse(brought: Sequence[Moments | float]) -> float:
     return max((one.lapse for one in brought if isinstance(one, Moments)), default=0.0)
 
 
-def _variation(rows: Sequence[Row], k: int) -> float:
+def _compute_variation(rows: Sequence[Row], k: int) -> float:
     return sum(abs(b[k] - a[k]) for a, b in pairwise(rows))

@@ -70,7 +70,7 @@ class Excursion:
         return f"first at t = {self.first:.4g} s, for {self.duration:.3g} s in all"
 
 
-def excursion(times: Sequence[float], margins: Sequence[float]) -> Excursion | None:
+def find_excursion(times: Sequence[float], margins: Sequence[float]) -> Excursion | None:
     """When a margin, linear between samples, was above zero; None if never."""
     worst = max(range(len(margins)), key=margins.__getitem__)
     if not margins[worst] > 0.0:
@@ -116,16 +116,16 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
     hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
     high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
     found = (
-        _above(times, columns["hottest"], "hottest", *hot),
-        _above(times, columns["stress"], "stress", *high),
-        _strain(times, columns["strain"], limits.strain_limit),
-        _slack(times, columns["force"]),
-        undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
+        _watch_above(times, columns["hottest"], "hottest", *hot),
+        _watch_above(times, columns["stress"], "stress", *high),
+        _watch_strain(times, columns["strain"], limits.strain_limit),
+        _watch_slack(times, columns["force"]),
+        find_undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
     )
     return [alarm for alarm in found if alarm is not None]
 
 
-def _alarm(
+def _make_alarm(
     times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float,
     limit: float, sentence: str,
 ) -> Alarm:  # fmt: skip
@@ -136,11 +136,11 @@ def _alarm(
     )  # fmt: skip
 
 
-def _above(
+def _watch_above(
     times: Sequence[float], values: Sequence[float], quantity: str, kind: str, unit: str,
     limit: float, zero: float, shown: str, scale: float,
 ) -> Alarm | None:  # fmt: skip
-    when = excursion(times, [value - limit for value in values])
+    when = find_excursion(times, [value - limit for value in values])
     if when is None:
         return None
     worst = values[when.worst]
@@ -148,12 +148,12 @@ def _above(
         f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {shown}, above the "
         f"`{kind}_limit` of {(limit - zero) / scale:.4g} {shown}, {when.words()}."
     )
-    return _alarm(times, when, (kind, quantity, unit), worst, limit, sentence)
+    return _make_alarm(times, when, (kind, quantity, unit), worst, limit, sentence)
 
 
-def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
+def _watch_strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
     changes = farthest_changes(strain)
-    when = excursion(times, [change - limit for change in changes])
+    when = find_excursion(times, [change - limit for change in changes])
     if when is None:
         return None
     worst = changes[when.worst]
@@ -161,7 +161,7 @@ def _strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Al
         f"Warning: strain varies by {100 * worst:.3g} %, more than the "
         f"`strain_limit` of {100 * limit:.3g} %, {when.words()}."
     )
-    return _alarm(times, when, ("strain", "strain", "1"), worst, limit, sentence)
+    return _make_alarm(times, when, ("strain", "strain", "1"), worst, limit, sentence)
 
 
 def farthest_changes(strain: Sequence[float]) -> list[float]:
@@ -174,7 +174,7 @@ def farthest_changes(strain: Sequence[float]) -> list[float]:
     return changes
 
 
-def _slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
+def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
     """No force, after there was some; it has no size, since a slack wire has no stress."""
     at = next((k for k, value in enumerate(force) if value <= 0.0), None)
     if at is None or not force[0] > 0.0:
@@ -189,13 +189,13 @@ def _slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
     )
 
 
-def undelivered(
+def find_undelivered(
     source: AbstractSource, times: Sequence[float], drive: Sequence[float],
     resistance: Sequence[float],
 ) -> Alarm | None:  # fmt: skip
     """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
     reached = [source.reach(ohms) for ohms in resistance]
-    when = excursion(times, undelivered_margins(source, drive, resistance))
+    when = find_excursion(times, undelivered_margins(source, drive, resistance))
     if when is None:
         return None
     worst = drive[when.worst]
@@ -206,7 +206,7 @@ def undelivered(
         f"t = {times[when.worst]:.4g} s only {limit:.4g}{unit} of {worst:.4g}{unit}, "
         f"{when.words()}."
     )
-    return _alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)
+    return _make_alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)
 
 
 def undelivered_margins(

@@ -6,13 +6,13 @@ import math
 from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.simulate.accuracy import bound_error, march_to
 from martensite.simulate.balance import balance_heat, balance_work
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
-from martensite.simulate.driven import Waveforms, arranged, grid_of
+from martensite.simulate.driven import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.engines import Engine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import Grid, cut_steps, steps_through
@@ -68,8 +68,8 @@ def simulate(
     """
     check_run(duration, tolerance, step, samples)
     if runtime not in RUNTIMES:
-        raise InputError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
-    waves = arranged(system, waveform)
+        raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
+    waves = arrange_waveforms(system, waveform)
     if system.sample_time():
         return _in_discrete_time(system, waveform, duration, samples, runtime)
     compiled = compile_march(system)
@@ -87,7 +87,7 @@ def simulate(
         found, accuracy = engine(plan), None
     if runtime == "jax" and not found.status.failed:
         found, accuracy = _on_jax(engine, plan, found, accuracy)
-    result = _result(system, waveform, plan, found, accuracy, engine.used)
+    result = _build_result(system, waveform, plan, found, accuracy, engine.used)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
@@ -131,7 +131,7 @@ def _in_discrete_time(
     )  # fmt: skip
     plan = Plan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
-    return _result(system, waveform, plan, found, None, used)
+    return _build_result(system, waveform, plan, found, None, used)
 
 
 def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: Grid, runtime: str) -> Track:
@@ -173,7 +173,7 @@ def longest_step(system: AbstractSystem) -> float:
     return min([*constants, system.mechanism.first_step()])
 
 
-def _result(
+def _build_result(
     system: AbstractSystem, waveform: Waveforms, plan: Plan, found: Marched,
     accuracy: float | None, runtime: str,
 ) -> Result:  # fmt: skip
@@ -191,13 +191,13 @@ def _result(
         rejected=found.rejected, ripple=found.ripple,
     )  # fmt: skip
     if plan.step is None and not system.sample_time():
-        result = _balanced(result, plan, found)
+        result = _add_balances(result, plan, found)
     if leaves:
         result.warnings.append(describe_exit(system, found.time, found.place, found.value))
     return add_warnings(result)
 
 
-def _balanced(result: Result, plan: Plan, found: Marched) -> Result:
+def _add_balances(result: Result, plan: Plan, found: Marched) -> Result:
     """A result with what became of heat and work, and a warning where some of it is missing."""
     book, warnings = plan.compiled.book, result.warnings
     heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, storing
+from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
 from martensite.simulate.marching import Limits
@@ -35,7 +35,7 @@ class Schedule(NamedTuple):
     """What no run leaves, low and high, (2, envelope); None where nobody looks."""
 
 
-def schedule(
+def build_schedule(
     grid: Grid, dtype: str = "float64", limits: Limits | None = None
 ) -> tuple[Schedule, bool]:
     """The grid as padded arrays, and whether padding was needed."""
@@ -67,7 +67,7 @@ class Rows(NamedTuple):
     """Time [s] at the end of the step in which the envelope was left; infinite if it was not."""
 
 
-def march(
+def build_march(
     compiled: CompiledMarch, outputs: Sequence[int], padded: bool
 ) -> Callable[[Sequence[Any], Schedule], Rows]:
     """A pure function of (parameter values, schedule) that marches and observes.
@@ -78,7 +78,7 @@ def march(
     jax, np_ = xp.jax, xp.np
 
     def run(values: Sequence[Any], plan: Schedule) -> Rows:
-        functions = compiled.program.bind_arrays(storing(xp, plan.one), values)
+        functions = compiled.program.bind_arrays(make_storing_namespace(xp, plan.one), values)
         shape = np_.broadcast_shapes(*(np_.shape(v) for v in values))
         zero = np_.zeros(shape, plan.lengths.dtype)
 
@@ -131,7 +131,9 @@ def march(
 @lru_cache(maxsize=64)
 def jitted_march(compiled: CompiledMarch, outputs: tuple[int, ...], padded: bool) -> Any:
     """The jitted march of a traced system, kept for the next call."""
-    return jax_namespace().jax.jit(march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
+    return jax_namespace().jax.jit(
+        build_march(compiled, outputs, padded), compiler_options=WIDE_VECTORS
+    )
 
 
 @lru_cache(maxsize=64)
@@ -140,7 +142,7 @@ def jitted_jacobian(
 ) -> Any:
     """Jitted (values, plan) -> (first output, its Jacobian in the parameters `wrt`, residual)."""
     jax = jax_namespace().jax
-    run = march(compiled, outputs, padded)
+    run = build_march(compiled, outputs, padded)
 
     def directions(values: Any, plan: Schedule) -> tuple[Any, Any, Any]:
         def column(some: Any) -> tuple[Any, Any]:

@@ -60,15 +60,18 @@ class HeatBalance:
         stored, sensible, latent = held
         return (
             f"heat: {self.put_in:.4g} J put in, {self.lost:.4g} J to the surroundings, "
-            f"{stored} stored ({sensible} sensible, {latent} latent); {_tell(self.residual)}"
+            f"{stored} stored ({sensible} sensible, {latent} latent); "
+            f"{_describe_residual(self.residual)}"
         )
 
     def as_dict(self) -> dict[str, float | None]:
         """All its numbers, by name."""
         own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
         return own | {
-            "sensible": self.sensible, "latent": self.latent, "residual": self.residual,
-        }  # fmt: skip
+            "sensible": self.sensible,
+            "latent": self.latent,
+            "residual": self.residual,
+        }
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ class WorkBalance:
         within = [] if self.elastic is None else [f"{told['elastic']} elastic in the elements"]
         parts = ", ".join([f"{told['work']} by the elements", *where])
         beside = ", ".join([f"{most:.3g} J exchanged", *within])
-        return f"work: {parts}; {beside}; {_tell(self.residual)}"
+        return f"work: {parts}; {beside}; {_describe_residual(self.residual)}"
 
     def as_dict(self) -> dict[str, float | None]:
         """All its numbers, by name."""
@@ -139,6 +142,6 @@ def _tell_energy(value: float | None, most: float) -> str:
     return NONE if value is None or not abs(value) > ROUNDING * most else f"{value:.3g} J"
 
 
-def _tell(residual: float | None) -> str:
+def _describe_residual(residual: float | None) -> str:
     """A residual in words."""
     return "nothing to balance" if residual is None else f"{residual:.1e} of it not accounted for"

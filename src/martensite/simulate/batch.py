@@ -16,19 +16,19 @@ from martensite.base.errors import (
     ParameterError,
     SolveError,
     UnknownNameError,
-    suggestion,
+    suggest_name,
 )
 from martensite.base.status import Status
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
-from martensite.simulate.arrays import jitted_jacobian, jitted_march, schedule
+from martensite.simulate.arrays import build_schedule, jitted_jacobian, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, by_name, grid_of
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Grid
-from martensite.simulate.march import Track, classify, track_of
+from martensite.simulate.march import Track, classify_step, track_of
 from martensite.simulate.marching import Limits
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.result import Result, Variants
@@ -96,24 +96,24 @@ def simulate_batch(
         InputError: unknown parameter or output, value out of range, unequal lengths, or an argument
             that does not fit the runtime.
     """
-    _check(system, duration, tolerance, step, samples, runtime, precision, devices)
-    varied = _varied(system, over)
-    chosen = _runtime(runtime, step)
+    _check_batch(system, duration, tolerance, step, samples, runtime, precision, devices)
+    varied = _convert_varied(system, over)
+    chosen = _choose_runtime(runtime, step)
     if chosen == "jax":
         return _on_jax(
             system, (waveform, duration, samples, step or 0.0), varied, outputs, chunk, precision,
             devices,
         )  # fmt: skip
-    _indices(compile_march(system), outputs)
+    _find_indices(compile_march(system), outputs)
     course = Course(
         system, by_name(system, waveform), duration, samples, step, tuple(outputs), chosen,
         tolerance=tolerance, threads=(os.cpu_count() or 1) if devices is None else devices,
     )  # fmt: skip
     ran = course.run(varied)
-    return _result(system, waveform, course.times, ran, varied, course.controlled, chosen)
+    return _build_result(system, waveform, course.times, ran, varied, course.controlled, chosen)
 
 
-def _result(
+def _build_result(
     system: AbstractSystem,
     waveform: Waveforms,
     times: Sequence[float],
@@ -143,16 +143,16 @@ def _result(
     )
 
 
-def _runtime(asked: str, step: float | None) -> str:
+def _choose_runtime(asked: str, step: float | None) -> str:
     """What is meant by `auto`."""
     if asked != "auto":
         return asked
-    if compiler() is not None:
+    if find_compiler() is not None:
         return "c"
     return "jax" if step is not None and has_jax() else "floats"
 
 
-def _check(
+def _check_batch(
     system: AbstractSystem, duration: float, tolerance: float, step: float | None, samples: int,
     runtime: str, precision: str, devices: int | None,
 ) -> None:  # fmt: skip
@@ -161,14 +161,14 @@ def _check(
     if devices is not None and devices < 1:
         raise ParameterError(f"Argument `devices` must be at least 1, but is {devices}.")
     if runtime not in RUNTIMES:
-        raise ParameterError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
+        raise ParameterError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
     if runtime == "jax" and step is None and not system.sample_time():
         raise InputError(
             "A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`."
         )
-    if precision != "float64" and _runtime(runtime, step) != "jax":
+    if precision != "float64" and _choose_runtime(runtime, step) != "jax":
         raise InputError(
             'Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.'
         )
@@ -186,13 +186,13 @@ def _on_jax(
     count = len(next(iter(varied.values())))
     waveform, duration, samples, step = run
     grid = grid_of(system, waveform, duration, samples, step)
-    plan, padded = schedule(grid, precision, envelope_of(system))
-    march = jitted_march(compiled, _indices(compiled, outputs), padded)
+    plan, padded = build_schedule(grid, precision, envelope_of(system))
+    march = jitted_march(compiled, _find_indices(compiled, outputs), padded)
     values = dict(zip(compiled.paths, compiled.values(system), strict=True))
     taken = devices_of(devices)
     size = chunk or chunk_for(taken)
     chunks = (
-        _values(values, varied, slice(first, first + size), size, precision)
+        _arrange_values(values, varied, slice(first, first + size), size, precision)
         for first in range(0, count, size)
     )
     pieces = list(march_chunks(march, chunks, plan, taken))
@@ -203,10 +203,10 @@ def _on_jax(
     reports = np.stack([np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(3)])
     left = np.concatenate([p.left for p in pieces])[:count]
     ran = Ran.on_steps(columns, reports, left, grid.times)
-    return _result(system, waveform, grid.times, ran, varied, False, "jax")
+    return _build_result(system, waveform, grid.times, ran, varied, False, "jax")
 
 
-def sensitivity(
+def compute_sensitivity(
     system: AbstractSystem,
     waveform: Waveforms,
     duration: float,
@@ -241,13 +241,13 @@ def sensitivity(
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
-    (place,) = _indices(compiled, [output])
+    (place,) = _find_indices(compiled, [output])
     rows = [compiled.paths.index(path) for path in (system.resolve(name) for name in wrt)]
     grid = grid_of(system, waveform, duration, samples, step)
-    in_c = runtime == "c" or (runtime == "auto" and compiler() is not None)
+    in_c = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
     differentiate = _differentiate_in_c if in_c else _differentiate_on_jax
     column, slopes, residual = differentiate(compiled, compiled.values(system), rows, grid, place)
-    status = classify(residual, 0.0)
+    status = classify_step(residual, 0.0)
     if status.failed or not np.isfinite(slopes).all():
         raise SolveError(f"The run to be differentiated failed. {status.sentence}")
     named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
@@ -268,7 +268,7 @@ def _differentiate_on_jax(
     compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: Grid, place: int
 ) -> tuple[Any, Any, float]:
     """The same on JAX."""
-    plan, padded = schedule(grid, "float64")
+    plan, padded = build_schedule(grid, "float64")
     run = jitted_jacobian(compiled, (place,), tuple(rows), padded)
     column, slopes, residual = (np.asarray(a) for a in run(np.asarray(values), plan))
     return column, slopes, float(residual)
@@ -278,20 +278,20 @@ def march_jax(
     compiled: CompiledMarch, values: Sequence[float], grid: Grid, limits: Limits | None = None
 ) -> Track:
     """One run on JAX, with every output."""
-    plan, padded = schedule(grid, limits=limits)
+    plan, padded = build_schedule(grid, limits=limits)
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
     return track_of(table, *map(float, rows.reports), left=float(rows.left))
 
 
-def _indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
+def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
     for name in outputs:
         if name not in compiled.outputs:
             raise UnknownNameError("output", name, compiled.outputs)
     return tuple(compiled.outputs.index(name) for name in outputs)
 
 
-def _varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
+def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
     """The varied parameters by full path, as arrays of equal length within their bounds."""
     leaves = {leaf.path: leaf for leaf in system.leaves()}
     varied = {system.resolve(name): np.asarray(values, float) for name, values in over.items()}
@@ -304,7 +304,7 @@ def _varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict
     return varied
 
 
-def _values(
+def _arrange_values(
     values: Mapping[str, float], varied: Mapping[str, Any], window: slice, chunk: int,
     precision: str,
 ) -> list[Any]:  # fmt: skip

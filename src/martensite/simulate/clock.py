@@ -23,7 +23,7 @@ def steps_of(edges: Edges, duration: float, samples: int, step: float) -> Steps:
     return cut_steps(edges, [duration * i / (samples - 1) for i in range(samples)], step)
 
 
-def played(
+def play_waveforms(
     system: AbstractSystem, steps: Steps, waveforms: Sequence[AbstractWaveform | None]
 ) -> Grid:
     """A grid of steps with what waveforms bring, one per drive; 0 where there is none."""

@@ -27,7 +27,7 @@ from martensite.simulate.compiled import bind_system
 from martensite.simulate.envelope import Envelope, Exit, describe_exit
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
-from martensite.simulate.march import Track, Watch, track
+from martensite.simulate.march import Track, Watch, check_track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 
@@ -136,7 +136,7 @@ class _Walk:
         except ArithmeticError:  # a division by zero or an overflow
             self.watch.note(math.inf, 0.0, max(len(self.times) - 1, 0))
         noted = self.times if self.watch.worst is not Status.OK else []
-        return track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
+        return check_track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
 
     def _stopped(self, gone: Exit) -> Track:
         """A run that left the envelope; of the last period only the start is kept."""

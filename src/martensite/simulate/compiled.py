@@ -14,8 +14,8 @@ from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.parameters import Keyed, values_at
 from martensite.kernels.graph import Expr
-from martensite.kernels.nested import Shape, flatten
-from martensite.kernels.once import once
+from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.coupling import Report
 from martensite.signals.moments import Moments
@@ -52,7 +52,7 @@ class Compiled:
 
 def compile_system(system: AbstractSystem) -> Compiled:
     """Trace a system, or return the program of an earlier one of the same structure."""
-    return _compile(Keyed(system))
+    return _compile_keyed(Keyed(system))
 
 
 class Place(NamedTuple):
@@ -135,19 +135,19 @@ def bind_march(system: AbstractSystem) -> tuple[Functions, int]:
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
 
-def fed(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
+def feed_step(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
     """The inputs of a step from what a drive brings in it."""
     return (*moments, owed)
 
 
-@once(64)
-def _compile(keyed: Keyed[AbstractSystem]) -> Compiled:
+@cache_answers(64)
+def _compile_keyed(keyed: Keyed[AbstractSystem]) -> Compiled:
     trace = _Trace(keyed)
     trace.add_step([None] * trace.drives, len(REPORT))
     return Compiled(trace.program, trace.paths, trace.size, trace.drives, trace.outputs)
 
 
-@once(64)
+@cache_answers(64)
 def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
     trace, system = _Trace(keyed), keyed.part
     feeds = [not (one.at_end or system.sample_time()) for one in system.drives()]
@@ -178,7 +178,7 @@ class _Trace:
         self.drives = len(self.system.drives())
         self.signals = [f"u{i}" for i in range(self.drives)]
         self.program.add("init", self.signals, self._init)
-        self.size = len(flatten(self.shape.example))
+        self.size = len(flatten_numbers(self.shape.example))
         self.names = [f"s{i}" for i in range(self.size)]
         self.program.add("observe", [*self.names, *self.signals], self._observe)
         profile = self.system.profile(self.shape.example)
@@ -206,7 +206,7 @@ class _Trace:
             *numbers, dt = arguments
             state, drives = brought(numbers)
             after, report = self.system.step(xp, state, *drives, dt=dt)
-            return flatten(after) + flatten(report)[:reports]
+            return flatten_numbers(after) + flatten_numbers(report)[:reports]
 
         def flows(xp: Any, *numbers: Any) -> list[Any]:
             state, drives = brought(numbers)
@@ -215,7 +215,7 @@ class _Trace:
         def rosenbrock(xp: Any, *arguments: Any) -> list[Any]:
             *numbers, dt = arguments
             state, drives = brought(numbers)
-            return flatten(self.system.step_rosenbrock(xp, state, *drives, dt=dt))
+            return flatten_numbers(self.system.step_rosenbrock(xp, state, *drives, dt=dt))
 
         self.program.add("step", [*self.names, *inputs, "dt"], step)
         if reports > len(REPORT) and self.system.exchanges():
@@ -256,7 +256,10 @@ class _Trace:
                 tuple(map(ACCOUNTS.index, held)), tuple(accounts), found.heat, found.work,
                 found.unknown,
             ))  # fmt: skip
-            numbers = [*held.values(), *flatten(tuple(effort for _, effort in found.efforts))]
+            numbers = [
+                *held.values(),
+                *flatten_numbers(tuple(effort for _, effort in found.efforts)),
+            ]
             return [*numbers, *([found.lost] if found.heat else [])]
 
         self.program.add("entries", [*self.names, *self.signals], entries)
@@ -271,8 +274,10 @@ class _Trace:
             places.clear()
             for port, row in zip(self.system.actuators(), rows, strict=False):
                 fraction = names.index(self.system.label(port, "martensite_fraction"))
-                places.extend(Place(fraction, 1.0 / len(row), len(flatten(one))) for one in row)
-            return [number for row in rows for point in row for number in flatten(point)]
+                places.extend(
+                    Place(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row
+                )
+            return [number for row in rows for point in row for number in flatten_numbers(point)]
 
         self.program.add("points", self.names, points)
         return tuple(places)
@@ -285,7 +290,7 @@ class _Trace:
     def _init(self, xp: Any, *drives: Any) -> list[Any]:
         state = self.system.init(xp, *drives)
         self.shape = Shape(state)
-        return flatten(state)
+        return flatten_numbers(state)
 
     def _observe(self, xp: Any, *arguments: Any) -> list[Any]:
         state, drives = self.shape.rebuild(arguments[: self.size]), arguments[self.size :]

@@ -20,11 +20,11 @@ from typing import Any
 
 from martensite.base.parameters import Keyed, values_at
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
-from martensite.kernels.once import once
+from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.physics.laws.coupling import advance
+from martensite.physics.laws.coupling import advance_memory
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """What every function returns after the memory: [-], [-], [-], [Pa], [-]."""
@@ -53,11 +53,11 @@ def compile_law(law: AbstractLaw, *, tension_only: bool = True) -> CompiledLaw:
         law: any law; its numbers do not matter.
         tension_only: a strain-driven point goes slack instead of being compressed.
     """
-    return _compile(Keyed(law), tension_only)
+    return _compile_keyed(Keyed(law), tension_only)
 
 
-@once(64)
-def _compile(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
+@cache_answers(64)
+def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     law = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
@@ -66,10 +66,10 @@ def _compile(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
     def init(xp: Any, martensite: Any, oriented: Any, stress: Any, temperature: Any) -> list[Any]:
         memory = law.init(xp, Fractions(martensite, oriented), stress, temperature)
         found.append(memory)
-        return _row(xp, law, memory, 0.0)
+        return _build_row(xp, law, memory, 0.0)
 
     program.add("init", ["xi", "xi_S", "sigma", "T"], init)
-    shape, size = Shape(found[0]), len(flatten(found[0]))
+    shape, size = Shape(found[0]), len(flatten_numbers(found[0]))
     names = [f"m{i}" for i in range(size)]
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
     program.add(
@@ -79,17 +79,17 @@ def _compile(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw:
     return CompiledLaw(program, paths, size)
 
 
-def _row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[Any]:
+def _build_row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[Any]:
     fractions = law.fractions(memory)
     strain = law.strain(xp, fractions, memory.stress, memory.temperature)
-    return [*flatten(memory), *fractions, strain, memory.stress, residual]
+    return [*flatten_numbers(memory), *fractions, strain, memory.stress, residual]
 
 
 def _stress_step(law: AbstractLaw, shape: Shape) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, stress, temperature, dt = arguments
         after, _ = law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)
-        return _row(xp, law, after, 0.0)
+        return _build_row(xp, law, after, 0.0)
 
     return step
 
@@ -103,7 +103,7 @@ def _strain_step(law: AbstractLaw, shape: Shape, tension_only: bool) -> Callable
             stress = elastic / law.compliance(xp, fractions)
             return (xp.maximum(stress, 0.0) if tension_only else stress), temperature
 
-        after, report = advance(xp, law, shape.rebuild(numbers), settle, dt)
-        return _row(xp, law, after, report.residual)
+        after, report = advance_memory(xp, law, shape.rebuild(numbers), settle, dt)
+        return _build_row(xp, law, after, report.residual)
 
     return step

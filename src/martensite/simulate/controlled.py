@@ -20,12 +20,12 @@ from martensite.signals.held import Held
 from martensite.signals.moments import Moments
 from martensite.signals.reader import Reader
 from martensite.simulate.api import first_step
-from martensite.simulate.compiled import bind_march, compile_march, fed
-from martensite.simulate.driven import arranged
+from martensite.simulate.compiled import bind_march, compile_march, feed_step
+from martensite.simulate.driven import arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.loop_plan import whole_periods
-from martensite.simulate.march import Border, Track, Watch, track
+from martensite.simulate.march import Border, Track, Watch, check_track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 
@@ -74,7 +74,7 @@ def simulate_controlled(
     if duration / longest > MOST_STEPS:
         raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
     pieces = max(1, math.ceil(period / longest - 1e-6))
-    plan = _Plan(system, arranged(system, drives), periods, period, pieces, every)
+    plan = _Plan(system, arrange_waveforms(system, drives), periods, period, pieces, every)
     walk = _Walk(plan)
     return walk.result(walk.run(watch).require())
 
@@ -139,7 +139,7 @@ class _Walk:
         except ArithmeticError:  # a division by zero or an overflow
             self.watch.note(math.inf, 0.0, k * plan.pieces)
         when = self.watch.step * plan.period / plan.pieces
-        return track(self.rows, self.watch.worst, when)
+        return check_track(self.rows, self.watch.worst, when)
 
     def _stopped(self) -> Track:
         """A run that left the envelope."""
@@ -190,11 +190,11 @@ class _Walk:
             reader, heats = self.readers[i], self.widths[i] > 1
             if reader is not None:
                 end = time + dt
-                found += fed(reader.moments(time, end)) if heats else (reader.before(end),)
+                found += feed_step(reader.moments(time, end)) if heats else (reader.before(end),)
             elif isinstance(drive, AbstractWaveform):
                 found.append(drive.value(time + self.shares[i] * dt))
             else:
-                found += fed(Moments.constant(held)) if heats else (held,)
+                found += feed_step(Moments.constant(held)) if heats else (held,)
         return tuple(found)
 
     def result(self, found: Track) -> Result:

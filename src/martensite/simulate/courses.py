@@ -15,7 +15,7 @@ from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.landmarks import Loaded, Marks, isobar, loaded
+from martensite.simulate.landmarks import Loaded, Marks, find_isobar, find_loaded
 from martensite.simulate.point import Leg, PointResult, material_point
 
 TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
@@ -88,7 +88,7 @@ class Guide:
 
     def marks_at(self, stress: float) -> Marks:
         """Transformation temperatures at a stress [K]."""
-        found = isobar(self.law, stress)
+        found = find_isobar(self.law, stress)
         if any(math.isnan(value) for value in found):
             raise ParameterError(
                 f"The law `{self.law.registered_name}` does not transform fully between 100 K and "
@@ -105,7 +105,7 @@ class Guide:
         """
         temperature = self.marks.M_f - 10.0
         fractions = TWINNED
-        if not (self.law.twins and loaded(self.law, temperature, TWINNED)):
+        if not (self.law.twins and find_loaded(self.law, temperature, TWINNED)):
             temperature = 0.5 * (self.marks.M_s + self.marks.A_s)
             fractions = AUSTENITE
         if self.choices.temperatures:
@@ -118,9 +118,9 @@ class Guide:
 
     def top(self, temperature: float, fractions: Fractions) -> Loaded:
         """Where loading has completed the transformation."""
-        found = loaded(self.law, round(temperature, 6), fractions)
+        found = find_loaded(self.law, round(temperature, 6), fractions)
         if found is None or found.stress < 1e6:
-            found = loaded(self.law, round(temperature, 6), AUSTENITE)
+            found = find_loaded(self.law, round(temperature, 6), AUSTENITE)
         if found is None:
             raise ParameterError(
                 f"The law `{self.law.registered_name}` is not transformed by 3 GPa at "
@@ -140,27 +140,27 @@ class Guide:
 
     def stress(self, change: float, end: float) -> Leg:
         """A leg that changes stress."""
-        return Leg(stress=end, duration=_time(change, self.choices.rates.stress))
+        return Leg(stress=end, duration=_compute_time(change, self.choices.rates.stress))
 
     def strain(self, change: float, end: float) -> Leg:
         """A leg that changes strain."""
-        return Leg(strain=end, duration=_time(change, self.choices.rates.strain))
+        return Leg(strain=end, duration=_compute_time(change, self.choices.rates.strain))
 
     def heat(self, begin: float, end: float, hold: str | None = None) -> Leg:
         """A leg that changes temperature."""
-        duration = _time(end - begin, self.choices.rates.temperature)
+        duration = _compute_time(end - begin, self.choices.rates.temperature)
         return Leg(temperature=end, hold=hold, duration=duration)
 
 
-def _time(change: float, rate: float) -> float:
+def _compute_time(change: float, rate: float) -> float:
     return max(abs(change) / rate, 1e-3)
 
 
-def celsius(temperature: float) -> str:
+def format_celsius(temperature: float) -> str:
     """A temperature for a label."""
     return f"{temperature - ZERO:.4g} °C"
 
 
-def megapascal(stress: float) -> str:
+def format_megapascal(stress: float) -> str:
     """A stress for a label."""
     return f"{stress / 1e6:.4g} MPa"

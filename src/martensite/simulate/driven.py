@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TypeVar, cast
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import Grid, build_grid, grid_of_samples, require_unit
@@ -33,11 +33,13 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
         return {names[0]: cast("Kind", given)}
     for name in given:
         if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
     return dict(given)
 
 
-def arranged(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:
+def arrange_waveforms(
+    system: AbstractSystem, given: Kind | Mapping[str, Kind]
+) -> list[Kind | Constant]:
     """What drives each drive of a system, in their order; what is not named gets 0.
 
     Raises:
@@ -62,6 +64,8 @@ def grid_of(
     interval = system.sample_time()
     if interval:
         ahead = [drive.ahead for drive in system.drives()]
-        return grid_of_samples(arranged(system, waveform), duration, samples, interval, ahead)
+        return grid_of_samples(
+            arrange_waveforms(system, waveform), duration, samples, interval, ahead
+        )
     at_end = [drive.at_end for drive in system.drives()]
-    return build_grid(arranged(system, waveform), duration, samples, step, at_end)
+    return build_grid(arrange_waveforms(system, waveform), duration, samples, step, at_end)

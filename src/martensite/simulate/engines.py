@@ -53,9 +53,9 @@ class Engine:
 
     def _quickest(self, plan: Plan) -> Marched:
         """On floats if it is over soon, else in C, if there is a compiler."""
-        from martensite.kernels.c99 import compiler
+        from martensite.kernels.c99 import find_compiler
 
-        if compiler() is None:
+        if find_compiler() is None:
             return self._on_floats(plan, hasty=False)
         if self.used == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
             return self._on_c(plan)
@@ -66,9 +66,9 @@ class Engine:
 
     def _readiness(self, plan: Plan) -> str:
         """How near the runtime C is."""
-        from martensite.simulate.marching_native import kernel_of, readiness
+        from martensite.simulate.marching_native import kernel_of, tell_readiness
 
-        return readiness(kernel_of(plan, range(len(self.compiled.outputs))))
+        return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
     def _on_floats(self, plan: Plan, hasty: bool) -> Marched:
         """A run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""

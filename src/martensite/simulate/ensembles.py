@@ -83,7 +83,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
-        _keep(found, made, left, accuracy)
+        _place_runs(found, made, left, accuracy)
         rest = accuracy > tolerance
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]
         if not len(left):
@@ -103,7 +103,7 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: Rows) -> Number
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
 
-def _keep(found: Ensemble, made: Rows, places: Any, accuracy: Numbers) -> None:
+def _place_runs(found: Ensemble, made: Rows, places: Any, accuracy: Numbers) -> None:
     """Put runs to their places."""
     outputs = made.outputs[:, :, : found.outputs.shape[2]]
     status = made.numbers[:, 0].astype(np.int8)

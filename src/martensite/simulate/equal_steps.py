@@ -48,14 +48,14 @@ def find_step(
     step, apart = first_step(system, duration, 2), math.inf
     for _ in range(HALVINGS):
         found = simulate(system, waveform, duration, step=step, samples=samples)
-        apart = _apart(system, found, meant)
+        apart = _compare_runs(system, found, meant)
         if apart <= tolerance:
             break
         step *= HALVED
     return EqualStep(step, apart)
 
 
-def _apart(system: AbstractSystem, found: Result, meant: Result) -> float:
+def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
     """Largest difference of what is judged, as a share of its range."""
     shares: list[float] = []
     for name, least in system.judged().items():

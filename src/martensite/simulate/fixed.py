@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from martensite.signals.moments import Moments
-from martensite.simulate.compiled import fed
-from martensite.simulate.march import classify
+from martensite.simulate.compiled import feed_step
+from martensite.simulate.march import classify_step
 from martensite.simulate.marching import HAIR, AbstractMarch
 
 
@@ -50,14 +50,14 @@ class FixedMarch(AbstractMarch):
         inputs = list[float]()
         for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
             brought = reader.moments(begin, end) if width > 1 else reader.before(end)
-            inputs += fed(brought) if isinstance(brought, Moments) else (brought,)
+            inputs += feed_step(brought) if isinstance(brought, Moments) else (brought,)
         after = self.functions["step"](*self.state, *inputs, length)
         residual, crossing, ripple = after[self.size :]
         found, self.state = self.found, after[: self.size]
         found.steps += 1
         found.longest, found.ripple = max(found.longest, length), max(found.ripple, ripple)
         found.residual = max(found.residual, residual)
-        status = classify(residual, crossing)
+        status = classify_step(residual, crossing)
         if status > found.status:
             found.status, found.time = status, begin
         self.time = begin

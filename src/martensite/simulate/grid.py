@@ -75,7 +75,7 @@ BEFORE = 1.0 - 1e-9
 """Just before the end of a step, as a share of it."""
 
 
-def share(at_end: bool) -> float:
+def place_signal(at_end: bool) -> float:
     """Where in a step a signal is read that does not change in it, as a share of the step."""
     return BEFORE if at_end else 0.5
 

@@ -123,7 +123,7 @@ class Explorer:
 
 
 @lru_cache(maxsize=256)
-def isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
+def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
     """Transformation temperatures at a constant stress [Pa].
 
     Args:
@@ -157,7 +157,7 @@ def isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks
 
 
 @lru_cache(maxsize=256)
-def loaded(
+def find_loaded(
     law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE,
     share: float = 1.0 - LEVEL,
 ) -> Loaded | None:  # fmt: skip

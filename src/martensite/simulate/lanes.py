@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.base.status import Status
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.lanes_native import NativeLanes, Numbers
 from martensite.simulate.lanes_plain import PlainLanes
-from martensite.simulate.march import classify
+from martensite.simulate.march import classify_step
 
 
 class Lanes:
@@ -49,7 +49,7 @@ class Lanes:
         self.names: tuple[str, ...] = compiled.outputs
         self.drives = tuple(drive.name for drive in system.drives())
         self._shape = len(self.drives), lanes
-        in_c = compiler() is not None if native is None else native
+        in_c = find_compiler() is not None if native is None else native
         self._engine = NativeLanes(compiled, table) if in_c else PlainLanes(compiled, table)
         self.state: Numbers = np.zeros((compiled.size, lanes))
         """All state variables, shape (states, lanes); set it to go on from elsewhere."""
@@ -114,14 +114,16 @@ class Lanes:
     def status(self) -> list[Status]:
         """How the steps of every lane ended since the last reset."""
         lost = [bool(np.isnan(column).any()) for column in self.state.T]
-        found = [classify(float(r), float(s)) for r, s in self.worst.T]
+        found = [classify_step(float(r), float(s)) for r, s in self.worst.T]
         return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]
 
     def _fill(self, table: Numbers, values: Mapping[str, Any]) -> None:
         """Put parameters by path into the rows of a table, shape (parameters, lanes)."""
         for path, value in values.items():
             if path not in self._rows:
-                raise InputError(f"There is no parameter `{path}`. {suggestion(path, self._rows)}")
+                raise InputError(
+                    f"There is no parameter `{path}`. {suggest_name(path, self._rows)}"
+                )
             given, lanes = np.asarray(value, float), table.shape[1]
             if given.shape not in ((), (1,), (lanes,)):
                 raise InputError(

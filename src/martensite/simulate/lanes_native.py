@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.once import once
+from martensite.kernels.once import cache_answers
 from martensite.simulate.compiled import Compiled
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -65,14 +65,14 @@ class NativeLanes:
         self.compiled = compiled
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
-        self.library, self._table = _library(compiled, n >= BLOCK), self._filled(table)
+        self.library, self._table = _load_library(compiled, n >= BLOCK), self._filled(table)
         self.constants = self._prepared(compiled, self.library)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
-        self._at_drives, self._at_rows = _at(self._drives), _at(self._rows)
-        self._held = tuple(map(_at, (self.constants, self.x, self.y, self._worst)))
+        self._at_drives, self._at_rows = _get_address(self._drives), _get_address(self._rows)
+        self._held = tuple(map(_get_address, (self.constants, self.x, self.y, self._worst)))
 
     @property
     def table(self) -> Numbers:
@@ -98,18 +98,22 @@ class NativeLanes:
     def set_table(self, table: Numbers) -> None:
         """Other parameters, shape (parameters, lanes); what was compiled stays."""
         self._spread(self._table, table)
-        self.library.prepare(self._filled_to, _at(self._table), _at(self.constants))
+        self.library.prepare(
+            self._filled_to, _get_address(self._table), _get_address(self.constants)
+        )
 
     def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
         found = np.empty((max(1, len(compiled.program.hoisted)), self._filled_to))
-        library.prepare(self._filled_to, _at(self._table), _at(found))
+        library.prepare(self._filled_to, _get_address(self._table), _get_address(found))
         return found
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
         found, given = np.empty((self.compiled.size, self._filled_to)), self._filled(signals)
-        self.library.begin(self._filled_to, _at(self.constants), _at(given), _at(found))
+        self.library.begin(
+            self._filled_to, _get_address(self.constants), _get_address(given), _get_address(found)
+        )
         return found[:, : self.n].copy()
 
     def advance(
@@ -127,7 +131,7 @@ class NativeLanes:
         spread = np.empty((steps, *self._drives.shape))
         self._spread(spread, signals)
         found = np.empty((steps if shown else 0, *self._rows.shape[1:]))
-        self._go(steps, _at(spread), _at(found) if shown else None)
+        self._go(steps, _get_address(spread), _get_address(found) if shown else None)
         return self._state[:, :n].copy(), found[..., :n]
 
     def _go(self, steps: int, drives: int, rows: int | None) -> None:
@@ -142,13 +146,13 @@ class NativeLanes:
         return self._rows[0, :, : self.n].copy()
 
 
-def _at(array: Numbers) -> int:
+def _get_address(array: Numbers) -> int:
     """Address of a contiguous array."""
     return array.ctypes.data
 
 
-@once(64)
-def _library(compiled: Compiled, full: bool) -> Any:
+@cache_answers(64)
+def _load_library(compiled: Compiled, full: bool) -> Any:
     """For any number of lanes, or for `full` blocks of them, as vectors."""
     loop = _ADVANCE.format(
         size=compiled.size, drives=compiled.drives, outputs=len(compiled.outputs)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError, ParameterError
 from martensite.signals.base import AbstractDrive, AbstractWaveform
-from martensite.signals.carrier import Carrier, pulse
+from martensite.signals.carrier import Carrier, limit_duty
 from martensite.signals.held import Held
 
 
@@ -36,7 +36,7 @@ class Plan:
         """Signal and length [s] of what a period consists of."""
         if not self.pulses:
             return [(signal, self.period)]
-        share = pulse(signal, self.shortest / self.period)
+        share = limit_duty(signal, self.shortest / self.period)
         both = (1.0, share * self.period), (0.0, (1.0 - share) * self.period)
         return [(level, length) for level, length in both if length > 0.0]
 

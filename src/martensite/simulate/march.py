@@ -62,17 +62,19 @@ def march_floats(
                 watch.note(after[size], after[size + 1], k)
                 k += 1
                 if border is not None and border.is_passed(state, border.signals(u)):
-                    return _stop(rows, watch, border, math.fsum(grid.lengths[:k]))
+                    return _stop_track(rows, watch, border, math.fsum(grid.lengths[:k]))
             rows.append(observe(*state, *drives))
     except ArithmeticError:  # a division by zero or an overflow
         watch.note(math.inf, 0.0, k)
-    return track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
+    return check_track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
 
 
-def _stop(rows: Sequence[tuple[float, ...]], watch: Watch, border: Border, time: float) -> Track:
+def _stop_track(
+    rows: Sequence[tuple[float, ...]], watch: Watch, border: Border, time: float
+) -> Track:
     """A track that ended at a border; one that had failed before is not to be trusted either."""
     if watch.worst.failed:
-        return track(rows, watch.worst, time)
+        return check_track(rows, watch.worst, time)
     return Track(list(rows), Status.OUT_OF_ENVELOPE, time, border.place, border.value)
 
 
@@ -110,12 +112,12 @@ class Watch:
         """Classify a step if its report is suspicious; called for every step."""
         if residual <= SOLVED and crossing <= COARSE:
             return
-        status = classify(residual, crossing)
+        status = classify_step(residual, crossing)
         if status > self.worst:
             self.worst, self.step = status, step
 
 
-def classify(residual: float, crossing: float) -> Status:
+def classify_step(residual: float, crossing: float) -> Status:
     """Status of a step from its report."""
     if math.isnan(residual) or math.isinf(residual):
         return Status.NOT_FINITE
@@ -124,7 +126,9 @@ def classify(residual: float, crossing: float) -> Status:
     return Status.LONG_STEP if crossing > COARSE else Status.OK
 
 
-def track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None) -> Track:
+def check_track(
+    rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None
+) -> Track:
     """A track whose rows have been checked for numbers that are none."""
     finite = all(math.isfinite(value) for row in rows for value in row)
     return Track(list(rows), status if finite else Status.NOT_FINITE, time)
@@ -139,8 +143,8 @@ def track_of(
     """
     import numpy as np
 
-    if left < math.inf and not classify(residual, crossing).failed:
+    if left < math.inf and not classify_step(residual, crossing).failed:
         return Track([], Status.OUT_OF_ENVELOPE, left)
     finite = bool(np.isfinite(table).all())
-    status = classify(residual, crossing) if finite else Status.NOT_FINITE
+    status = classify_step(residual, crossing) if finite else Status.NOT_FINITE
     return Track(table.tolist(), status, None)

@@ -22,7 +22,7 @@ from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.status import Status
 from martensite.kernels.c99 import c_source, is_compiled, load_library
 from martensite.kernels.c99_lanes import lanes_source
-from martensite.kernels.once import once
+from martensite.kernels.once import cache_answers
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
@@ -216,7 +216,7 @@ class _Marching:
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
-        self.library = _library(kernel_of(plan, runs.outputs, runs.lanes, runs.own))
+        self.library = _load_library(kernel_of(plan, runs.outputs, runs.lanes, runs.own))
         self.block = ctypes.create_string_buffer(self.library.size_of_block())
         self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
         most = MOST_SEGMENTS
@@ -226,15 +226,25 @@ class _Marching:
             else:
                 window.extend(0.0)
         self.march = _March(
-            runs=runs.count, samples=len(plan.times), rounds=ROUNDS, recording=plan.recorded,
+            runs=runs.count,
+            samples=len(plan.times),
+            rounds=ROUNDS,
+            recording=plan.recorded,
             parted=plan.parted,
-            capacity=len(self.record), tolerance=plan.tolerance, duration=plan.times[-1],
+            capacity=len(self.record),
+            tolerance=plan.tolerance,
+            duration=plan.times[-1],
             step=plan.step or 0.0,
-            p=_at(self.p), first=_at(self.first), times=_at(self.times),
-            drives=ctypes.addressof(self.drives), limits=_at(self.limits),
-            ranges=_at(self.ranges), rows=_at(self.rows), numbers=_at(self.numbers),
-            record=_at(self.record),
-        )  # fmt: skip
+            p=_get_address(self.p),
+            first=_get_address(self.first),
+            times=_get_address(self.times),
+            drives=ctypes.addressof(self.drives),
+            limits=_get_address(self.limits),
+            ranges=_get_address(self.ranges),
+            rows=_get_address(self.rows),
+            numbers=_get_address(self.numbers),
+            record=_get_address(self.record),
+        )
         self._fill()
 
     def go(self, watch: Callable[[float], None] | None = None) -> Rows:
@@ -250,7 +260,7 @@ class _Marching:
                 self._extend()
             if answer == RECORD:
                 self.record = np.concatenate([self.record, np.empty_like(self.record)])
-                self.march.record, self.march.capacity = _at(self.record), len(self.record)
+                self.march.record, self.march.capacity = _get_address(self.record), len(self.record)
             if watch is not None:
                 watch(self._done())
 
@@ -285,7 +295,7 @@ class _Marching:
         return (first + runs * now / self.plan.times[-1]) / self.runs.count
 
 
-def _at(array: Numbers) -> int:
+def _get_address(array: Numbers) -> int:
     return array.ctypes.data
 
 
@@ -329,26 +339,42 @@ class Kernel:
         sizes = [place.size for place in places]
         book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches tell no balance
         constants = {
-            "LANES": self.lanes, "SIZE": compiled.size, "DRIVES": compiled.drives,
-            "INPUTS": compiled.inputs, "OUTPUTS": len(self.outputs),
-            "JUDGED": len(compiled.judged), "ENVELOPE": len(compiled.envelope),
-            "HEATED": len(compiled.heated), "CONSTANTS": max(1, len(compiled.program.hoisted)),
-            "PARAMETERS": len(compiled.paths), "ORDER": self.order, "TONES": self.tones,
-            "OWN": int(self.own), "JUDGE_SIGNALS": int(compiled.asks_for_signals("judge")),
+            "LANES": self.lanes,
+            "SIZE": compiled.size,
+            "DRIVES": compiled.drives,
+            "INPUTS": compiled.inputs,
+            "OUTPUTS": len(self.outputs),
+            "JUDGED": len(compiled.judged),
+            "ENVELOPE": len(compiled.envelope),
+            "HEATED": len(compiled.heated),
+            "CONSTANTS": max(1, len(compiled.program.hoisted)),
+            "PARAMETERS": len(compiled.paths),
+            "ORDER": self.order,
+            "TONES": self.tones,
+            "OWN": int(self.own),
+            "JUDGE_SIGNALS": int(compiled.asks_for_signals("judge")),
             "OBSERVE_SIGNALS": int(compiled.asks_for_signals("observe", self.outputs)),
-            "POINTS": len(places), "PARTS": _list([p.fraction for p in places]),
-            "WEIGHTS": _list([p.weight for p in places]), "NUMBERS": sum(sizes),
-            "SIZES": _list(sizes), "START": _list(list(accumulate(sizes, initial=0))[:-1]),
-            "RATES": len(rates), "PLACES_OF_RATES": _list(rates),
-            "WIDTHS": _list(compiled.widths), "PLACES": _list(compiled.heated),
-            "LEAST": _list([least for _, least in compiled.judged]),
-            "OBSERVED": _list(compiled.states_observed(self.outputs)),
-            "ENTRIES": book.size, "HELD": len(book.held), "EFFORTS": len(book.efforts),
-            "BALANCED": int(book.heat), "ACCOUNTS": len(ACCOUNTS),
-            "ACCOUNT_OF": _list([*book.held, *book.efforts]),
-            "TURNED_OVER": _list([int(account in TURNED_OVER) for account in book.efforts]),
+            "POINTS": len(places),
+            "PARTS": _format_list([p.fraction for p in places]),
+            "WEIGHTS": _format_list([p.weight for p in places]),
+            "NUMBERS": sum(sizes),
+            "SIZES": _format_list(sizes),
+            "START": _format_list(list(accumulate(sizes, initial=0))[:-1]),
+            "RATES": len(rates),
+            "PLACES_OF_RATES": _format_list(rates),
+            "WIDTHS": _format_list(compiled.widths),
+            "PLACES": _format_list(compiled.heated),
+            "LEAST": _format_list([least for _, least in compiled.judged]),
+            "OBSERVED": _format_list(compiled.states_observed(self.outputs)),
+            "ENTRIES": book.size,
+            "HELD": len(book.held),
+            "EFFORTS": len(book.efforts),
+            "BALANCED": int(book.heat),
+            "ACCOUNTS": len(ACCOUNTS),
+            "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
+            "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),
             "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
-        }  # fmt: skip
+        }
         solve = "rosenbrock" if self.order == 4 else "solve"
         names = ["step"] if self.fixed else [solve, "ripple", "points"]
         names += ["flows", "entries"] if self.lanes == 1 and not self.fixed else []
@@ -362,15 +388,18 @@ class Kernel:
         )  # fmt: skip
         names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
         names = ("lanes.c",) if self.lanes > 1 else names
-        texts = [_text("signals", "reader.c"), *(_text("simulate", name) for name in names)]
+        texts = [
+            _read_text("signals", "reader.c"),
+            *(_read_text("simulate", name) for name in names),
+        ]
         return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
 
 
 _LOADED: set[Kernel] = set()
 
 
-@once(64)
-def _library(kernel: Kernel) -> Any:
+@cache_answers(64)
+def _load_library(kernel: Kernel) -> Any:
     library = load_library(kernel.source(), kernel.flags)
     for name in ("march_on", "size_of_block", "run_of"):
         getattr(library, name).restype = ctypes.c_long
@@ -379,16 +408,16 @@ def _library(kernel: Kernel) -> Any:
     return library
 
 
-def readiness(kernel: Kernel) -> str:
+def tell_readiness(kernel: Kernel) -> str:
     """`loaded`, `compiled` but not loaded in this process yet, or `new`."""
     if kernel in _LOADED:
         return "loaded"
     return "compiled" if is_compiled(kernel.source(), kernel.flags) else "new"
 
 
-def _text(room: str, name: str) -> str:
+def _read_text(room: str, name: str) -> str:
     return (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
 
 
-def _list(numbers: Sequence[float]) -> str:
+def _format_list(numbers: Sequence[float]) -> str:
     return "{" + ", ".join(map(repr, [*numbers, 0])) + "}"

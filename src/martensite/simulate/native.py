@@ -11,7 +11,7 @@ import numpy as np
 
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.once import once
+from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
@@ -111,13 +111,15 @@ def march_source(
         signal=f"d * {lanes} + l" if own else "d",
         length="l" if own else "0",
         keep=_KEEP.format(size=compiled.size, reports=len(compiled.report)) if own else "",
-        **_watching(compiled, lanes, "l" if own else "0") if bounded else {"look": "", "notes": ""},
+        **_write_watch(compiled, lanes, "l" if own else "0")
+        if bounded
+        else {"look": "", "notes": ""},
     )
     functions = [traced["init"], traced["step"], observe]
-    return _kernels(compiled, functions + [traced["judge"]] * bounded, lanes) + loop
+    return _write_kernels(compiled, functions + [traced["judge"]] * bounded, lanes) + loop
 
 
-def _watching(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, str]:
+def _write_watch(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, str]:
     """What looks at the envelope after every step."""
     known = {
         "lanes": lanes, "size": compiled.size, "drives": compiled.drives, "length": length,
@@ -128,14 +130,14 @@ def _watching(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, str
     return {"look": _LOOK.format_map(known), "notes": _NOTES.format_map(known)}
 
 
-def _kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
+def _write_kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes: int) -> str:
     """C of traced functions: over vectors where the lanes fill them."""
     write = c_source if lanes % BLOCK else lanes_source
     return write(compiled.program, functions)
 
 
-@once(64)
-def _library(
+@cache_answers(64)
+def _load_library(
     compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool, bounded: bool
 ) -> Any:
     return load_library(march_source(compiled, lanes, outputs, own, bounded))
@@ -164,7 +166,7 @@ def march_inside(
     nobody looks.
     """
     bounded = limits is not None and len(compiled.envelope) > 0
-    library = _library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
+    library = _load_library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
     parameters = np.array([np.broadcast_to(v, lanes) for v in values], float)
     rows = np.empty((len(grid.times), len(outputs), lanes))
     worst = np.empty((len(compiled.report), lanes))

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.kernels.c99 import load_library
-from martensite.kernels.c99_slopes import WIDTHS, constants, slopes_source
-from martensite.kernels.once import once
-from martensite.kernels.tangent import differentiated
+from martensite.kernels.c99_slopes import WIDTHS, count_constants, slopes_source
+from martensite.kernels.once import cache_answers
+from martensite.kernels.tangent import differentiate_program
 from martensite.physics.laws.coupling import Report
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import Grid
@@ -82,9 +82,9 @@ def march_slopes(
     count = given.shape[1]
     moving = tuple(int(i) for i in np.flatnonzero(np.any(given != 0.0, axis=1)))
     width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
-    library = _library(compiled, moving, tuple(outputs), width)
+    library = _load_library(compiled, moving, tuple(outputs), width)
     pieces = [
-        _march(library, values, _padded(given[list(moving), k : k + width], width), grid,
+        _march_library(library, values, _pad_seeds(given[list(moving), k : k + width], width), grid,
                len(outputs))
         for k in range(0, max(count, 1), width)
     ]  # fmt: skip
@@ -92,13 +92,15 @@ def march_slopes(
     return pieces[0]._replace(slopes=slopes)
 
 
-def _padded(seeds: Any, width: int) -> Any:
+def _pad_seeds(seeds: Any, width: int) -> Any:
     """With rows and columns of zeros: as many directions as are computed, and one row at least."""
     rows, columns = seeds.shape
     return np.pad(seeds, ((0, not rows), (0, width - columns)))
 
 
-def _march(library: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int) -> Slopes:
+def _march_library(
+    library: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int
+) -> Slopes:
     shape = len(grid.times), outputs
     rows, drows, worst = (
         np.empty(shape),
@@ -111,14 +113,14 @@ def _march(library: Any, values: Sequence[float], seeds: Any, grid: Grid, output
     return Slopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
-@once(64)
-def _library(
+@cache_answers(64)
+def _load_library(
     compiled: CompiledMarch, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
 ) -> Any:
     size = compiled.size
     states = {"init": 0, "step": size, "observe": size}
-    program = differentiated(compiled.program, moving, states, outputs)
-    count, slopes = constants(program)
+    program = differentiate_program(compiled.program, moving, states, outputs)
+    count, slopes = count_constants(program)
     loop = _MARCH.format(
         constants=max(1, count), dconstants=max(1, slopes), size=size,
         inputs=compiled.inputs, results=size + len(compiled.report),

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from martensite.base.errors import ParameterError, UnknownNameError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.courses import Choices, Course, Guide, celsius, megapascal
+from martensite.simulate.courses import Choices, Course, Guide, format_celsius, format_megapascal
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ PATHS: dict[str, NamedPath] = {}
 LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
 
 
-def path(
+def register_path(
     name: str, *uses: str, plane: tuple[str, str]
 ) -> Callable[[Callable[[Guide], list[Course]]], Callable[[Guide], list[Course]]]:
     """File a function under a name."""
@@ -89,8 +89,8 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
 # ---------------------------------------------------------------- the paths
 
 
-@path("superelastic", "temperatures", "stresses", plane=LOOP)
-def superelastic(guide: Guide) -> list[Course]:
+@register_path("superelastic", "temperatures", "stresses", plane=LOOP)
+def build_superelastic(guide: Guide) -> list[Course]:
     """Load austenite to a stress and unload it, at each of several temperatures.
 
     Temperatures: A_f + 10, 25 and 40 K. Stress: the first one given for all temperatures, else
@@ -101,13 +101,13 @@ def superelastic(guide: Guide) -> list[Course]:
     def course(temperature: float) -> Course:
         peak = guide.load(temperature, fractions)
         legs = guide.stress(peak, peak), guide.stress(peak, 0.0)
-        return Course(celsius(temperature), 0.0, temperature, fractions, legs)
+        return Course(format_celsius(temperature), 0.0, temperature, fractions, legs)
 
     return [course(temperature) for temperature in guide.hot(10.0, 25.0, 40.0)]
 
 
-@path("tension", "temperatures", "strain", plane=LOOP)
-def tension(guide: Guide) -> list[Course]:
+@register_path("tension", "temperatures", "strain", plane=LOOP)
+def build_tension(guide: Guide) -> list[Course]:
     """Stretch to a strain and back to the start, at each of several temperatures.
 
     Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
@@ -121,13 +121,13 @@ def tension(guide: Guide) -> list[Course]:
         peak = guide.choices.strain or guide.top(temperature, fractions).strain + 0.004
         rest = guide.rest(temperature, fractions)
         legs = guide.strain(peak - rest, peak), guide.strain(peak - rest, rest)
-        return Course(celsius(temperature), 0.0, temperature, fractions, legs)
+        return Course(format_celsius(temperature), 0.0, temperature, fractions, legs)
 
     return [course(temperature) for temperature in temperatures]
 
 
-@path("isobaric", "stresses", plane=RECOVERY)
-def isobaric(guide: Guide) -> list[Course]:
+@register_path("isobaric", "stresses", plane=RECOVERY)
+def build_isobaric(guide: Guide) -> list[Course]:
     """Cool austenite and heat it again, at each of several constant stresses.
 
     Stresses: 50, 100 and 200 MPa. Temperatures: from beyond A_f at the highest to beyond M_f at
@@ -138,29 +138,29 @@ def isobaric(guide: Guide) -> list[Course]:
     cold = min(guide.marks_at(stress).M_f for stress in stresses) - 10.0
     legs = guide.heat(hot, cold), guide.heat(cold, hot)
     fractions = guide.choices.fractions or AUSTENITE
-    return [Course(megapascal(stress), stress, hot, fractions, legs) for stress in stresses]
+    return [Course(format_megapascal(stress), stress, hot, fractions, legs) for stress in stresses]
 
 
-@path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
+@register_path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
 def free_recovery(guide: Guide) -> list[Course]:
     """Load and unload cold, then heat without load: the strain comes back.
 
     Temperature: the cold one; by default below M_f where twinned martensite turns under stress,
     else between M_s and A_s. Stress: beyond the end of the transformation there.
     """
-    return [_recovery(guide, "load, unload, heat", cool=False)]
+    return [_build_recovery(guide, "load, unload, heat", cool=False)]
 
 
-@path("shape-memory", "temperatures", "stresses", plane=RECOVERY)
+@register_path("shape-memory", "temperatures", "stresses", plane=RECOVERY)
 def shape_memory(guide: Guide) -> list[Course]:
     """Load and unload cold, heat without load and cool again: the one-way effect.
 
     Temperature and stress as for free-recovery.
     """
-    return [_recovery(guide, "load, unload, heat, cool", cool=True)]
+    return [_build_recovery(guide, "load, unload, heat, cool", cool=True)]
 
 
-def _recovery(guide: Guide, label: str, *, cool: bool) -> Course:
+def _build_recovery(guide: Guide, label: str, *, cool: bool) -> Course:
     temperature, fractions = guide.cold
     peak, hot = guide.load(temperature, fractions), guide.marks.A_f + 20.0
     legs = [guide.stress(peak, peak), guide.stress(peak, 0.0), guide.heat(temperature, hot)]
@@ -169,7 +169,7 @@ def _recovery(guide: Guide, label: str, *, cool: bool) -> Course:
     return Course(label, 0.0, temperature, fractions, tuple(legs))
 
 
-@path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
+@register_path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
 def constrained_recovery(guide: Guide) -> list[Course]:
     """Stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
 
@@ -186,7 +186,7 @@ def constrained_recovery(guide: Guide) -> list[Course]:
     return [Course("stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs)]
 
 
-@path("minor-loops", "stresses", plane=RECOVERY)
+@register_path("minor-loops", "stresses", plane=RECOVERY)
 def minor_loops(guide: Guide) -> list[Course]:
     """A whole thermal cycle at constant stress, then partial heatings from cold.
 
@@ -204,6 +204,6 @@ def minor_loops(guide: Guide) -> list[Course]:
         for turn in turns:
             legs += [guide.heat(cold, turn), guide.heat(turn, cold)]
         fractions = guide.choices.fractions or AUSTENITE
-        return Course(megapascal(stress), stress, hot, fractions, tuple(legs))
+        return Course(format_megapascal(stress), stress, hot, fractions, tuple(legs))
 
     return [course(stress) for stress in stresses]

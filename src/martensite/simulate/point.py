@@ -19,12 +19,12 @@ from martensite.base.errors import (
     ParameterError,
     SolveError,
     UnknownNameError,
-    suggestion,
+    suggest_name,
 )
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW
-from martensite.simulate.point_march import Drive, PointTrack, Section, march
+from martensite.simulate.point_march import Drive, PointTrack, Section, march_point
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,7 +64,7 @@ class Leg:
             )
         if self.hold is not None and self.hold not in CONTROLS:
             raise ParameterError(
-                f"Argument `hold` of a leg is `{self.hold}`. {suggestion(self.hold, CONTROLS)}"
+                f"Argument `hold` of a leg is `{self.hold}`. {suggest_name(self.hold, CONTROLS)}"
             )
         if self.hold is not None and self.control is not None:
             raise ParameterError(
@@ -183,17 +183,17 @@ def material_point(
         InputError: an argument is out of range.
         SolveError: a step could not be solved; the sentence says where and what to try.
     """
-    _check(legs, start, fractions, steps, tolerance, runtime)
-    sections = _sections(legs, steps, start[1])
+    _check_path(legs, start, fractions, steps, tolerance, runtime)
+    sections = _fill_sections(legs, steps, start[1])
     drive = Drive(law, fractions, *start, sections, tension_only, runtime)
-    track, accuracy = _refine(drive, tolerance)
+    track, accuracy = _refine_steps(drive, tolerance)
     if track.status.failed:
         raise SolveError(
             f"The law `{law.registered_name or type(law).__name__}` could not be driven along its "
             f"path: leg {track.leg + 1} failed at t = {track.time:.6g} s. "
             f"{_SENTENCES.get(track.status, track.status.sentence)}"
         )
-    result = _result(law, legs, drive, track, accuracy, label)
+    result = _build_result(law, legs, drive, track, accuracy, label)
     if tolerance is not None and accuracy is not None and accuracy > tolerance:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {result.steps:,} "
@@ -210,7 +210,7 @@ _SENTENCES = {
 }
 
 
-def _check(
+def _check_path(
     legs: Sequence[Leg], start: tuple[float, float], fractions: Fractions, steps: int,
     tolerance: float | None, runtime: str,
 ) -> None:  # fmt: skip
@@ -232,10 +232,10 @@ def _check(
     if tolerance is not None and not 0.0 < tolerance < math.inf:
         raise ParameterError(f"Argument `tolerance` must be above 0, but is {tolerance}.")
     if runtime not in RUNTIMES:
-        raise InputError(f"No runtime named `{runtime}`. {suggestion(runtime, RUNTIMES)}")
+        raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
 
 
-def _sections(legs: Sequence[Leg], steps: int, temperature: float) -> list[Section]:
+def _fill_sections(legs: Sequence[Leg], steps: int, temperature: float) -> list[Section]:
     """The legs with everything filled in that can be known before the march."""
     found: list[Section] = []
     control, first = "stress", temperature
@@ -248,9 +248,9 @@ def _sections(legs: Sequence[Leg], steps: int, temperature: float) -> list[Secti
     return found
 
 
-def _refine(drive: Drive, tolerance: float | None) -> tuple[PointTrack, float | None]:
+def _refine_steps(drive: Drive, tolerance: float | None) -> tuple[PointTrack, float | None]:
     """Halve the steps until halving changes little; the finest run and its last change."""
-    finer, found = 1, march(drive, 1)
+    finer, found = 1, march_point(drive, 1)
     if tolerance is None:
         return found, None
     accuracy = math.inf
@@ -258,12 +258,12 @@ def _refine(drive: Drive, tolerance: float | None) -> tuple[PointTrack, float | 
         if finer > 1 and 2 * finer * drive.samples > MOST_STEPS:
             break
         finer *= 2
-        fine = march(drive, finer)
-        found, accuracy = fine, _difference(found, fine)
+        fine = march_point(drive, finer)
+        found, accuracy = fine, _compare_tracks(found, fine)
     return found, accuracy
 
 
-def _difference(coarse: PointTrack, fine: PointTrack) -> float:
+def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
     """Largest difference of the judged columns as a share of their range."""
     if len(coarse.rows) != len(fine.rows):
         return math.inf
@@ -276,7 +276,7 @@ def _difference(coarse: PointTrack, fine: PointTrack) -> float:
     return worst if math.isfinite(worst) else math.inf
 
 
-def _result(
+def _build_result(
     law: AbstractLaw, legs: Sequence[Leg], drive: Drive, track: PointTrack,
     accuracy: float | None, label: str,
 ) -> PointResult:  # fmt: skip

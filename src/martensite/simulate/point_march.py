@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
-from martensite.simulate.march import SOLVED, classify
+from martensite.simulate.march import SOLVED, classify_step
 
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""
@@ -129,7 +129,7 @@ class Drive:
         return compile_law(self.law, tension_only=self.tension_only)
 
 
-def march(drive: Drive, finer: int) -> PointTrack:
+def march_point(drive: Drive, finer: int) -> PointTrack:
     """March with `finer` steps between samples; failures are a status."""
     rider = drive.rider
     size = drive.compiled.size
@@ -138,7 +138,7 @@ def march(drive: Drive, finer: int) -> PointTrack:
     worst, leg, when = 0.0, 0, 0.0
     clock, imposed = 0.0, None
     for number, section in enumerate(drive.sections):
-        ramp = _ramp(section, finer, rows[-1], imposed)
+        ramp = _start_section(section, finer, rows[-1], imposed)
         imposed = ramp.end if section.control == "strain" else None
         try:
             ridden = rider.ride(state[:size], ramp)
@@ -150,11 +150,13 @@ def march(drive: Drive, finer: int) -> PointTrack:
         state = ridden.memory
         clock += section.duration
     finite = all(math.isfinite(value) for row in rows for value in row)
-    status = classify(worst, 0.0) if finite else Status.NOT_FINITE
+    status = classify_step(worst, 0.0) if finite else Status.NOT_FINITE
     return PointTrack(rows, status, worst, leg, when, finer * drive.samples)
 
 
-def _ramp(section: Section, finer: int, row: tuple[float, ...], imposed: float | None) -> Ramp:
+def _start_section(
+    section: Section, finer: int, row: tuple[float, ...], imposed: float | None
+) -> Ramp:
     """Where a section begins: a slack point is longer than the strain imposed on it."""
     begin = row[STRESS]
     if section.control == "strain":

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from martensite.kernels.c99 import c_source, load_library
-from martensite.kernels.once import once
+from martensite.kernels.once import cache_answers
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
 from martensite.simulate.point_march import Ramp, Ridden
@@ -46,8 +46,8 @@ void ride(long samples, long finer, const double *restrict p, const double *rest
 """
 
 
-@once(16)
-def _library(compiled: CompiledLaw, step: str) -> Any:
+@cache_answers(16)
+def _load_library(compiled: CompiledLaw, step: str) -> Any:
     """One library per kind of step: compiling what is not used takes seconds."""
     program = compiled.program
     loop = _RIDE.format(
@@ -61,7 +61,7 @@ def _library(compiled: CompiledLaw, step: str) -> Any:
     return load_library(c_source(program, [program.functions[n] for n in ("init", step)]) + loop)
 
 
-def _pointer(array: Any) -> Any:
+def _get_pointer(array: Any) -> Any:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
@@ -76,8 +76,8 @@ class NativeRider:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         found = np.empty(self._compiled.size + len(ROW))
         given = np.array(numbers, float)
-        library = _library(self._compiled, "stress_step")
-        library.start(*map(_pointer, (self._parameters, given, found)))
+        library = _load_library(self._compiled, "stress_step")
+        library.start(*map(_get_pointer, (self._parameters, given, found)))
         return tuple(found.tolist())
 
     def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
@@ -86,7 +86,7 @@ class NativeRider:
         rows, where = np.empty((ramp.samples, len(ROW))), np.empty(1, np.int_)
         line = np.array([ramp.begin, ramp.end, ramp.first, ramp.last, ramp.dt], float)
         arrays = (self._parameters, line, state, rows, worst, where)
-        ride = _library(self._compiled, f"{ramp.control}_step").ride
-        ride(ctypes.c_long(ramp.samples), ctypes.c_long(ramp.finer), *map(_pointer, arrays))
+        ride = _load_library(self._compiled, f"{ramp.control}_step").ride
+        ride(ctypes.c_long(ramp.samples), ctypes.c_long(ramp.finer), *map(_get_pointer, arrays))
         found = [tuple(row) for row in rows.tolist()]
         return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))

@@ -27,27 +27,27 @@ def tell_conformance(things: Iterable[Any]) -> dict[str, str]:
     Args:
         things: systems, waveforms, controllers, or mappings of them.
     """
-    return {_name(cls): find_record(cls) for cls in dict.fromkeys(_foreign(things))}
+    return {_name_part(cls): find_record(cls) for cls in dict.fromkeys(_list_foreign(things))}
 
 
-def _foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
+def _list_foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
     """Classes of foreign parts, at any depth."""
     for thing in things:
         if isinstance(thing, Mapping):
-            yield from _foreign(cast("Mapping[str, Any]", thing).values())
+            yield from _list_foreign(cast("Mapping[str, Any]", thing).values())
         elif isinstance(thing, Parametrised):
             classes = (type(part) for part in thing.tree())
             yield from (cls for cls in classes if not cls.__module__.startswith(OWN))
 
 
-def _name(cls: type[Parametrised]) -> str:
+def _name_part(cls: type[Parametrised]) -> str:
     """What a foreign part is called."""
     return cls.registered_name or cls.__name__
 
 
 def find_record(cls: type[Parametrised]) -> str:
     """What was found of a part as its file is now."""
-    path = _place(cls)
+    path = _locate_record(cls)
     if path is None or not path.exists():
         return NOT_TRIED
     return "conforms" if json.loads(path.read_text("utf-8"))["holds"] else "does not conform"
@@ -55,13 +55,13 @@ def find_record(cls: type[Parametrised]) -> str:
 
 def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
     """Keep what was found of a part; nothing of one without a file, or of this package."""
-    path = None if cls.__module__.startswith(OWN) else _place(cls)
+    path = None if cls.__module__.startswith(OWN) else _locate_record(cls)
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps({"holds": holds, "checks": checks}), "utf-8")
 
 
-def _place(cls: type[Parametrised]) -> Path | None:
+def _locate_record(cls: type[Parametrised]) -> Path | None:
     """Where a finding is kept; None if the class has no file, as in a notebook."""
     try:
         source = Path(inspect.getsourcefile(cls) or "").read_bytes()

@@ -16,7 +16,7 @@ from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Parametrised
 
 
-def refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:
+def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:
     """Runs that are refused.
 
     Args:
@@ -30,45 +30,45 @@ def refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArra
         declared = leaves[path].declared
         low = column <= declared.low if declared.open_low else column < declared.low
         found |= low | (column > declared.high) | ~np.isfinite(column)
-    for prefix, one in _checking(part, ""):
+    for prefix, one in _list_checking(part, ""):
         own = {path[len(prefix) :]: v for path, v in values.items() if path.startswith(prefix)}
         if own:
             rows = np.flatnonzero(~found)
-            found[rows] = _objects(one, {path: v[rows] for path, v in own.items()})
+            found[rows] = _check_objects(one, {path: v[rows] for path, v in own.items()})
     return found
 
 
-def _checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
+def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
     """Parts that check their numbers together."""
     if type(part).check is not Parametrised.check:
         yield prefix, part
     for name, child in part.children():
-        yield from _checking(child, f"{prefix}{name}.")
+        yield from _list_checking(child, f"{prefix}{name}.")
 
 
-def _objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
+def _check_objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
     """Which runs a part refuses though their numbers are in their ranges.
 
     One twin, seen by nobody else, takes the numbers of one run after another.
     """
     twin = part.rebuilt(dict.fromkeys(values, 0.0))
-    places = [(_holder(twin, path).__dict__, path.rpartition(".")[2]) for path in values]
+    places = [(_find_holder(twin, path).__dict__, path.rpartition(".")[2]) for path in values]
     found: list[bool] = []
     for numbers in zip(*(column.tolist() for column in values.values()), strict=True):
         for (held, name), number in zip(places, numbers, strict=True):
             held[name] = number
-        found.append(_refuses(twin))
+        found.append(_is_refused(twin))
     return found
 
 
-def _holder(part: Parametrised, path: str) -> Parametrised:
+def _find_holder(part: Parametrised, path: str) -> Parametrised:
     """What has the number at a path."""
     for name in path.split(".")[:-1]:
         part = part.__dict__[name]
     return part
 
 
-def _refuses(part: Parametrised) -> bool:
+def _is_refused(part: Parametrised) -> bool:
     try:
         part.check()
     except MartensiteError:

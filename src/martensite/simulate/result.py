@@ -197,7 +197,9 @@ class Result:
 
     def _repr_html_(self) -> str:
         """For a notebook: the summary's first line, ranges of all columns, and warnings."""
-        rows = "".join(f"<tr>{''.join(map(_cell, self._range(n)))}</tr>" for n in self.outputs)
+        rows = "".join(
+            f"<tr>{''.join(map(_format_cell, self._range(n)))}</tr>" for n in self.outputs
+        )
         head = "".join(f"<th>{word}</th>" for word in ("column", "lowest", "highest", "unit"))
         rest = "".join(f"<p>{escape(one)}</p>" for one in (*self.balances(), *self.remarks()))
         warned = "".join(f"<p><b>{escape(one)}</b></p>" for one in self.warnings)
@@ -207,7 +209,7 @@ class Result:
     def _range(self, name: str) -> tuple[str, str, str, str]:
         """Name, lowest and highest value, and the unit in which they are readable."""
         unit = self.unit(name)
-        shown = units.readable(unit)
+        shown = units.choose_readable_unit(unit)
         low, high = (units.from_si(end, shown, unit) for end in self._ends(name))
         words = self.outputs[name].long_name
         return words, f"{low:.6g}", f"{high:.6g}", "" if shown == "1" else shown
@@ -310,7 +312,7 @@ LINES = 6
 """Of the summary in `repr`."""
 
 
-def _cell(text: str) -> str:
+def _format_cell(text: str) -> str:
     """A cell of a table in HTML."""
     return f"<td>{escape(text)}</td>"
 

@@ -49,9 +49,9 @@ class Stage:
     """At the end [-]."""
 
 
-def stages(result: PointResult) -> list[Stage]:
+def list_stages(result: PointResult) -> list[Stage]:
     """Every leg of a path."""
-    return [_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
+    return [_build_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
 
 
 def residual_strain(result: PointResult) -> float:
@@ -59,7 +59,7 @@ def residual_strain(result: PointResult) -> float:
     return result.strain[-1] - result.strain[0]
 
 
-def _stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
+def _build_stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
     changes = {n: result[n][last] - result[n][first] for n in (*STILL, "martensite", "oriented")}
     martensite, oriented = changes["martensite"], changes["oriented"]
     name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
@@ -72,18 +72,18 @@ def _stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
     if name == "martensite":
         process = "forward" if martensite > 0.0 else "reverse"
     return Stage(
-        kind=_kind(result, leg, changes),
+        kind=_describe_kind(result, leg, changes),
         process=process if acts else "",
         martensite=martensite,
         oriented=oriented,
-        spots=_spots(result, getattr(result, name), first, last) if acts else None,
+        spots=_find_spots(result, getattr(result, name), first, last) if acts else None,
         varies=varies,
         end=Spot(result.stress[last], result.temperature[last]),
         strain=result.strain[last],
     )
 
 
-def _kind(result: PointResult, leg: int, changes: dict[str, float]) -> str:
+def _describe_kind(result: PointResult, leg: int, changes: dict[str, float]) -> str:
     control = result.legs[leg].control
     words: list[str] = []
     if abs(changes["temperature"]) > STILL["temperature"]:
@@ -97,14 +97,16 @@ def _kind(result: PointResult, leg: int, changes: dict[str, float]) -> str:
     return " and ".join(words) or "waiting"
 
 
-def _spots(
+def _find_spots(
     result: PointResult, fractions: list[float], first: int, last: int
 ) -> tuple[Spot, Spot, Spot]:
-    start, half, end = (_spot(result, fractions, first, last, share) for share in SHARES)
+    start, half, end = (_find_spot(result, fractions, first, last, share) for share in SHARES)
     return start, half, end
 
 
-def _spot(result: PointResult, fractions: list[float], first: int, last: int, share: float) -> Spot:
+def _find_spot(
+    result: PointResult, fractions: list[float], first: int, last: int, share: float
+) -> Spot:
     """Where a share of the change on a leg is done."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]

@@ -24,13 +24,13 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem, Actuator, Feed
 from martensite.actuators.assembly.base import Drive
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import Report
 from martensite.signals.base import DRIVE, AbstractWaveform
-from martensite.signals.moments import Moments, Segment, Tone, added
-from martensite.simulate.driven import Waveforms, arranged
+from martensite.signals.moments import Moments, Segment, Tone, add_segments
+from martensite.simulate.driven import Waveforms, arrange_waveforms
 
 PEAK = "peak"
 LOOKED_AT = 2001
@@ -80,7 +80,7 @@ class Combined(AbstractWaveform):
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """The sums of those of its terms."""
-        return added([(factor, wave.segments(begin)) for factor, wave in self.terms])
+        return add_segments([(factor, wave.segments(begin)) for factor, wave in self.terms])
 
     def tones(self) -> tuple[Tone, ...]:
         """Those of all its terms."""
@@ -241,7 +241,7 @@ class Steering:
     def own(self) -> dict[str, AbstractWaveform]:
         """The waveform of every drive."""
         names = [drive.name for drive in self.system.drives()]
-        return dict(zip(names, arranged(self.system, self.waveforms), strict=True))
+        return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
     def with_levels(self, levels: Sequence[Level]) -> Steering:
         """With these levels as parameters.
@@ -278,7 +278,7 @@ class Steering:
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]
             raise ParameterError(
-                f"The waveform of `{drive}` has no level `{name}`. {suggestion(name, names)}"
+                f"The waveform of `{drive}` has no level `{name}`. {suggest_name(name, names)}"
             )
         return known[drive, name]
 
@@ -331,7 +331,7 @@ class Steering:
                 f"The peak of the waveform of `{drive}` and another level of it cannot both be "
                 "free: the peak scales them all."
             )
-        moved = {level.name: level.value + 0.4 * (1.0 + k) * _reach(level)
+        moved = {level.name: level.value + 0.4 * (1.0 + k) * _choose_reach(level)
                  for k, level in enumerate(mine)}  # fmt: skip
         there, rest = self.at(drive, moved), self._rest(drive)
         shapes = [(moved[level.name], self._shape(level)) for level in mine]
@@ -346,7 +346,7 @@ class Steering:
 
     def _shape(self, level: Level) -> AbstractWaveform:
         """φ: the change of the signal per change of a level."""
-        reach = _reach(level)
+        reach = _choose_reach(level)
         here, there = self.own[level.drive], self.at(level.drive, {level.name: level.value + reach})
         if level.name == PEAK:
             return Combined(terms=((1.0 / level.value, here),))
@@ -370,6 +370,6 @@ class Steering:
         return max(abs(wave.value(time)) for time in self._times(wave))
 
 
-def _reach(level: Level) -> float:
+def _choose_reach(level: Level) -> float:
     """How far a level is moved to see what it does."""
     return abs(level.value) or 1.0

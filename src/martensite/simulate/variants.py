@@ -22,22 +22,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
-from martensite.simulate.clock import Edges, edges_of, played, steps_of
+from martensite.simulate.clock import Edges, edges_of, play_waveforms, steps_of
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.driven import arranged, grid_of
+from martensite.simulate.driven import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Grid, Steps
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
-from martensite.simulate.march import classify
+from martensite.simulate.march import classify_step
 from martensite.simulate.marching import HAIR, Plan
 from martensite.simulate.marching_native import Runs
-from martensite.simulate.refusals import refused
+from martensite.simulate.refusals import find_refused
 
 Numbers: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
@@ -85,7 +85,7 @@ class Ran:
 
         It is infinite for runs that stayed inside; what comes after it is struck out.
         """
-        status = np.array([classify(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
+        status = np.array([classify_step(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
         gone = (left < np.inf) & (status < Status.UNSOLVED)
         known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
         broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
@@ -140,7 +140,7 @@ class Course:
         """Raise `ParameterError` for a runtime or a precision that there is not."""
         if self.runtime not in RUNTIMES:
             raise ParameterError(
-                f"No runtime named `{self.runtime}`. {suggestion(self.runtime, RUNTIMES)}"
+                f"No runtime named `{self.runtime}`. {suggest_name(self.runtime, RUNTIMES)}"
             )
         single = self.precision == "float32"
         if self.precision != "float64" and not (single and self.runtime == "jax"):
@@ -165,7 +165,7 @@ class Course:
             raise ParameterError(f"`{varied_stops(values)[0]}` cannot be varied on JAX.")
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
-        refusal = refused(self.system, values, count) | self._refused(own, count)
+        refusal = find_refused(self.system, values, count) | self._refused(own, count)
         size, rows = TOGETHER if self.controlled else self._together(), np.arange(count)
         make = self._to_tolerance if self.controlled else self._block
 
@@ -224,15 +224,19 @@ class Course:
     def _plan(self) -> Plan:
         """What runs with an error control have in common."""
         return Plan(
-            self.compiled, arranged(self.system, self.waveforms), self.times, self.tolerance,
-            first_step(self.system, self.duration, self.samples), envelope_of(self.system),
-        )  # fmt: skip
+            self.compiled,
+            arrange_waveforms(self.system, self.waveforms),
+            self.times,
+            self.tolerance,
+            first_step(self.system, self.duration, self.samples),
+            envelope_of(self.system),
+        )
 
     def _arranged(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
         """The waveforms of one run, in the order of the drives."""
         if not signals:
             return self._plan.waveforms
-        return arranged(self.system, self._waveforms(signals, row))
+        return arrange_waveforms(self.system, self._waveforms(signals, row))
 
     def _limits(self, values: Values, count: int) -> Any:
         """What no run leaves, (2, envelope, runs), if that varies."""
@@ -248,9 +252,9 @@ class Course:
     def _together(self) -> int:
         """How many runs march together."""
         if self.lanes is None and self.runtime == "jax":
-            from martensite.simulate.variants_jax import block
+            from martensite.simulate.variants_jax import count_block
 
-            return block()
+            return count_block()
         return self.lanes or LANES[self.runtime]
 
     def _block(
@@ -357,7 +361,7 @@ class Course:
             steps = steps_of(edges, self.duration, self.samples, self._longest)
             self._clocks[edges] = steps
         drives = [waveforms.get(drive.name) for drive in self.system.drives()]
-        return played(self.system, steps, drives)
+        return play_waveforms(self.system, steps, drives)
 
     @cached_property
     def _clocks(self) -> dict[Edges, Steps]:
@@ -375,5 +379,5 @@ class Course:
         """Runs whose waveforms are refused."""
         found = np.zeros(count, np.bool_)
         for name, table in signals.items():
-            found |= refused(self.waveforms[name], table, count)
+            found |= find_refused(self.waveforms[name], table, count)
         return found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.simulate.arrays import Schedule, jitted_march, schedule
+from martensite.simulate.arrays import Schedule, build_schedule, jitted_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import Grid
@@ -35,7 +35,7 @@ class JaxMarch:
         """
         devices = devices_of()[: 1 if isinstance(grid, LaneGrid) else None]
         limits = envelope_of(self.course.system)
-        plan, padded = _schedule(grid, self.course.precision, limits)
+        plan, padded = _build_schedule(grid, self.course.precision, limits)
         size = -(-runs // len(devices))
         table = [np.asarray(v, self.course.precision) for v in self.course.table(values)]
         chunks = (
@@ -56,7 +56,7 @@ class JaxMarch:
         return columns, np.stack(reports).astype(np.float64), left.astype(np.float64)
 
 
-def block() -> int:
+def count_block() -> int:
     """Runs that march together on the devices that JAX has."""
     devices = devices_of()
     return chunk_for(devices) * len(devices)
@@ -68,10 +68,10 @@ def _by_run(column: Any, runs: int) -> Numbers:
     return np.broadcast_to(found if found.ndim == 2 else found[:, None], (len(found), runs)).T
 
 
-def _schedule(grid: Grid | LaneGrid, precision: str, limits: Limits) -> tuple[Schedule, bool]:
+def _build_schedule(grid: Grid | LaneGrid, precision: str, limits: Limits) -> tuple[Schedule, bool]:
     """Arrays of a grid: signals and lengths by lane where lanes have their own."""
     if isinstance(grid, Grid):
-        return schedule(grid, precision, limits)
+        return build_schedule(grid, precision, limits)
     shape = len(grid.counts), int(grid.counts.max())
     used = np.arange(shape[1]) < grid.counts[:, None]
 

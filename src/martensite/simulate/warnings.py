@@ -17,11 +17,11 @@ def add_warnings(result: Result, columns: Columns | None = None) -> Result:
     result.warnings.extend(alarm.sentence for alarm in result.alarms)
     if result.status is Status.LONG_STEP:
         result.warnings.append(f"Warning: {result.status.sentence}")
-    result.warnings.extend(_doubts(result, columns or result.columns))
+    result.warnings.extend(_describe_doubts(result, columns or result.columns))
     return result
 
 
-def _doubts(result: Result, columns: Columns) -> list[str]:
+def _describe_doubts(result: Result, columns: Columns) -> list[str]:
     """Of laws that the stress brings near to where they are doubtful."""
     found: list[str] = []
     for port, one in result.system.actuators().items():

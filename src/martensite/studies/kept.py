@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import martensite
 from martensite.base.errors import DataError
-from martensite.base.files import cache_folder, replacing
+from martensite.base.files import cache_folder, replace_file
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = (".py", ".toml", ".json", ".csv")
@@ -66,7 +66,7 @@ def _keep(result: Any, path: Path) -> None:
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
         for old in others[:-PROGRAMS]:
             shutil.rmtree(old, ignore_errors=True)
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_bytes(pickle.dumps(result))
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 
 def runtime() -> str:
     """C where there is a compiler, else plain floats: the same to 1e-12, only slower."""
-    return "floats" if compiler() is None else "c"
+    return "floats" if find_compiler() is None else "c"
 
 
 def passing(times: Sequence[float], values: Sequence[float], level: float) -> float:

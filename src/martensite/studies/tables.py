@@ -47,8 +47,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-from martensite.base.errors import DataError, suggestion
-from martensite.kernels.c99 import compiler
+from martensite.base.errors import DataError, suggest_name
+from martensite.kernels.c99 import find_compiler
 from martensite.studies.base import AbstractStudy, Claim
 
 FOLDER = Path(__file__).parent
@@ -85,7 +85,7 @@ class Printed(SimpleNamespace):
         """
         for name in numbers:
             if name not in vars(self):
-                raise DataError(f"No printed number `{name}`. {suggestion(name, vars(self))}")
+                raise DataError(f"No printed number `{name}`. {suggest_name(name, vars(self))}")
         return Printed(**vars(self) | numbers)
 
 
@@ -124,7 +124,7 @@ class TableStudy(AbstractStudy):
 
     def parts(self) -> dict[str, Callable[[], list[Claim]]]:
         """Every claim with its verdict, part by part."""
-        if "compiler" in self.table and compiler() is None:
+        if "compiler" in self.table and find_compiler() is None:
             return {"a C compiler": lambda: [self._without_compiler()]}
         named: dict[str, str] = self.table["parts"]
         return {words: lambda key=key: self.part_claims(key) for key, words in named.items()}
@@ -226,7 +226,7 @@ def _check_keys(
 ) -> None:
     for key in table:
         if key not in known:
-            raise DataError(f"{where} has no key `{key}`. {suggestion(key, known)}")
+            raise DataError(f"{where} has no key `{key}`. {suggest_name(key, known)}")
     for key in needed:
         if key not in table:
             raise DataError(f"{where} must have `{key}`.")
@@ -304,5 +304,5 @@ def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:
         return known[name]
     first, *rest = name.split(".")
     if first not in known:
-        raise DataError(f"Claim `{claim}` names no number: `{name}`. {suggestion(first, known)}")
+        raise DataError(f"Claim `{claim}` names no number: `{name}`. {suggest_name(first, known)}")
     return reduce(getattr, rest, known[first])

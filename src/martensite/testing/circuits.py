@@ -9,7 +9,7 @@ from martensite.base.errors import UnitError
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractResistance, AbstractSource, Conductor
 from martensite.signals.moments import Moments
-from martensite.testing.conformance import Check, require
+from martensite.testing.conformance import Check, require_condition
 
 OHMS = (0.5, 5.0, 50.0)
 SIGNALS = np.linspace(0.0, 20.0, 41).tolist()
@@ -22,7 +22,7 @@ def check_length(model: AbstractResistance) -> None:
             model.resistance(floats, fraction, 0.01, 330.0, Conductor(3e-8, length))
             for length in (0.1, 0.2)
         )
-        require(
+        require_condition(
             0.0 < short < long,
             f"At a martensite fraction of {fraction} 0.1 m have {short:.4g} ohm, 0.2 m {long:.4g}.",
         )
@@ -33,19 +33,23 @@ def check_unit(source: AbstractSource) -> None:
     try:
         units.require_unit(source.unit)
     except UnitError as error:
-        require(False, str(error))
+        require_condition(False, str(error))
     both = source.sets_temperature == (source.unit == "K")
-    require(both, "A source sets the temperature if, and only if, its signal is in kelvin.")
+    require_condition(
+        both, "A source sets the temperature if, and only if, its signal is in kelvin."
+    )
 
 
 def check_current(source: AbstractSource) -> None:
     """Without a signal there is no current, and never less for more."""
     for ohms in OHMS:
         currents = [source.current(floats, u, ohms) for u in SIGNALS]
-        require(currents[0] == 0.0, f"At a signal of 0 there are {currents[0]:.4g} A.")
+        require_condition(currents[0] == 0.0, f"At a signal of 0 there are {currents[0]:.4g} A.")
         falls = np.diff(currents) < 0.0
         there = SIGNALS[int(np.argmax(falls))]
-        require(not falls.any(), f"At {ohms} ohm the current falls above a signal of {there:g}.")
+        require_condition(
+            not falls.any(), f"At {ohms} ohm the current falls above a signal of {there:g}."
+        )
 
 
 def check_limits(source: AbstractSource) -> None:
@@ -53,10 +57,10 @@ def check_limits(source: AbstractSource) -> None:
     for ohms in OHMS:
         most = max(source.current(floats, u, ohms) for u in SIGNALS)
         limit = getattr(source, "current_limit", np.inf)
-        require(most <= limit, f"{most:.4g} A are above the `current_limit`.")
+        require_condition(most <= limit, f"{most:.4g} A are above the `current_limit`.")
         volts = most * (ohms + getattr(source, "series_resistance", 0.0))
         limit = getattr(source, "voltage_limit", np.inf)
-        require(volts <= limit + 1e-12, f"{volts:.4g} V are above the `voltage_limit`.")
+        require_condition(volts <= limit + 1e-12, f"{volts:.4g} V are above the `voltage_limit`.")
 
 
 def check_heat(source: AbstractSource) -> None:
@@ -69,7 +73,7 @@ def check_heat(source: AbstractSource) -> None:
             found = source.heat(floats, steady, ohms).mean
             current = source.current(floats, u, ohms)
             power = current * current * ohms
-            require(
+            require_condition(
                 abs(found - power) <= 1e-9 * max(power, 1e-12),
                 f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` "
                 f"says {found:.6g} W.",

@@ -36,7 +36,7 @@ class ConformanceError(MartensiteError):
     """A part does not do what its interface promises."""
 
 
-def require(condition: object, sentence: str) -> None:
+def require_condition(condition: object, sentence: str) -> None:
     """Raise `ConformanceError` unless a condition holds."""
     if not condition:
         raise ConformanceError(sentence)

@@ -80,7 +80,7 @@ def _to_number(typical: Any, unit: str) -> float:
     """A typical number in SI; differences of a reading in kelvin are no temperatures."""
     if not isinstance(typical, str):
         return float(typical)
-    return units.parse(typical, unit)
+    return units.parse_quantity(typical, unit)
 
 
 # ---------------------------------------------------------------- components

@@ -6,7 +6,7 @@ import numpy as np
 
 from martensite.kernels import floats
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
-from martensite.testing.conformance import Check, require
+from martensite.testing.conformance import Check, require_condition
 
 AMBIENT = 295.0
 TEMPERATURES = np.linspace(260.0, 450.0, 96)
@@ -23,14 +23,16 @@ def check_growth(cooling: AbstractCooling) -> None:
     """The heat loss grows with temperature."""
     falls = np.diff(find_losses(cooling)) <= 0.0
     hot = TEMPERATURES[int(np.argmax(falls))]
-    require(not falls.any(), f"In air of 295 K the heat loss falls above {hot:.0f} K.")
+    require_condition(not falls.any(), f"In air of 295 K the heat loss falls above {hot:.0f} K.")
 
 
 def check_side(cooling: AbstractCooling) -> None:
     """Heat flows to the colder side only."""
     wrong = np.sign(find_losses(cooling)) != np.sign(TEMPERATURES - AMBIENT)
     there = TEMPERATURES[int(np.argmax(wrong))]
-    require(not wrong.any(), f"At {there:.0f} K heat flows from the colder to the hotter side.")
+    require_condition(
+        not wrong.any(), f"At {there:.0f} K heat flows from the colder to the hotter side."
+    )
 
 
 CHECKS: dict[str, list[Check]] = {"cooling": [check_growth, check_side]}

@@ -11,11 +11,11 @@ import numpy as np
 from martensite.base.parameters import Keyed
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.kernels.nested import Shape, flatten
-from martensite.kernels.once import once
+from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.testing.conformance import Check, require
+from martensite.testing.conformance import Check, require_condition
 
 Point = tuple[float, float]
 """Stress [Pa], temperature [K]."""
@@ -32,10 +32,10 @@ def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any
     """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
     bind, shape = _trace_kinetics(Keyed(law))
     function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
-    return lambda memory, *point: shape.rebuild(function(*flatten(memory), *point))
+    return lambda memory, *point: shape.rebuild(function(*flatten_numbers(memory), *point))
 
 
-@once(64)
+@cache_answers(64)
 def _trace_kinetics(keyed: Keyed[Any]) -> Any:
     program = Program()
     law = keyed.part.rebuilt(
@@ -45,9 +45,9 @@ def _trace_kinetics(keyed: Keyed[Any]) -> Any:
 
     def kinetics(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, stress, temperature, dt = arguments
-        return flatten(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
+        return flatten_numbers(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
 
-    names = [f"m{i}" for i in range(len(flatten(shape.example)))]
+    names = [f"m{i}" for i in range(len(flatten_numbers(shape.example)))]
     program.add("kinetics", [*names, "stress", "temperature", "dt"], kinetics)
     return program.bind_floats, shape
 
@@ -108,7 +108,7 @@ def _draw_paths() -> list[tuple[list[Point], float]]:
     return found
 
 
-def _tell(points: Sequence[Point]) -> str:
+def _describe_path(points: Sequence[Point]) -> str:
     """A path in words."""
     return ", ".join(f"({s / 1e6:.1f} MPa, {t - CELSIUS:.1f} °C)" for s, t in points)
 
@@ -121,9 +121,13 @@ def check_memory(law: AbstractLaw) -> None:
     memory = law.init(floats, Fractions(0.4, 0.4), 30e6, 310.0)
     found = law.fractions(memory)
     near = abs(found.martensite - 0.4) < 1e-12 and abs(found.oriented - 0.4) < 1e-12
-    require(near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}.")
+    require_condition(
+        near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}."
+    )
     there = (memory.stress, memory.temperature)
-    require(there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}.")
+    require_condition(
+        there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}."
+    )
 
 
 def check_affine_strain(law: AbstractLaw) -> None:
@@ -132,11 +136,13 @@ def check_affine_strain(law: AbstractLaw) -> None:
         frozen = Fractions(fraction, fraction)
         strains = [law.strain(floats, frozen, s, 310.0) for s in (0.0, 100e6, 200e6)]
         slope = law.compliance(floats, frozen)
-        require(slope > 0.0, f"The compliance at a fraction of {fraction} is {slope}.")
+        require_condition(slope > 0.0, f"The compliance at a fraction of {fraction} is {slope}.")
         free = law.free_strain(floats, frozen, 310.0)
         expected = [free + s * slope for s in (0.0, 100e6, 200e6)]
         near = np.allclose(strains, expected, rtol=1e-9, atol=1e-14)
-        require(near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ.")
+        require_condition(
+            near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ."
+        )
 
 
 def check_bounds(law: AbstractLaw) -> None:
@@ -147,7 +153,9 @@ def check_bounds(law: AbstractLaw) -> None:
             held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (
                 found.martensite + 1e-12
             )
-            require(held, f"On the path {_tell(points)} the fractions are {found}.")
+            require_condition(
+                held, f"On the path {_describe_path(points)} the fractions are {found}."
+            )
 
 
 def check_standstill(law: AbstractLaw) -> None:
@@ -156,13 +164,15 @@ def check_standstill(law: AbstractLaw) -> None:
         memory = follow_path(law, points, start)[-1]
         again, found = law.kinetics(floats, memory, *points[-1], 0.0)
         same = again == memory and found == law.fractions(memory)
-        require(same, f"At the end of {_tell(points)} standing still changes the memory.")
+        require_condition(
+            same, f"At the end of {_describe_path(points)} standing still changes the memory."
+        )
 
 
 def check_clock(law: AbstractLaw) -> None:
     """A law with a history rule does not read the clock."""
     both = depends_on_time(law) and "history" in law.declarations
-    require(not both, "The law has a history rule, but depends on how long a move takes.")
+    require_condition(not both, "The law has a history rule, but depends on how long a move takes.")
 
 
 def check_cuts(law: AbstractLaw) -> None:
@@ -174,9 +184,10 @@ def check_cuts(law: AbstractLaw) -> None:
         for substeps in (7, 100):
             cut = find_end(law, points, start, substeps)
             apart = max(abs(whole.martensite - cut.martensite), abs(whole.oriented - cut.oriented))
-            require(
+            require_condition(
                 apart < 1e-11,
-                f"The path {_tell(points)} in {substeps} steps a leg ends {apart:.1e} away from "
+                f"The path {_describe_path(points)} in {substeps} steps a leg ends {apart:.1e} "
+                "away from "
                 "where it ends in one.",
             )
 
@@ -190,12 +201,12 @@ def check_direction(law: AbstractLaw) -> None:
         steps = sign * np.diff(found)
         words = "heating" if sign < 0.0 else "cooling"
         worst = int(np.argmin(steps))
-        require(
+        require_condition(
             steps.min() >= -1e-6,
             f"On {words} from {way[0][1] - CELSIUS:.0f} °C the martensite fraction goes the wrong "
             f"way at {way[worst][1] - CELSIUS:.0f} °C.",
         )
-        require(
+        require_condition(
             abs(found[-1] - (1.0 - start)) <= TAIL,
             f"On {words} to {way[-1][1] - CELSIUS:.0f} °C the martensite fraction ends at "
             f"{found[-1]:.3g} instead of {1.0 - start:.0f}.",
@@ -212,9 +223,10 @@ def check_stiffness(law: AbstractLaw) -> None:
         for kelvin in (memory.temperature, float(rng.uniform(270.0, 420.0))):
             ends = [advance(memory, sigma, kelvin, 1.0) for sigma in stresses]
             falls = np.diff([find_strain(law, end) for end in ends]) < -1e-14
-            require(
+            require_condition(
                 not falls.any(),
-                f"After {_tell(points)}, at {kelvin - CELSIUS:.1f} °C, the strain falls near "
+                f"After {_describe_path(points)}, at {kelvin - CELSIUS:.1f} °C, the strain "
+                "falls near "
                 f"{stresses[int(np.argmax(falls))] / 1e6:.0f} MPa as the stress grows.",
             )
 
@@ -229,7 +241,7 @@ def find_austenite(law: AbstractLaw) -> float:
         legs = [(0.0, 250.0), (0.0, float(kelvin))]
         if find_end(law, legs, 1.0, dt=1e3).martensite <= TAIL:
             return float(kelvin)
-    require(False, "Martensite without stress is still there at 207 °C.")
+    require_condition(False, "Martensite without stress is still there at 207 °C.")
     return 480.0
 
 
@@ -256,10 +268,14 @@ def check_dissipation(law: AbstractLaw) -> None:
         turns = rng.uniform(0.0, 500e6, int(rng.integers(1, 7))).tolist()
         kelvin = hot + float(rng.uniform(0.0, 5.0))
         total, left = find_work(law, kelvin, [0.0, *turns, 0.0])
-        require(left <= TAIL, f"At {kelvin - CELSIUS:.1f} °C martensite is left without stress.")
-        require(total >= -50.0, f"A cycle at {kelvin - CELSIUS:.1f} °C gives {-total:.3g} J/m³.")
+        require_condition(
+            left <= TAIL, f"At {kelvin - CELSIUS:.1f} °C martensite is left without stress."
+        )
+        require_condition(
+            total >= -50.0, f"A cycle at {kelvin - CELSIUS:.1f} °C gives {-total:.3g} J/m³."
+        )
     large, _ = find_work(law, hot + 1.0, [0.0, 600e6, 0.0])
-    require(large > 1e5, f"A cycle to 600 MPa above A_f takes {large:.3g} J/m³ only.")
+    require_condition(large > 1e5, f"A cycle to 600 MPa above A_f takes {large:.3g} J/m³ only.")
 
 
 def check_extremes(law: AbstractLaw) -> None:
@@ -274,10 +290,10 @@ def check_extremes(law: AbstractLaw) -> None:
             still = rng.random(count) < 0.1
             s, t = np.where(still, memory.stress, s), np.where(still, memory.temperature, t)
             memory, fractions = law.kinetics(xp, memory, s, t, dt)
-            for number in (*flatten(memory), *fractions, law.strain(xp, fractions, s, t)):
+            for number in (*flatten_numbers(memory), *fractions, law.strain(xp, fractions, s, t)):
                 lost = ~np.isfinite(np.broadcast_to(number, count))
                 place = int(np.argmax(lost))
-                require(
+                require_condition(
                     not lost.any(),
                     f"A move to {s[place]:.3g} Pa and {t[place]:.3g} K gives no finite number.",
                 )

@@ -18,9 +18,9 @@ from martensite.actuators.mechanisms.base import AbstractMechanism, Column
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.kernels import floats
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace
-from martensite.testing.conformance import Check, require
+from martensite.testing.conformance import Check, require_condition
 
 Numbers: TypeAlias = tuple[float, ...]
 Array: TypeAlias = NDArray[np.float64]
@@ -72,10 +72,12 @@ def check_pull(mechanism: AbstractMechanism) -> None:
     for compliance in (1e-6, 1e-4, 1e-2):
         assembly = Assembly(0.004)
         forces = [mechanism.force(floats, assembly, Spring(free, compliance)) for free in FREE]
-        require(min(forces) >= 0.0, f"The force falls to {min(forces):.4g} N: it pushes.")
+        require_condition(min(forces) >= 0.0, f"The force falls to {min(forces):.4g} N: it pushes.")
         grows = np.diff(forces) > 1e-12
         there = 1e3 * FREE[int(np.argmax(grows))]
-        require(not grows.any(), f"The force grows as the element gets longer, at {there:.1f} mm.")
+        require_condition(
+            not grows.any(), f"The force grows as the element gets longer, at {there:.1f} mm."
+        )
 
 
 def check_assembly(mechanism: AbstractMechanism) -> None:
@@ -87,9 +89,9 @@ def check_assembly(mechanism: AbstractMechanism) -> None:
     elongation = spring.free + spring.compliance * force
     found = mechanism.force(floats, Assembly(elongation), spring)
     near = abs(found - force) <= 1e-9 * (1.0 + abs(force))
-    require(near, f"Assembled with {force:.6g} N, it holds {found:.6g} N.")
+    require_condition(near, f"Assembled with {force:.6g} N, it holds {found:.6g} N.")
     zero = mechanism.position(floats, Assembly(elongation), found, elongation)
-    require(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
+    require_condition(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
 
 
 def check_position(mechanism: AbstractMechanism) -> None:
@@ -100,7 +102,9 @@ def check_position(mechanism: AbstractMechanism) -> None:
     for free in np.linspace(0.009, 0.001, 50).tolist():
         force = mechanism.force(floats, assembly, Spring(free, 2e-4))
         positions.append(mechanism.position(floats, assembly, force, free + 2e-4 * force))
-    require((np.diff(positions) > 0.0).all(), "The position falls as the element shortens.")
+    require_condition(
+        (np.diff(positions) > 0.0).all(), "The position falls as the element shortens."
+    )
 
 
 # ---------------------------------------------------------------- coordinates
@@ -114,18 +118,26 @@ def check_names(mechanism: AbstractMechanism) -> None:
     home = mechanism.home(floats)
     rest = Motion(tuple(home), (0.0,) * len(home), (0.0,) * len(home))
     names = {c.name for c in coordinates}
-    require(len(home) == len(names), f"{len(home)} numbers at home, but {len(names)} coordinates.")
+    require_condition(
+        len(home) == len(names), f"{len(home)} numbers at home, but {len(names)} coordinates."
+    )
     paths = mechanism.contraction(floats, home)
-    require(len(paths) == len(set(ports)), f"{len(paths)} paths, but {len(ports)} ports.")
-    require(max(map(abs, paths), default=0.0) < 1e-12, "At home a path is shortened already.")
+    require_condition(len(paths) == len(set(ports)), f"{len(paths)} paths, but {len(ports)} ports.")
+    require_condition(
+        max(map(abs, paths), default=0.0) < 1e-12, "At home a path is shortened already."
+    )
     forces = len(mechanism.start_forces(floats))
     asked = len(mechanism.transmission(floats, rest))
-    require(forces == asked, f"{forces} start forces, but {asked} in `transmission`.")
+    require_condition(forces == asked, f"{forces} start forces, but {asked} in `transmission`.")
     unknown = set(mechanism.judged()) - set(mechanism.outputs())
-    require(not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show.")
-    require(all(c.size > 0.0 for c in coordinates), "The size of a coordinate is not above zero.")
+    require_condition(
+        not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show."
+    )
+    require_condition(
+        all(c.size > 0.0 for c in coordinates), "The size of a coordinate is not above zero."
+    )
     dotted = [n for n in (*ports, *mechanism.outputs(), *mechanism.signals()) if "." in n]
-    require(not dotted, f"A name must have no dot, but {', '.join(dotted)} has.")
+    require_condition(not dotted, f"A name must have no dot, but {', '.join(dotted)} has.")
 
 
 def check_equilibrium(mechanism: AbstractMechanism) -> None:
@@ -133,11 +145,11 @@ def check_equilibrium(mechanism: AbstractMechanism) -> None:
     if not isinstance(mechanism, AbstractMultibody):
         return
     home, forces = mechanism.home(floats), mechanism.start_forces(floats)
-    require(min(forces, default=0.0) >= 0.0, "A start force is below zero.")
+    require_condition(min(forces, default=0.0) >= 0.0, "A start force is below zero.")
     supplied = np.array(mechanism.supply(floats, home, forces, [0.0] * len(home)))
     demand = find_demand(mechanism, home)
     near = np.allclose(demand, supplied, rtol=1e-9, atol=1e-15)
-    require(near, f"At home it demands {demand}, but the start forces supply {supplied}.")
+    require_condition(near, f"At home it demands {demand}, but the start forces supply {supplied}.")
 
 
 def check_levers(mechanism: AbstractMechanism) -> None:
@@ -145,15 +157,17 @@ def check_levers(mechanism: AbstractMechanism) -> None:
     if not isinstance(mechanism, AbstractMultibody):
         return
     for place in choose_places(mechanism):
-        paths, exact = jacobian(floats, mechanism.contraction, place)
-        require(paths == mechanism.contraction(floats, place), "A path depends on who asks.")
+        paths, exact = compute_jacobian(floats, mechanism.contraction, place)
+        require_condition(
+            paths == mechanism.contraction(floats, place), "A path depends on who asks."
+        )
         for k, coordinate in enumerate(mechanism.coordinates()):
             h = 1e-5 * coordinate.size
             moved = ([*place[:k], place[k] + s * h, *place[k + 1 :]] for s in (1.0, -1.0))
             up, down = (np.array(mechanism.contraction(floats, q)) for q in moved)
             slopes = np.array([row[k] for row in exact])
             near = np.allclose(slopes, (up - down) / (2.0 * h), rtol=1e-7, atol=1e-9)
-            require(near, f"A path has a wrong slope in `{coordinate.name}`.")
+            require_condition(near, f"A path has a wrong slope in `{coordinate.name}`.")
 
 
 def check_potential(mechanism: AbstractMechanism) -> None:
@@ -167,10 +181,12 @@ def check_potential(mechanism: AbstractMechanism) -> None:
         return mechanism.demand(xp, Motion(tuple(position), rest, rest), signals)
 
     for place in choose_places(mechanism):
-        stiffness = np.array(jacobian(floats, held, place)[1])
+        stiffness = np.array(compute_jacobian(floats, held, place)[1])
         apart = np.abs(stiffness - stiffness.T).max()
         near = apart <= 1e-12 * np.abs(stiffness).max()
-        require(near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}.")
+        require_condition(
+            near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}."
+        )
 
 
 def check_inertia(mechanism: AbstractMechanism) -> None:
@@ -182,10 +198,10 @@ def check_inertia(mechanism: AbstractMechanism) -> None:
     for place in choose_places(mechanism):
         found = find_inertia(mechanism, place)
         least = np.linalg.eigvalsh(found + found.T).min()
-        require(least > 0.0, "It accelerates in some direction without a force.")
+        require_condition(least > 0.0, "It accelerates in some direction without a force.")
         if is_consistent(mechanism):
             apart = np.abs(found - found.T).max()
-            require(apart <= 1e-12 * np.abs(found).max(), "Its inertia is not symmetric.")
+            require_condition(apart <= 1e-12 * np.abs(found).max(), "Its inertia is not symmetric.")
 
 
 def check_gyration(mechanism: AbstractMechanism) -> None:
@@ -207,7 +223,7 @@ def check_gyration(mechanism: AbstractMechanism) -> None:
         rounding = np.abs(v) @ np.abs(find_demand(mechanism, place))
         missing = abs(v @ even - change)
         held = missing <= 1e-8 * size + 1e-12 * rounding
-        require(held, f"Motion at a constant rate makes {missing:.3g} W of its own.")
+        require_condition(held, f"Motion at a constant rate makes {missing:.3g} W of its own.")
 
 
 def check_damping(mechanism: AbstractMechanism) -> None:
@@ -220,7 +236,7 @@ def check_damping(mechanism: AbstractMechanism) -> None:
         odd = 0.5 * (find_demand(mechanism, place, rate) - find_demand(mechanism, place, back))
         power = float(np.array(rate) @ odd)
         rounding = 1e-12 * float(np.abs(rate) @ np.abs(find_demand(mechanism, place)))
-        require(power >= -rounding, f"Friction drives the motion with {-power:.3g} W.")
+        require_condition(power >= -rounding, f"Friction drives the motion with {-power:.3g} W.")
 
 
 def check_power(mechanism: AbstractMechanism) -> None:
@@ -240,11 +256,13 @@ def check_power(mechanism: AbstractMechanism) -> None:
         needs = np.array(mechanism.demand(floats, motion, signals))
         size = float(np.abs(rate) @ np.abs(needs))
         missing = float(np.array(rate) @ (needs - taken + given)) - change
-        require(
+        require_condition(
             abs(missing) <= 1e-9 * size,
             f"Of {size:.3g} W that a motion demands, {missing:.3g} W are not in its energy.",
         )
-        require(np.array(rate) @ taken >= 0.0, "What is said to be dissipated drives the motion.")
+        require_condition(
+            np.array(rate) @ taken >= 0.0, "What is said to be dissipated drives the motion."
+        )
 
 
 def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | None:
@@ -265,7 +283,7 @@ def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | No
         kinetic = energy.kinetic if mechanism.moves else 0.0
         return [energy.springs + energy.gravity + energy.magnetic + kinetic]
 
-    return float(jacobian(floats, held, [0.0])[1][0][0])
+    return float(compute_jacobian(floats, held, [0.0])[1][0][0])
 
 
 CHECKS: dict[str, list[Check]] = {

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from martensite.signals.base import AbstractWaveform
-from martensite.testing.conformance import Check, require
+from martensite.testing.conformance import Check, require_condition
 
 DURATION = 6.0
 """Of the time that is looked at [s]."""
@@ -18,18 +18,22 @@ CUTS = 60
 def check_levels(wave: AbstractWaveform) -> None:
     """Levels are finite, and stay between `low` and `high` where these are declared."""
     levels = [wave.value(t) for t in np.linspace(0.0, 2.0 * DURATION, 6001).tolist()]
-    require(np.isfinite(levels).all(), "A level is not finite.")
+    require_condition(np.isfinite(levels).all(), "A level is not finite.")
     if {"low", "high"} <= set(wave.declarations):
         inside = wave.low <= min(levels) and max(levels) <= wave.high  # type: ignore[attr-defined]
-        require(inside, f"Levels go from {min(levels):g} to {max(levels):g}, beyond `low`, `high`.")
+        require_condition(
+            inside, f"Levels go from {min(levels):g} to {max(levels):g}, beyond `low`, `high`."
+        )
 
 
 def check_edges(wave: AbstractWaveform) -> None:
     """Edges ascend, and lie within the duration that is asked for."""
     edges = wave.edges(DURATION)
-    require(edges == sorted(set(edges)), "The edges do not ascend.")
+    require_condition(edges == sorted(set(edges)), "The edges do not ascend.")
     inside = all(0.0 < t < DURATION for t in edges)
-    require(inside, f"An edge is not between 0 and {DURATION} s, the duration that is asked for.")
+    require_condition(
+        inside, f"An edge is not between 0 and {DURATION} s, the duration that is asked for."
+    )
 
 
 def check_kinks(wave: AbstractWaveform) -> None:
@@ -39,7 +43,7 @@ def check_kinks(wave: AbstractWaveform) -> None:
         levels = np.array([wave.value(t) for t in inner.tolist()])
         fine = np.abs(np.diff(levels, 2))
         coarse = np.abs(np.diff(levels[::2], 2)).max()
-        require(
+        require_condition(
             fine.max() <= 0.3 * coarse + 1e-12 * (1.0 + np.abs(levels).max()),
             f"There is a jump or bend near {inner[int(np.argmax(fine))]:.4g} s that is no edge.",
         )
@@ -49,7 +53,7 @@ def check_right_limits(wave: AbstractWaveform) -> None:
     """The value at an edge is the one after it."""
     for edge in wave.edges(DURATION):
         at, after = wave.value(edge), wave.value(edge + 1e-9)
-        require(
+        require_condition(
             abs(at - after) <= 1e-6 * (1.0 + abs(after)),
             f"At its edge at {edge:.6g} s the value is {at:g}, just after it {after:g}.",
         )
@@ -70,7 +74,9 @@ def check_means(wave: AbstractWaveform) -> None:
         near = abs(found.mean - mean) <= 1e-6 * size and abs(found.square - square) <= (
             1e-6 * size * size
         )
-        require(near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values.")
+        require_condition(
+            near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values."
+        )
 
 
 CHECKS: dict[str, list[Check]] = {

@@ -17,7 +17,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, 
 from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 from martensite.physics.laws.coupling import Report
 
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
@@ -241,7 +241,7 @@ class AbstractAssembly(AbstractSystem):
         found.unknown += _say_unknown(rows) if loads else ()
         if not found.heat:
             return
-        found.held["sensible"] = total([stored.sensible for _, stored in known])
+        found.held["sensible"] = sum_column([stored.sensible for _, stored in known])
         for (element, state, heating), stored in known:
             found.efforts += [("latent", effort) for effort in stored.latent]
             force, around = element.force(state), heating.environment
@@ -254,7 +254,7 @@ class AbstractAssembly(AbstractSystem):
         elastic = [element.elastic_energy(xp, state) for element, state, _ in loads]
         known = [one for one in elastic if one is not None]
         if known and len(known) == len(loads):
-            found.held["elastic"] = total(known)
+            found.held["elastic"] = sum_column(known)
         rows = zip(loads, ways, strict=True)
         found.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
 

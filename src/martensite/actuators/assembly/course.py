@@ -7,7 +7,7 @@ from typing import Any
 
 from martensite.actuators.assembly.base import AbstractSystem
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 from martensite.physics.laws.coupling import Report
 
 Piece = tuple[Sequence[Scalar], Scalar]
@@ -18,15 +18,15 @@ def advanced(
     xp: Namespace, system: AbstractSystem, state: Any, pieces: Sequence[Piece], turns: int
 ) -> tuple[Any, Report]:
     """The state after some turns of the same pieces, and the worst report of all steps."""
-    shape, size = Shape(state), len(flatten(state))
+    shape, size = Shape(state), len(flatten_numbers(state))
 
     def turn(*numbers: Any) -> list[Any]:
         now, worst = shape.rebuild(numbers[:size]), Report(*numbers[size:])
         for signals, length in pieces:
             now, found = system.step(xp, now, *signals, dt=length)
             worst = Report(*map(xp.maximum, worst, found))
-        return flatten(now) + flatten(worst)
+        return flatten_numbers(now) + flatten_numbers(worst)
 
-    begin = [*flatten(state), *(0.0 for _ in Report._fields)]
+    begin = [*flatten_numbers(state), *(0.0 for _ in Report._fields)]
     after = turn(*begin) if turns == 1 else xp.repeat(turns, turn, *begin)
     return shape.rebuild(after[:size]), Report(*after[size:])

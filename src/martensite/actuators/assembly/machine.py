@@ -8,7 +8,7 @@ from martensite.actuators.assembly.actuator import Actuator, Group
 from martensite.actuators.assembly.base import AbstractAssembly
 from martensite.actuators.assembly.outputs import OUTPUTS
 from martensite.actuators.mechanisms.base import Output
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import part
 from martensite.kernels.namespace import Scalar
 
@@ -24,7 +24,9 @@ class Machine(AbstractAssembly):
         name = self.mechanism.registered_name
         for given in members:
             if given not in ports:
-                raise ParameterError(f"`{name}` has no port `{given}`. {suggestion(given, ports)}")
+                raise ParameterError(
+                    f"`{name}` has no port `{given}`. {suggest_name(given, ports)}"
+                )
         missing = [port for port in ports if port not in members]
         if missing:
             raise ParameterError(

@@ -18,7 +18,7 @@ from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.sweeps import Step
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten, largest, total
+from martensite.kernels.nested import Shape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import Report
 from martensite.physics.thermal.base import Environment
@@ -74,14 +74,16 @@ class AbstractCells(AbstractCut):
             before = shape.rebuild(numbers)
             after = step.sweep(xp, start, before)
             pairs = zip(after.martensite, before.martensite, strict=True)
-            moved = largest(xp, [xp.abs(a - b) for a, b in pairs])
+            moved = find_largest(xp, [xp.abs(a - b) for a, b in pairs])
             halved = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
             share = xp.where(halved, 0.5, 1.0)
-            now = [b + share * (a - b) for a, b in zip(flatten(after), numbers, strict=True)]
+            now = [
+                b + share * (a - b) for a, b in zip(flatten_numbers(after), numbers, strict=True)
+            ]
             return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, *now]
 
         most = SWEEPS + HALF_SWEEPS + LAST_SWEEPS
-        _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten(guess))
+        _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten_numbers(guess))
         return step.end(xp, start, shape.rebuild(numbers))
 
     def condition(
@@ -105,20 +107,20 @@ class AbstractCells(AbstractCut):
         outside = self.links(xp, m).outside
         ambient = environment.temperature
         drained = [g * (t - ambient) for g, t in zip(outside, temperatures, strict=True)]
-        per_length = 1.0 / total(lengths)
+        per_length = 1.0 / sum_column(lengths)
 
         def mean(column: Column) -> Scalar:
-            return per_length * total([w * v for w, v in zip(lengths, column, strict=True)])
+            return per_length * sum_column([w * v for w, v in zip(lengths, column, strict=True)])
 
         return Condition(
             temperature=mean(temperatures),
-            hottest=largest(xp, temperatures),
+            hottest=find_largest(xp, temperatures),
             martensite_fraction=mean(m),
             oriented_fraction=mean(o),
-            stress=largest(xp, stresses),
+            stress=find_largest(xp, stresses),
             strain=self.elongation(xp, state, force) * (1.0 / self.wire.length),
-            resistance=self.copies() * total(ohms),
-            heat_loss=self.copies() * (total(losses) + total(drained)),
+            resistance=self.copies() * sum_column(ohms),
+            heat_loss=self.copies() * (sum_column(losses) + sum_column(drained)),
         )
 
     def stored_heat(self, xp: Namespace, state: Cells) -> StoredHeat:
@@ -134,15 +136,15 @@ class AbstractCells(AbstractCut):
         held, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
         efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
         if self.law.constant_heat:  # then the energy itself is known, which takes one number
-            efforts = [Effort(1.0, total([h * x for h, x in efforts]))]
-        return StoredHeat(self.copies() * total(held), tuple(efforts))
+            efforts = [Effort(1.0, sum_column([h * x for h, x in efforts]))]
+        return StoredHeat(self.copies() * sum_column(held), tuple(efforts))
 
     def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
         """½ compliance · force² of all cells [J]."""
         free, soft = self.springs(xp, *self._columns(state))
         carried = self.carried(xp, free, soft, state.force)
         rows = zip(soft, carried, strict=True)
-        return self.copies() * total([0.5 * c * each * each for c, each in rows])
+        return self.copies() * sum_column([0.5 * c * each * each for c, each in rows])
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""

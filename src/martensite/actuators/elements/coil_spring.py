@@ -45,19 +45,19 @@ STEEPEST = math.radians(10.0)
 """Pitch angle above which the theory of flat coils is cautioned against."""
 
 
-def _one(index: Scalar) -> Scalar:
+def _return_one(index: Scalar) -> Scalar:
     """No correction."""
     return 1.0
 
 
 STRESS_FACTORS: dict[str, Callable[[Scalar], Scalar]] = {
-    "none": _one,
-    "bergstraesser": coil_theory.bergstraesser,
-    "wahl": coil_theory.wahl,
+    "none": _return_one,
+    "bergstraesser": coil_theory.compute_bergstraesser_factor,
+    "wahl": coil_theory.compute_wahl_factor,
     "exact": coil_theory.exact_stress,
 }
 STIFFNESS_FACTORS: dict[str, Callable[[Scalar], Scalar]] = {
-    "none": _one,
+    "none": _return_one,
     "ancker-goodier": coil_theory.ancker_goodier,
     "exact": coil_theory.exact_stiffness,
 }
@@ -74,7 +74,7 @@ class Coil(NamedTuple):
     """Its compliance there [m/N]."""
 
 
-def _drawn(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:
+def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:
     """The turns of a rod that is drawn out; `solid` is the length at which they touch [m]."""
     at, touching = helix.at_force(xp, rod, force), helix.at_length(xp, rod, solid)
     free = at.length - rod.length * rod.sine - at.compliance * at.force
@@ -173,7 +173,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         flat = self.circumference() * self.turns
         if self.deflection == "small":
             return flat
-        return flat * helix.secant(self.free_length / flat)
+        return flat * helix.compute_secant(self.free_length / flat)
 
     def reach(self) -> Scalar:
         """Elongation per equivalent strain [m]; √3 π N D²/d of flat turns."""
@@ -189,7 +189,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         strain = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions) / self._stiffening()
         if self.deflection == "large":
-            coil = _drawn(xp, self._rod(strain, compliance), self.solid_length(), force)
+            coil = _draw_out_rod(xp, self._rod(strain, compliance), self.solid_length(), force)
         else:
             coil = self._flat(strain, compliance)
         closed = coil.compliance / (1.0 + self.contact)
@@ -207,7 +207,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         compliance = self.law.compliance(xp, fractions) / self._stiffening()
         if self.deflection == "large":
             rod = self._rod(strain, compliance)
-            coil = _drawn(xp, rod, self.solid_length(), force)
+            coil = _draw_out_rod(xp, rod, self.solid_length(), force)
             drawn = helix.at_force(xp, rod, xp.maximum(force, coil.touch)).length
             wire = helix.find_elastic_energy(xp, rod, drawn)
         else:

@@ -57,12 +57,12 @@ def shear_stress(force: Scalar, wire: Scalar, coil: Scalar) -> Scalar:
     return force * (8.0 * coil / (math.pi * wire * wire * wire))
 
 
-def bergstraesser(index: Scalar) -> Scalar:
+def compute_bergstraesser_factor(index: Scalar) -> Scalar:
     """Bergsträsser's factor of the stress at the inner fibre [-]."""
     return (4.0 * index + 2.0) / (4.0 * index - 3.0)
 
 
-def wahl(index: Scalar) -> Scalar:
+def compute_wahl_factor(index: Scalar) -> Scalar:
     """Wahl's factor of the stress at the inner fibre [-]."""
     return (4.0 * index - 1.0) / (4.0 * index - 4.0) + 0.615 / index
 
@@ -74,15 +74,15 @@ def ancker_goodier(index: Scalar) -> Scalar:
 
 def exact_stiffness(index: Scalar) -> Scalar:
     """Factor of the spring rate of a coil without pitch [-], C ≥ 3."""
-    return _series(STIFFNESS_TERMS, 1.0 / (index * index))
+    return _sum_series(STIFFNESS_TERMS, 1.0 / (index * index))
 
 
 def exact_stress(index: Scalar) -> Scalar:
     """Factor of the stress at the inner fibre of a coil without pitch [-], C ≥ 3."""
-    return _series(STRESS_TERMS, 1.0 / index)
+    return _sum_series(STRESS_TERMS, 1.0 / index)
 
 
-def _series(terms: tuple[float, ...], x: Scalar) -> Scalar:
+def _sum_series(terms: tuple[float, ...], x: Scalar) -> Scalar:
     """1 + a x + b x² + … by Horner's rule."""
     total = 0.0 * x
     for term in reversed(terms):

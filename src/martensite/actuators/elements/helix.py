@@ -75,7 +75,7 @@ class Stretch(NamedTuple):
     """dH/dF [m/N]."""
 
 
-def secant(slope: Scalar) -> Scalar:
+def compute_secant(slope: Scalar) -> Scalar:
     """√(1 + t²) for |t| ≤ 1 by Heron's rule, for want of a namespace; exact to rounding."""
     square = 1.0 + slope * slope
     root = 0.5 * (1.0 + square)

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.elements.network import Column
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 
 HAIR = 1e-12
 """Difference of elongations that counts as none [m]."""
@@ -55,13 +55,13 @@ class EndToEnd:
 
     def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
         """The sums."""
-        return Spring(self.copies * total(free), self.copies * total(compliance))
+        return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
 
     def rests(
         self, xp: Namespace, free: Column, compliance: Column, force: Column
     ) -> tuple[Column, Column]:
         """The sums less one."""
-        long, soft = total(free), total(compliance)
+        long, soft = sum_column(free), sum_column(compliance)
         return [long - f for f in free], [soft - c for c in compliance]
 
     def joined(self, rest: Rest, own: Spring) -> Spring:
@@ -93,8 +93,10 @@ class SideBySide:
         stiffness = [
             xp.where(e + HAIR >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)
         ]
-        soft = 1.0 / total(stiffness)
-        return Spring(soft * total([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
+        soft = 1.0 / sum_column(stiffness)
+        return Spring(
+            soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft
+        )
 
     def rests(
         self, xp: Namespace, free: Column, compliance: Column, force: Column
@@ -104,7 +106,7 @@ class SideBySide:
             xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)
         ]
         pull = [k * f for k, f in zip(stiffness, free, strict=True)]
-        return _others(pull), _others(stiffness)
+        return _sum_others(pull), _sum_others(stiffness)
 
     def joined(self, rest: Rest, own: Spring) -> Spring:
         """Forces add at a common elongation."""
@@ -118,6 +120,6 @@ class SideBySide:
         return xp.maximum((elongation - own.free) / own.compliance, 0.0)
 
 
-def _others(column: Column) -> list[Scalar]:
+def _sum_others(column: Column) -> list[Scalar]:
     """Sums of all numbers but one, without cancellation."""
-    return [total([0.0, *column[:i], *column[i + 1 :]]) for i in range(len(column))]
+    return [sum_column([0.0, *column[:i], *column[i + 1 :]]) for i in range(len(column))]

@@ -36,11 +36,11 @@ from martensite.actuators.elements.base import (
     fitted,
     points_of,
 )
-from martensite.kernels.dual import jacobian, value_and_slope
+from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.coupling import Report, advance
+from martensite.physics.laws.coupling import Report, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
 from martensite.physics.thermal.base import Environment
 
@@ -90,13 +90,13 @@ class HeatLine(NamedTuple):
         return self.start + self.share * (heat + bend * m)
 
 
-def relaxation(xp: Namespace, z: Scalar) -> Scalar:
+def compute_relaxation(xp: Namespace, z: Scalar) -> Scalar:
     """z/(1 - exp(-z)) by its Padé approximant: a step as long as one likes ends at rest."""
     slow = (1.0 + z * (2.0 / 3.0 + z * (1.0 / 6.0))) / (1.0 + xp.maximum(z, 0.0) * (1.0 / 6.0))
     return xp.where(z > 0.0, slow, xp.maximum(1.0 + 0.5 * z, 0.1))
 
 
-def lateness(xp: Namespace, z: Scalar) -> Scalar:
+def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
     """½ coth(z/2) - 1/z: a rising power counts more, since less of what comes late is lost."""
     later = xp.maximum(z, 0.0)
     return z / (12.0 + 2.0 * later * later / (10.0 + later))
@@ -173,7 +173,7 @@ class AbstractLumped(AbstractElement, init=False):
             temperature = line.temperature(fractions) if imposed is None else imposed
             return self.stress(xp, loaded(xp, fractions, temperature)), temperature
 
-        memory, report = advance(xp, self.law, state.memory, settle, dt, state.rate * dt)
+        memory, report = advance_memory(xp, self.law, state.memory, settle, dt, state.rate * dt)
         end = self.law.fractions(memory)
         force = loaded(xp, end, memory.temperature)
         moves = dt > 0.0
@@ -259,9 +259,11 @@ class AbstractLumped(AbstractElement, init=False):
             return [self.latent_heat_total(xp, *at)]
 
         lost, slope = value_and_slope(xp, loss, start)
-        (given, change), (by_point, _) = jacobian(xp, power, [fractions.martensite, strain, start])
-        _, (by_strain, by_stress) = jacobian(xp, reached, [*fractions, start])
-        (heat,), (by_state,) = jacobian(xp, latent, [stress, start])
+        (given, change), (by_point, _) = compute_jacobian(
+            xp, power, [fractions.martensite, strain, start]
+        )
+        _, (by_strain, by_stress) = compute_jacobian(xp, reached, [*fractions, start])
+        (heat,), (by_state,) = compute_jacobian(xp, latent, [stress, start])
         capacity = self.heat_capacity_total()
         less = slope - by_point[2] - by_point[1] * by_strain[2]
         ohms = self.ohms(xp, fractions.martensite, strain, start)
@@ -269,8 +271,8 @@ class AbstractLumped(AbstractElement, init=False):
         return HeatLine(
             fractions=fractions,
             start=start,
-            share=1.0 / (capacity * relaxation(xp, z)),
-            heat=dt * (given - lost) + dt * dt * change * lateness(xp, z) + heating.owed,
+            share=1.0 / (capacity * compute_relaxation(xp, z)),
+            heat=dt * (given - lost) + dt * dt * change * compute_lateness(xp, z) + heating.owed,
             by_martensite=heat + 0.5 * dt * (by_point[0] + by_point[1] * by_strain[0]),
             by_oriented=0.5 * dt * by_point[1] * by_strain[1],
             bend_martensite=0.5 * by_state[0] * by_stress[0],

@@ -31,24 +31,24 @@ class Others(NamedTuple):
     """s: what they add to its right-hand side."""
 
 
-def others(diagonal: Column, right: Column, links: Column) -> Others:
+def fold_others(diagonal: Column, right: Column, links: Column) -> Others:
     """Fold all other cells into each; `links` has one entry less than there are cells."""
-    below = _eliminated(diagonal, right, links)
-    above = _eliminated(diagonal[::-1], right[::-1], links[::-1])
+    below = _eliminate_before(diagonal, right, links)
+    above = _eliminate_before(diagonal[::-1], right[::-1], links[::-1])
     above = Others(above.slope[::-1], above.source[::-1])
     slope = [a + b for a, b in zip(below.slope, above.slope, strict=True)]
     source = [a + b for a, b in zip(below.source, above.source, strict=True)]
     return Others(slope, source)
 
 
-def solved(diagonal: Column, right: Column, links: Column) -> list[Scalar]:
+def solve_tridiagonal(diagonal: Column, right: Column, links: Column) -> list[Scalar]:
     """The solution of the linear system."""
-    seen = others(diagonal, right, links)
+    seen = fold_others(diagonal, right, links)
     rows = zip(diagonal, right, seen.slope, seen.source, strict=True)
     return [(r + s) / (d + b) for d, r, b, s in rows]
 
 
-def _eliminated(diagonal: Column, right: Column, links: Column) -> Others:
+def _eliminate_before(diagonal: Column, right: Column, links: Column) -> Others:
     """What every cell sees of those before it."""
     slope, source = [0.0], [0.0]
     for d, r, g in zip(diagonal[:-1], right[:-1], links, strict=True):

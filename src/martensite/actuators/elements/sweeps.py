@@ -21,13 +21,13 @@ from martensite.actuators.elements.base import Heating, Pull
 from martensite.actuators.elements.columns import Cells, Guess, Lines, Start
 from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.linkage import Rest
-from martensite.actuators.elements.lumped import relaxation
-from martensite.actuators.elements.network import Column, others, solved
+from martensite.actuators.elements.lumped import compute_relaxation
+from martensite.actuators.elements.network import Column, fold_others, solve_tridiagonal
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten, largest, total
+from martensite.kernels.nested import Shape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.physics.laws.coupling import Report, advance
+from martensite.physics.laws.coupling import Report, advance_memory
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Step:
     @property
     def memories(self) -> list[Column]:
         """One column per number of the memory."""
-        rows = [flatten(memory) for memory in self.state.memories]
+        rows = [flatten_numbers(memory) for memory in self.state.memories]
         return [list(column) for column in zip(*rows, strict=True)]
 
     def memory(self, flat: Sequence[Scalar]) -> Any:
@@ -68,7 +68,7 @@ class Step:
 
             lost, slope = value_and_slope(xp, loss, temperature)
             capacity = cell.heat_capacity_total()
-            diagonal = capacity * relaxation(xp, self.dt * slope / capacity)
+            diagonal = capacity * compute_relaxation(xp, self.dt * slope / capacity)
             right = diagonal * temperature - self.dt * lost
             latent = cell.latent_heat_total(xp, memory.stress, temperature)
             long = length * law.strain(xp, fractions, memory.stress, temperature)
@@ -88,18 +88,18 @@ class Step:
 
     def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
         """Heat balance with what is conducted and what the current brings."""
-        middle = _middle(start.martensite, guess.martensite)
+        middle = _average_ends(start.martensite, guess.martensite)
         joule = self._joule(xp, start, guess)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
         diagonal = list(start.diagonal)
         right = [a + b for a, b in zip(start.right, joule, strict=True)]
         t, c, between = start.temperature, start.capacity, list[Scalar]()
         for i, g in enumerate(links.outside):
-            now, later = _shares(self.dt * g, 1.0 / c[i])
+            now, later = _split_exchange(self.dt * g, 1.0 / c[i])
             diagonal[i] = diagonal[i] + later
             right[i] = right[i] + later * ambient + now * (ambient - t[i])
         for i, g in enumerate(links.between):
-            now, later = _shares(self.dt * g, 1.0 / c[i] + 1.0 / c[i + 1])
+            now, later = _split_exchange(self.dt * g, 1.0 / c[i] + 1.0 / c[i + 1])
             flow = now * (t[i + 1] - t[i])
             right[i], right[i + 1] = right[i] + flow, right[i + 1] - flow
             between.append(later)
@@ -124,19 +124,24 @@ class Step:
             return share * ohms, share * share * ohms
 
         columns = (
-            element.lengths(xp), _middle(start.martensite, guess.martensite), element.shares(xp),
-            start.temperature, guess.temperature, start.long, guess.long,
-        )  # fmt: skip
+            element.lengths(xp),
+            _average_ends(start.martensite, guess.martensite),
+            element.shares(xp),
+            start.temperature,
+            guess.temperature,
+            start.long,
+            guess.long,
+        )
         seen, heated = xp.each(one, *columns)
-        return element.copies() * total(seen), heated
+        return element.copies() * sum_column(seen), heated
 
     def sweep(self, xp: Namespace, start: Start, guess: Guess) -> Guess:
         """Every cell for itself, with the others as they answered before."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
-        seen = others(diagonal, self._expected(start, guess, lines), lines.links)
-        felt = others(diagonal, guess.gives, lines.links)
-        rests = self._rests(xp, guess, solved(diagonal, guess.gives, lines.links))
+        seen = fold_others(diagonal, self._expected(start, guess, lines), lines.links)
+        felt = fold_others(diagonal, guess.gives, lines.links)
+        rests = self._rests(xp, guess, solve_tridiagonal(diagonal, guess.gives, lines.links))
 
         def one(*row: Scalar) -> tuple[Scalar, ...]:
             return self._alone(xp, row)
@@ -180,7 +185,7 @@ class Step:
             at = at + felt * (force - before) / diagonal
             return cell.stress(xp, force), at if imposed is None else imposed
 
-        after, report = advance(xp, law, memory, settle, self.dt)
+        after, report = advance_memory(xp, law, memory, settle, self.dt)
         end, stress, at = law.fractions(after), after.stress, after.temperature
 
         def moved(xp: Namespace, stress: Scalar, at: Scalar) -> tuple[Scalar, Scalar]:
@@ -213,14 +218,14 @@ class Step:
             found = law.follow(xp, move, stress, at, self.dt)
             after = law.commit(xp, memory, move, Fractions(m, o), stress, at, self.dt)
             off = xp.maximum(xp.abs(found.martensite - m), xp.abs(found.oriented - o))
-            return [off, *flatten(after)]
+            return [off, *flatten_numbers(after)]
 
         residuals, *columns = xp.each(one, *guess[:2], temperatures, carried, *self.memories)
         shape = Shape(self.state.memories[0])
         memories = tuple(shape.rebuild(flat) for flat in zip(*columns, strict=True))
         ohms, capacity = self._ohms(xp, start, guess)[0], element.heat_capacity_total()
         ripple = self.heating.ripple(xp, ohms, capacity, self.dt)
-        report = Report(largest(xp, residuals), largest(xp, guess.crossing), ripple)
+        report = Report(find_largest(xp, residuals), find_largest(xp, guess.crossing), ripple)
         return Cells(memories, force), report
 
     def _settled(self, xp: Namespace, start: Start, guess: Guess) -> Column:
@@ -231,15 +236,15 @@ class Step:
         lines = self.lines(xp, start, guess)
         rows = zip(lines.right, start.latent, guess.martensite, start.martensite, strict=True)
         right = [r + latent * (x - x0) for r, latent, x, x0 in rows]
-        return solved(lines.diagonal, right, lines.links)
+        return solve_tridiagonal(lines.diagonal, right, lines.links)
 
 
-def _middle(first: Column, last: Column) -> list[Scalar]:
+def _average_ends(first: Column, last: Column) -> list[Scalar]:
     """Between the start and the end of the step."""
     return [0.5 * (a + b) for a, b in zip(first, last, strict=True)]
 
 
-def _shares(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
+def _split_exchange(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
     """Parts of an exchange that go by the temperatures at the start and at the end."""
     third = amount * rate * (1.0 / 3.0)
     later = amount * ((1.0 + third) / (2.0 + third))

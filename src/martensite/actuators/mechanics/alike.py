@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import Heating, Pull, Spring
 from martensite.actuators.mechanisms.base import Load
-from martensite.base.parameters import Parametrised, structure
+from martensite.base.parameters import Parametrised, describe_structure
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 from martensite.physics.laws.coupling import Report
 
 LEAST = 3
@@ -50,30 +50,30 @@ class Answer(NamedTuple):
     report: Report
 
 
-def answers(
+def answer_loads(
     xp: Namespace, loads: Sequence[Load], lines: Sequence[Line], dt: Scalar
 ) -> list[Answer]:
     """The step of every element on its own line, in the order of the loads."""
     found: dict[int, Answer] = {}
-    for places in _alike(loads):
+    for places in _group_alike(loads):
         first = loads[places[0]]
         if len(places) < LEAST:
-            found |= {i: _answer(xp, loads[i], lines[i], dt) for i in places}
+            found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
             continue
         shape = Shape(Answer(first.state, 0.0, Spring(0.0, 0.0), Report(0.0, 0.0)))
 
         def row(*numbers: Scalar, first: Load = first) -> list[Scalar]:
-            line, load = Line(*numbers[:5]), _load(first, numbers[5:])
-            return flatten(_answer(xp, load, line, dt))
+            line, load = Line(*numbers[:5]), _rebuild_load(first, numbers[5:])
+            return flatten_numbers(_answer_load(xp, load, line, dt))
 
-        rows = [[*lines[i], *_numbers(loads[i])] for i in places]
+        rows = [[*lines[i], *_list_numbers(loads[i])] for i in places]
         columns = xp.each(row, *zip(*rows, strict=True))
         for i, numbers in zip(places, zip(*columns, strict=True), strict=True):
             found[i] = shape.rebuild(numbers)
     return [found[i] for i in range(len(loads))]
 
 
-def _answer(xp: Namespace, load: Load, line: Line, dt: Scalar) -> Answer:
+def _answer_load(xp: Namespace, load: Load, line: Line, dt: Scalar) -> Answer:
     """One step of one element."""
     element, state, heating = load
     after, report = element.advance(xp, state, heating, line.pull(), dt)
@@ -81,33 +81,36 @@ def _answer(xp: Namespace, load: Load, line: Line, dt: Scalar) -> Answer:
     return Answer(after, force, element.tangent(xp, after, force), report)
 
 
-def _alike(loads: Sequence[Load]) -> Iterable[list[int]]:
+def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
     """Places of loads of one structure."""
     found: dict[Any, list[int]] = {}
     for place, load in enumerate(loads):
-        key = tuple(structure(part) for part in _parts(load))
+        key = tuple(describe_structure(part) for part in _list_parts(load))
         found.setdefault(key, []).append(place)
     return found.values()
 
 
-def _parts(load: Load) -> tuple[Parametrised, ...]:
+def _list_parts(load: Load) -> tuple[Parametrised, ...]:
     """All that has parameters."""
     return load.element, load.heating.environment, load.heating.source
 
 
-def _numbers(load: Load) -> list[Scalar]:
+def _list_numbers(load: Load) -> list[Scalar]:
     """All that may differ between loads of one structure."""
-    values = [leaf.value for part in _parts(load) for leaf in part.leaves()]
+    values = [leaf.value for part in _list_parts(load) for leaf in part.leaves()]
     heating = load.heating
-    return [*values, *flatten(heating.drive), heating.owed, *flatten(load.state)]
+    return [*values, *flatten_numbers(heating.drive), heating.owed, *flatten_numbers(load.state)]
 
 
-def _load(first: Load, numbers: Sequence[Scalar]) -> Load:
+def _rebuild_load(first: Load, numbers: Sequence[Scalar]) -> Load:
     """The load with these numbers, of the same structure as another."""
     rest = iter(numbers)
     element, environment, source = (
-        part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()}) for part in _parts(first)
+        part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()})
+        for part in _list_parts(first)
     )
-    drive = Shape(first.heating.drive).rebuild([next(rest) for _ in flatten(first.heating.drive)])
+    drive = Shape(first.heating.drive).rebuild(
+        [next(rest) for _ in flatten_numbers(first.heating.drive)]
+    )
     heating = Heating(environment, source, drive, next(rest))  # type: ignore[arg-type]
     return Load(element, Shape(first.state).rebuild(list(rest)), heating)  # type: ignore[arg-type]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.beam_motor import BeamMotor
@@ -26,7 +26,7 @@ SHORTEST = 0.05
 def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
     """Clamp, beam, motor, rotor, and the wire if there is one."""
     tip, angle = reading.outputs["displacement"], reading.outputs["rotor_angle"]
-    r, (across, reach) = mechanism.eccentricity, _reach(mechanism)
+    r, (across, reach) = mechanism.eccentricity, _measure_reach(mechanism)
     thick, tall = 0.008 * reach, 0.1 * reach
     shares = [k / PIECES for k in range(PIECES + 1)]
     bent = [(reach * s, 0.0, 0.5 * tip * s * s * (3.0 - s)) for s in shares]
@@ -35,8 +35,8 @@ def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
     near, out = 1.5 * thick, 4.0 * thick
     axis = ((reach, -near, tip), (reach, -out, tip))
     found = [
-        bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="ground"),
-        bar("beam", thick, *bent),
+        draw_bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="ground"),
+        draw_bar("beam", thick, *bent),
         Shape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
         Shape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
     ]
@@ -47,7 +47,7 @@ def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
     return found
 
 
-def _reach(mechanism: BeamMotor) -> tuple[float, float]:
+def _measure_reach(mechanism: BeamMotor) -> tuple[float, float]:
     """Way of the wire across the beam, and length of the beam as it is drawn [m]."""
     if mechanism.ports():
         way, angle = mechanism.wire_length, mechanism.wire_angle

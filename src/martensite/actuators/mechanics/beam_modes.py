@@ -110,10 +110,10 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
     import numpy as np
 
     count = PER_MODE * modes if elements is None else elements
-    _check(modes, count)
+    _check_sizes(modes, count)
     positions = np.linspace(0.0, 1.0, count + 1)
-    lower = np.linalg.cholesky(_masses(count, beam.tip_mass / beam.mass))
-    inverse = lower.T @ _flexibility(positions) @ lower
+    lower = np.linalg.cholesky(_build_masses(count, beam.tip_mass / beam.mass))
+    inverse = lower.T @ _build_flexibility(positions) @ lower
     inverse_squares, vectors = np.linalg.eigh(0.5 * (inverse + inverse.T))
     lowest = slice(-1, -modes - 1, -1)
     columns = np.linalg.solve(lower.T, vectors[:, lowest])
@@ -121,11 +121,11 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
     masses = beam.mass / columns[-2] ** 2
     deflections = np.vstack([np.zeros(modes), columns[::2] / columns[-2]])
     return BeamModes(
-        _tuple(omega),
-        _tuple(masses),
-        _tuple(omega**2 * masses),
-        _tuple(beam.length * positions),
-        tuple(map(_tuple, deflections.T)),
+        _to_tuple(omega),
+        _to_tuple(masses),
+        _to_tuple(omega**2 * masses),
+        _to_tuple(beam.length * positions),
+        tuple(map(_to_tuple, deflections.T)),
     )
 
 
@@ -138,7 +138,7 @@ def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
         count: how many roots.
         mass_ratio: tip mass over mass of the beam; without one cos β cosh β = -1.
     """
-    return tuple(_root(k, mass_ratio) for k in range(1, count + 1))
+    return tuple(_find_wave_number(k, mass_ratio) for k in range(1, count + 1))
 
 
 def exact_omega(beam: CantileverBeam, count: int) -> tuple[float, ...]:
@@ -147,23 +147,23 @@ def exact_omega(beam: CantileverBeam, count: int) -> tuple[float, ...]:
     return tuple(beam.rate * beta * beta for beta in roots)
 
 
-def _root(k: int, ratio: float) -> float:
+def _find_wave_number(k: int, ratio: float) -> float:
     low, high = (k - 1) * math.pi, k * math.pi
     rising = k % 2 == 0
     while (middle := 0.5 * (low + high)) not in (low, high):
-        above = _characteristic(middle, ratio) > 0.0
+        above = _evaluate_characteristic(middle, ratio) > 0.0
         low, high = (low, middle) if above == rising else (middle, high)
     return high
 
 
-def _characteristic(beta: float, ratio: float) -> float:
+def _evaluate_characteristic(beta: float, ratio: float) -> float:
     """Left-hand side over cosh β, which keeps it of the size of 1 for large β."""
     inverse = 2.0 * math.exp(-beta) / (1.0 + math.exp(-2.0 * beta))
     tip = ratio * beta * (math.cos(beta) * math.tanh(beta) - math.sin(beta))
     return inverse + math.cos(beta) + tip
 
 
-def _flexibility(positions: Matrix) -> Matrix:
+def _build_flexibility(positions: Matrix) -> Matrix:
     """Inverse of the stiffness matrix [l³/(E I)]: the nodes' deflections, and slopes times l.
 
     What unit forces and couples (over l) at the nodes do to a cantilever; the clamp is left out.
@@ -180,7 +180,7 @@ def _flexibility(positions: Matrix) -> Matrix:
     return whole
 
 
-def _masses(count: int, ratio: float) -> Matrix:
+def _build_masses(count: int, ratio: float) -> Matrix:
     """Consistent mass matrix [ρ A l] of equal elements, with the tip mass in its place."""
     import numpy as np
 
@@ -199,7 +199,7 @@ def _masses(count: int, ratio: float) -> Matrix:
     return whole[2:, 2:]
 
 
-def _check(modes: int, elements: int) -> None:
+def _check_sizes(modes: int, elements: int) -> None:
     if modes < 1 or elements < 1:
         raise ParameterError(
             f"Modes and elements must be at least 1, but are {modes} and {elements}."
@@ -211,5 +211,5 @@ def _check(modes: int, elements: int) -> None:
         )
 
 
-def _tuple(numbers: Any) -> tuple[float, ...]:
+def _to_tuple(numbers: Any) -> tuple[float, ...]:
     return tuple(map(float, numbers))

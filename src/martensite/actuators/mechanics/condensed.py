@@ -24,13 +24,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from martensite.actuators.mechanics.alike import Line, answers
-from martensite.actuators.mechanics.elimination import inner, solutions
-from martensite.actuators.mechanics.motion import Course, Numbers, Scheme, predicted
+from martensite.actuators.mechanics.alike import Line, answer_loads
+from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
+from martensite.actuators.mechanics.motion import Course, Numbers, Scheme, predict_position
 from martensite.actuators.mechanisms.base import Column, Load
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten, largest
+from martensite.kernels.nested import Shape, find_largest, flatten_numbers
 from martensite.physics.laws.coupling import Report
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class Step:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
         shape = Shape(_Turn(
-            predicted(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
+            predict_position(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
             tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
         ))  # fmt: skip
 
@@ -105,9 +105,9 @@ class Step:
             before: _Turn = shape.rebuild(flat)
             after = self._turn(xp, scheme, before)
             going = xp.either(after.moved > SETTLED, before.turned < 0.5)
-            return [xp.where(going, 1.0, 0.0), *flatten(after)]
+            return [xp.where(going, 1.0, 0.0), *flatten_numbers(after)]
 
-        _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten(shape.example))
+        _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten_numbers(shape.example))
         end: _Turn = shape.rebuild(flat)
         residual = xp.maximum(end.report.residual, end.moved)
         stiffness = [tangent.stiffness for tangent in end.tangents]
@@ -117,13 +117,17 @@ class Step:
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
         """Linearise, let every element answer, and correct the position."""
         linear = self._linear(xp, scheme, before.position, before.tangents)
-        found, states, report = self._answers(xp, _lines(linear, before.tangents), before.states)
-        tangents = _renewed(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
-        change = _correction(xp, linear, tangents)
+        found, states, report = self._answers(
+            xp, _build_lines(linear, before.tangents), before.states
+        )
+        tangents = _renew_points(
+            xp, before.tangents, found, before.turned > 0.0, linear.elongations
+        )
+        change = _compute_correction(xp, linear, tangents)
         position = tuple(q + d for q, d in zip(before.position, change, strict=True))
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
-        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, largest(xp, moved))
+        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, find_largest(xp, moved))
 
     def _first(self, xp: Namespace) -> list[Tangent]:
         """Every element as it stands, as stiff as it was over the last step."""
@@ -135,7 +139,7 @@ class Step:
             spring = element.tangent(xp, state, force)
             most = 1.0 / spring.compliance
             elongation = spring.free + spring.compliance * force
-            slack = _slack(xp, most, home - path, elongation)
+            slack = _compute_slack_stiffness(xp, most, home - path, elongation)
             taut = xp.where(known > 0.0, xp.minimum(known, most), most)
             stiffness = xp.where(force > 0.0, taut, slack)
             found.append(Tangent(force, elongation, stiffness))
@@ -146,7 +150,7 @@ class Step:
     ) -> Linear:
         """Balance and slopes at a trial position, for elements that are their tangents."""
         mechanism, home = self.mechanism, self.memory.home
-        paths, lever = jacobian(xp, mechanism.contraction, position)
+        paths, lever = compute_jacobian(xp, mechanism.contraction, position)
         elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
         forces = [
             xp.store(xp.maximum(t.force + t.stiffness * (e - t.elongation), 0.0))
@@ -159,7 +163,7 @@ class Step:
             gives = mechanism.supply(xp, trial, forces, motion.velocity)
             return [n - g for n, g in zip(needs, gives, strict=True)]
 
-        missing, matrix = jacobian(xp, balance, position)
+        missing, matrix = compute_jacobian(xp, balance, position)
         shares = mechanism.transmission(xp, scheme(position).motion())
         return Linear(elongations, lever, shares, matrix, missing, forces)
 
@@ -174,16 +178,16 @@ class Step:
         loads = [
             load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs
         ]
-        answered = answers(xp, loads, lines, self.dt)
+        answered = answer_loads(xp, loads, lines, self.dt)
         for _, force, spring, _ in answered:
             elongation = spring.free + spring.compliance * force
             found.append(Tangent(force, elongation, 1.0 / spring.compliance))
         columns = zip(*(answer.report for answer in answered), strict=True)
-        report = Report(*(largest(xp, column) for column in columns))
+        report = Report(*(find_largest(xp, column) for column in columns))
         return found, [answer.state for answer in answered], report
 
 
-def _matrix(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
+def _build_stiffness(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
     """A: stiffness of the mechanism and of all elements."""
     rows = [list(row) for row in linear.matrix]
     for lever, share, tangent in zip(linear.lever, linear.shares, tangents, strict=True):
@@ -193,20 +197,22 @@ def _matrix(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
     return rows
 
 
-def _lines(linear: Linear, tangents: Sequence[Tangent]) -> list[Line]:
+def _build_lines(linear: Linear, tangents: Sequence[Tangent]) -> list[Line]:
     """What every element sees of the mechanism and the others."""
     if not tangents:
         return []
-    *softs, shift = solutions(_matrix(linear, tangents), [*linear.lever, linear.missing])
+    *softs, shift = solve_linear(
+        _build_stiffness(linear, tangents), [*linear.lever, linear.missing]
+    )
     found: list[Line] = []
     for i, tangent in enumerate(tangents):
-        lever, beta = linear.lever[i], linear.shares[i] * inner(linear.lever[i], softs[i])
-        alpha, offset = 1.0 - beta * tangent.stiffness, inner(lever, shift)
+        lever, beta = linear.lever[i], linear.shares[i] * multiply_inner(linear.lever[i], softs[i])
+        alpha, offset = 1.0 - beta * tangent.stiffness, multiply_inner(lever, shift)
         found.append(Line(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
     return found
 
 
-def _renewed(
+def _renew_points(
     xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag,
     elongations: Column,
 ) -> list[Tangent]:  # fmt: skip
@@ -219,12 +225,12 @@ def _renewed(
         known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
         secant = (now.force - last.force) / xp.where(known, apart, 1.0)
         slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
-        slack = _slack(xp, most, path, now.elongation)
+        slack = _compute_slack_stiffness(xp, most, path, now.elongation)
         new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
     return new
 
 
-def _slack(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
+def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
     """Stiffness of an element without force: it is slack only if its path is shorter than it is.
 
     Both as elongations [m]: `path` between its ends along the mechanism, `own` free of force.
@@ -232,7 +238,7 @@ def _slack(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
     return xp.where(path > own - STILL, most, FLOOR * most)
 
 
-def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:
+def _compute_correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:
     """Newton's step of the position, with every element as it answered."""
     side = [-missing for missing in linear.missing]
     for i, tangent in enumerate(tangents):
@@ -240,4 +246,4 @@ def _correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> l
         answer = xp.maximum(tangent.force + tangent.stiffness * apart, 0.0)
         weight = linear.shares[i] * (answer - linear.forces[i])
         side = [s + weight * j for s, j in zip(side, linear.lever[i], strict=True)]
-    return solutions(_matrix(linear, tangents), [side])[0]
+    return solve_linear(_build_stiffness(linear, tangents), [side])[0]

@@ -12,7 +12,7 @@ from martensite.kernels.namespace import Scalar
 Rows = Sequence[Sequence[Scalar]]
 
 
-def solutions(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
+def solve_linear(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
     """The solution x of A x = b for every right-hand side b."""
     a, columns = [list(row) for row in matrix], [list(side) for side in sides]
     size = len(a)
@@ -31,7 +31,7 @@ def solutions(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
     return columns
 
 
-def inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+def multiply_inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     """Inner product; 0 of nothing."""
     result: Scalar = 0.0
     for x, y in zip(a, b, strict=True):

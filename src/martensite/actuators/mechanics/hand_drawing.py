@@ -19,10 +19,10 @@ from martensite.actuators.mechanisms.drawing import (
     Point,
     Reading,
     Shape,
-    arc,
-    bar,
-    led,
-    length,
+    draw_bar,
+    lead_wire,
+    measure_length,
+    trace_arc,
 )
 
 if TYPE_CHECKING:
@@ -65,31 +65,33 @@ def drawn_hand(hand: Hand, reading: Reading) -> list[Shape]:
     apart, wide = 3.0 * max(hand.offset, hand.knuckle), 0.7 * reach
     places = (Place(wide, 0.0, -1.0), Place(-wide, apart, 1.0), Place(-wide, -apart, 1.0))
     thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
-    above = _lift(hand, 4)
+    above = _compute_lift(hand, 4)
     far = wide - max(*reading.lengths.values(), 2.5 * wide)
     arm = ((wide, 0.0, above), (far, 0.0, above))
     found = [
-        Shape("palm", "plate", _upright(-wide, apart + edge, above), thick),
-        Shape("holder of the thumb", "plate", _upright(wide, edge, above), thick),
-        bar("forearm", thick, *arm, kind="ground"),
+        Shape("palm", "plate", _draw_upright(-wide, apart + edge, above), thick),
+        Shape("holder of the thumb", "plate", _draw_upright(wide, edge, above), thick),
+        draw_bar("forearm", thick, *arm, kind="ground"),
     ]
     words = zip(hand.ports()[::4], hand.sizes(), places, strict=True)
     for first, size, place in words:
-        found += _finger(hand, first.split("_")[0], size, place, reading)
+        found += _draw_finger(hand, first.split("_")[0], size, place, reading)
     return found
 
 
-def _upright(x: float, half: float, above: float) -> tuple[Point, ...]:
+def _draw_upright(x: float, half: float, above: float) -> tuple[Point, ...]:
     """Corners of a plate that stands on the hinges, across x."""
     return (x, -half, 0.0), (x, half, 0.0), (x, half, above), (x, -half, above)
 
 
-def _lift(hand: Hand, tendon: int) -> float:
+def _compute_lift(hand: Hand, tendon: int) -> float:
     """How far above the hinges a tendon turns into the forearm: clear of bent fingers [m]."""
     return max(hand.sizes()) * (hand.distal_length + (0.5 + 0.5 * tendon) * hand.offset)
 
 
-def _finger(hand: Hand, name: str, size: float, place: Place, reading: Reading) -> Iterator[Shape]:
+def _draw_finger(
+    hand: Hand, name: str, size: float, place: Place, reading: Reading
+) -> Iterator[Shape]:
     """Phalanges, hinges, brackets and tendons of one finger."""
     wrapped = min(max(-hand.lowest, LEAST_WRAP), MOST_WRAP)
     sizes = Sizes(
@@ -98,88 +100,106 @@ def _finger(hand: Hand, name: str, size: float, place: Place, reading: Reading) 
     )  # fmt: skip
     first, second = (reading.outputs[f"{name}_{joint}"] for joint in ("proximal", "distal"))
     thick, half = 0.4 * sizes.offset, 0.7 * sizes.offset
-    hinge, tip = _first(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
+    hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
-    yield bar(f"{name} proximal", thick, start, place.at(hinge))
-    yield bar(f"{name} distal", thick, place.at(hinge), place.at(_last(sizes, first, second, *tip)))
+    yield draw_bar(f"{name} proximal", thick, start, place.at(hinge))
+    yield draw_bar(
+        f"{name} distal",
+        thick,
+        place.at(hinge),
+        place.at(_locate_distal(sizes, first, second, *tip)),
+    )
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
         ends = (place.at(at, -half), place.at(at, half))
         yield Shape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
-    yield from _brackets(name, sizes, place, first, second)
+    yield from _draw_brackets(name, sizes, place, first, second)
     passing = hand.tendons == "passing"
-    ways, straight = (_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0)))
+    ways, straight = (
+        _trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0))
+    )
     for k, (way, home) in enumerate(zip(ways, straight, strict=True)):
         port = "_".join((name, ("proximal", "distal")[k // 2], ("flexor", "extensor")[k % 2]))
-        aside, lift = (k - 1.5) * 0.4 * sizes.offset, _lift(hand, k)
+        aside, lift = (k - 1.5) * 0.4 * sizes.offset, _compute_lift(hand, k)
         # an extensor comes on to its knuckle along the tangent
-        turn = _up(way[0], lift, wrapped if k == 1 else 0.0)
+        turn = _find_height(way[0], lift, wrapped if k == 1 else 0.0)
         path = [place.at(point, aside) for point in (turn, *way)]
-        whole = math.dist(turn, way[0]) + length([(a, b, 0.0) for a, b in home])
-        yield from led(port, path, reading.lengths[port] - whole, (-1.0, 0.0, 0.0))
+        whole = math.dist(turn, way[0]) + measure_length([(a, b, 0.0) for a, b in home])
+        yield from lead_wire(port, path, reading.lengths[port] - whole, (-1.0, 0.0, 0.0))
 
 
-def _up(point: Flat, lift: float, leaning: float) -> Flat:
+def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
     """Where a line through a point, leaning inwards by an angle, is so far above the hinges."""
     return -lift, point[1] + math.tan(leaning) * (lift + point[0])
 
 
-def _brackets(
+def _draw_brackets(
     name: str, sizes: Sizes, place: Place, first: float, second: float
 ) -> Iterator[Shape]:
     """Four posts that hold the flexors."""
     r, g, far = sizes.offset, sizes.bracket, sizes.proximal - sizes.bracket
     posts = (
         [(-g, 0.0), (-g, r)],
-        [_first(sizes, first, g, 0.0), _first(sizes, first, g, r)],
-        [_first(sizes, first, far, 0.0), _first(sizes, first, far, r)],
-        [_last(sizes, first, second, g, 0.0), _last(sizes, first, second, g, r)],
+        [_locate_proximal(sizes, first, g, 0.0), _locate_proximal(sizes, first, g, r)],
+        [_locate_proximal(sizes, first, far, 0.0), _locate_proximal(sizes, first, far, r)],
+        [_locate_distal(sizes, first, second, g, 0.0), _locate_distal(sizes, first, second, g, r)],
     )
     for k, post in enumerate(posts, start=1):
-        yield bar(f"{name} bracket {k}", 0.12 * r, *map(place.at, post))
+        yield draw_bar(f"{name} bracket {k}", 0.12 * r, *map(place.at, post))
 
 
-def _tendons(sizes: Sizes, first: float, second: float, passing: bool) -> list[list[Flat]]:
+def _trace_tendons(sizes: Sizes, first: float, second: float, passing: bool) -> list[list[Flat]]:
     """Ways of flexor and extensor of the proximal joint, then of the distal one."""
     r, g, knuckle, reach, _, wrapped = sizes
     met = 2.0 * math.atan2(g, r)
     one, two = min(first, met), min(second, met)
     ends = 0.3 * reach, 0.3 * sizes.distal
     axis = [(-g, 0.0), (0.0, 0.0)]
-    over = [(-g, r), _first(sizes, one, g, r)]
-    at_joint = [_first(sizes, first, reach - g, r), *_far(sizes, first, two, (g, g + ends[1]), r)]
+    over = [(-g, r), _locate_proximal(sizes, one, g, r)]
+    at_joint = [
+        _locate_proximal(sizes, first, reach - g, r),
+        *_trace_distal(sizes, first, two, (g, g + ends[1]), r),
+    ]
     touching = math.asin(min(knuckle / reach, 0.9))
     return [
-        [*over, _first(sizes, one, g + ends[0], r)],
-        [*_wound(knuckle, first, wrapped), _first(sizes, first, ends[0], -knuckle)],
+        [*over, _locate_proximal(sizes, one, g + ends[0], r)],
+        [
+            *_wind_extensor(knuckle, first, wrapped),
+            _locate_proximal(sizes, first, ends[0], -knuckle),
+        ],
         [*(over if passing else axis), *at_joint],
         [
             *axis,
-            *(_first(sizes, first, reach + a, b) for a, b in _wound(knuckle, second, touching)),
-            *_far(sizes, first, second, (ends[1],), -knuckle),
+            *(
+                _locate_proximal(sizes, first, reach + a, b)
+                for a, b in _wind_extensor(knuckle, second, touching)
+            ),
+            *_trace_distal(sizes, first, second, (ends[1],), -knuckle),
         ],
     ]
 
 
-def _wound(radius: float, angle: float, wrapped: float) -> list[Flat]:
+def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
     """An extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
     quarter = 0.5 * math.pi
-    return arc(radius, -wrapped - quarter, max(angle, -wrapped) - quarter, ARC)
+    return trace_arc(radius, -wrapped - quarter, max(angle, -wrapped) - quarter, ARC)
 
 
-def _far(
+def _trace_distal(
     sizes: Sizes, first: float, second: float, ways: tuple[float, ...], inwards: float
 ) -> list[Flat]:
     """Points of the distal phalanx."""
-    return [_last(sizes, first, second, way, inwards) for way in ways]
+    return [_locate_distal(sizes, first, second, way, inwards) for way in ways]
 
 
-def _first(sizes: Sizes, angle: float, along: float, inwards: float) -> Flat:
+def _locate_proximal(sizes: Sizes, angle: float, along: float, inwards: float) -> Flat:
     """A point of the proximal phalanx."""
     c, s = math.cos(angle), math.sin(angle)
     return c * along - s * inwards, s * along + c * inwards
 
 
-def _last(sizes: Sizes, first: float, second: float, along: float, inwards: float) -> Flat:
+def _locate_distal(sizes: Sizes, first: float, second: float, along: float, inwards: float) -> Flat:
     """A point of the distal phalanx."""
     c, s = math.cos(second), math.sin(second)
-    return _first(sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards)
+    return _locate_proximal(
+        sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards
+    )

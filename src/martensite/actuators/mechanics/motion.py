@@ -56,7 +56,7 @@ Scheme = Callable[[Numbers], Course]
 """The course after a step, from the position at its end."""
 
 
-def predicted(course: Course, dt: Scalar) -> Numbers:
+def predict_position(course: Course, dt: Scalar) -> Numbers:
     """A first guess of the position after a step of dt [s]."""
     if not course.acceleration:
         return course.position
@@ -75,7 +75,7 @@ def quasi_static(xp: Namespace, course: Course, dt: Scalar) -> Scheme:
     return after
 
 
-def dynamic(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> Scheme:
+def move_dynamically(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> Scheme:
     """Motion with inertia, by the generalised-α scheme."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m

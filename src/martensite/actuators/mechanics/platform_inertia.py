@@ -67,7 +67,7 @@ def inertia_forces(
 ) -> Torques:
     """Torques [N m] that a motion takes: inertia, Coriolis and centrifugal terms; any β."""
     sine, cosine = xp.sin(alpha), xp.cos(alpha)
-    least, more = _moments(plate)
+    least, more = _compute_moments(plate)
     turning = more * sine * cosine * rates.beta
     return Torques(
         least * accelerations.alpha - turning * rates.beta,
@@ -75,12 +75,12 @@ def inertia_forces(
     )
 
 
-def accelerations(
+def compute_accelerations(
     xp: Namespace, plate: TopPlate, alpha: Scalar, rates: Rates, applied: Torques
 ) -> Rates:
     """Angular accelerations [rad/s²] under applied torques [N m]: the inverse of the above."""
     sine = xp.sin(alpha)
-    least, more = _moments(plate)
+    least, more = _compute_moments(plate)
     own = inertia_forces(xp, plate, alpha, rates, Rates(0.0, 0.0))
     return Rates(
         (applied.alpha - own.alpha) / least,
@@ -91,7 +91,7 @@ def accelerations(
 def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: Rates) -> Scalar:
     """T [J]."""
     sine = xp.sin(alpha)
-    least, more = _moments(plate)
+    least, more = _compute_moments(plate)
     spin = (least + more * sine * sine) * rates.beta * rates.beta
     return 0.5 * (least * rates.alpha * rates.alpha + spin)
 
@@ -112,7 +112,7 @@ def weight_energy(
     return moment * (xp.cos(alpha) * xp.cos(beta) - 1.0)
 
 
-def _moments(plate: TopPlate) -> tuple[Scalar, Scalar]:
+def _compute_moments(plate: TopPlate) -> tuple[Scalar, Scalar]:
     """A and D [kg m²]."""
     shifted = plate.mass * plate.above * plate.above
     return plate.inertia + shifted, plate.inertia - shifted

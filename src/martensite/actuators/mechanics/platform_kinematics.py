@@ -31,7 +31,7 @@ from typing import NamedTuple
 from martensite.base.errors import ParameterError, SolveError
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 
 CORRECTIONS = 40
 """Gauss–Newton steps until angles count as not found; lengths of a posture need up to 7."""
@@ -73,18 +73,18 @@ class Tilt(NamedTuple):
 # ---------------------------------------------------------------- kernels
 
 
-def corners(side: Scalar) -> list[tuple[Scalar, Scalar]]:
+def locate_corners(side: Scalar) -> list[tuple[Scalar, Scalar]]:
     """X and Y of the three vertices [m]."""
     radius = side * (1.0 / math.sqrt(3.0))
     return [(0.0, radius), (-0.5 * side, -0.5 * radius), (0.5 * side, -0.5 * radius)]
 
 
-def lengths(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) -> list[Scalar]:
+def compute_lengths(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) -> list[Scalar]:
     """Lengths of the three legs [m] at angles [rad]."""
-    return slopes(xp, plates, alpha, beta)[0]
+    return compute_length_slopes(xp, plates, alpha, beta)[0]
 
 
-def slopes(
+def compute_length_slopes(
     xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
 ) -> tuple[list[Scalar], list[Scalar], list[Scalar]]:
     """Lengths [m], and their derivatives over α and over β [m/rad]."""
@@ -93,8 +93,8 @@ def slopes(
     found: list[Scalar] = []
     over_alpha: list[Scalar] = []
     over_beta: list[Scalar] = []
-    for x, y in corners(plates.side):
-        across, along, down, drop = _turned(plates, turns, x, y)
+    for x, y in locate_corners(plates.side):
+        across, along, down, drop = _turn_vertex(plates, turns, x, y)
         # the leg
         leg_x, leg_y, leg_z = across - x, along - y, down - plates.pivot
         length = xp.sqrt(leg_x * leg_x + leg_y * leg_y + leg_z * leg_z)
@@ -105,16 +105,16 @@ def slopes(
     return found, over_alpha, over_beta
 
 
-def vertices(
+def locate_vertices(
     xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
 ) -> list[tuple[Scalar, Scalar, Scalar]]:
     """X, Y, Z of the vertices of the plate that moves [m] at angles [rad]."""
     turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
-    places = [_turned(plates, turns, x, y) for x, y in corners(plates.side)]
+    places = [_turn_vertex(plates, turns, x, y) for x, y in locate_corners(plates.side)]
     return [(across, along, down - plates.pivot) for across, along, down, _ in places]
 
 
-def _turned(
+def _turn_vertex(
     plates: Plates, turns: tuple[Scalar, Scalar, Scalar, Scalar], x: Scalar, y: Scalar
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """A vertex after both rotations, seen from the joint: X, Y, Z; and Z after the first alone."""
@@ -124,15 +124,15 @@ def _turned(
     return cb * x + sb * drop, along, cb * drop - sb * x, drop
 
 
-def torques(
+def compute_torques(
     xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar, pulls: Sequence[Scalar]
 ) -> tuple[Scalar, Scalar]:
     """Generalised torques Q = -Jᵀ F [N m] of the legs' pulls [N]."""
-    _, over_alpha, over_beta = slopes(xp, plates, alpha, beta)
-    return -_dot(over_alpha, pulls), -_dot(over_beta, pulls)
+    _, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
+    return -_multiply_dot(over_alpha, pulls), -_multiply_dot(over_beta, pulls)
 
 
-def correction(
+def correct_angles(
     xp: Namespace, plates: Plates, wanted: Sequence[Scalar], alpha: Scalar, beta: Scalar
 ) -> tuple[Scalar, Scalar]:
     """One Gauss–Newton step of both angles [rad] towards three lengths [m].
@@ -140,17 +140,17 @@ def correction(
     Steps of fixed count make an observer of the posture; near a posture of the lengths each one
     squares the error.
     """
-    found, a, b = slopes(xp, plates, alpha, beta)
+    found, a, b = compute_length_slopes(xp, plates, alpha, beta)
     off = [w - f for w, f in zip(wanted, found, strict=True)]
-    aa, ab, bb = _dot(a, a), _dot(a, b), _dot(b, b)
-    right_a, right_b = _dot(a, off), _dot(b, off)
+    aa, ab, bb = _multiply_dot(a, a), _multiply_dot(a, b), _multiply_dot(b, b)
+    right_a, right_b = _multiply_dot(a, off), _multiply_dot(b, off)
     least = SINGULAR * (aa + bb) * (aa + bb) + 1e-300
     share = 1.0 / xp.maximum(aa * bb - ab * ab, least)
     return share * (bb * right_a - ab * right_b), share * (aa * right_b - ab * right_a)
 
 
-def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    return total([x * y for x, y in zip(a, b, strict=True)])
+def _multiply_dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    return sum_column([x * y for x, y in zip(a, b, strict=True)])
 
 
 # ---------------------------------------------------------------- edge
@@ -173,7 +173,7 @@ def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, 
     check_plates(plates)
     check_number("angle `alpha`", alpha)
     check_number("angle `beta`", beta)
-    first, second, third = lengths(floats, plates, alpha, beta)
+    first, second, third = compute_lengths(floats, plates, alpha, beta)
     return first, second, third
 
 
@@ -202,29 +202,30 @@ def platform_angles(plates: Plates, wanted: Sequence[float], allowed: float | No
         raise ParameterError(f"A platform has three legs, but {len(wanted)} lengths were given.")
     for i, length in enumerate(wanted):
         check_number(f"length of leg {i}", length, positive=True)
-    alpha, beta = _settle(plates, wanted)
-    found = lengths(floats, plates, alpha, beta)
+    alpha, beta = _settle_angles(plates, wanted)
+    found = compute_lengths(floats, plates, alpha, beta)
     residual = math.dist(found, wanted)
     limit = ALLOWED * plates.height if allowed is None else allowed
     if not residual <= limit:
         raise ParameterError(
-            f"The lengths {millimetres(wanted)} belong to no posture: the nearest found has "
-            f"{millimetres(found)}, a residual of {1e3 * residual:.3g} mm, where "
+            f"The lengths {format_millimetres(wanted)} belong to no posture: the nearest found has "
+            f"{format_millimetres(found)}, a residual of {1e3 * residual:.3g} mm, where "
             f"{1e3 * limit:.3g} mm are allowed. Pass a larger `allowed` for the best fit."
         )
     return Tilt(alpha, beta, residual)
 
 
-def _settle(plates: Plates, wanted: Sequence[float]) -> tuple[float, float]:
+def _settle_angles(plates: Plates, wanted: Sequence[float]) -> tuple[float, float]:
     """The angles [rad] after which corrections no longer matter."""
     alpha = beta = 0.0
     for _ in range(CORRECTIONS):
-        more_alpha, more_beta = correction(floats, plates, wanted, alpha, beta)
+        more_alpha, more_beta = correct_angles(floats, plates, wanted, alpha, beta)
         alpha, beta = alpha + more_alpha, beta + more_beta
         if max(abs(more_alpha), abs(more_beta)) <= SETTLED:
             return alpha, beta
     raise SolveError(
-        f"No posture was found for the lengths {millimetres(wanted)}: {CORRECTIONS} corrections "
+        f"No posture was found for the lengths {format_millimetres(wanted)}: {CORRECTIONS} "
+        "corrections "
         "did not settle. Check that the legs can be so long at once: `platform_lengths` tells "
         "their lengths at any angles."
     )
@@ -244,6 +245,6 @@ def check_number(name: str, value: float, *, positive: bool = False) -> None:
         raise ParameterError(f"The {name} must be {allowed}, but is {value:g}.")
 
 
-def millimetres(values: Sequence[float]) -> str:
+def format_millimetres(values: Sequence[float]) -> str:
     """Lengths [m] for a sentence."""
     return ", ".join(f"{1e3 * value:.4g}" for value in values) + " mm"

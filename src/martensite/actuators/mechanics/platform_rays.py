@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from martensite.actuators.mechanics.platform_kinematics import Plates, slopes
+from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes
 from martensite.kernels import floats
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
@@ -33,9 +33,11 @@ BALANCED = 1e-9
 Angles = tuple[float, float]
 
 
-def crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar) -> Scalar:
+def compute_crosswise(
+    xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar
+) -> Scalar:
     """What two springs of unit rate pull across the third [m³/rad²]; 0 where that is balanced."""
-    found, over_alpha, over_beta = slopes(xp, plates, alpha, beta)
+    found, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
     rows = list(zip(found, over_alpha, over_beta, strict=True))
     _, own_alpha, own_beta = rows.pop(leg)
     (first, a1, b1), (second, a2, b2) = rows
@@ -44,7 +46,7 @@ def crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scal
     return own_beta * pull_alpha - own_alpha * pull_beta
 
 
-def ray(
+def trace_ray(
     plates: Plates, leg: int, step: float, allowed: Callable[[float, float], bool]
 ) -> list[Angles]:
     """The curve of one leg: home, points (α, β) one step [rad] apart, and the end if it moves.
@@ -56,40 +58,40 @@ def ray(
     points, far = [(0.0, 0.0)], step
 
     def at(radius: float) -> Angles:
-        return balanced(plates, leg, radius, heading)
+        return find_balanced(plates, leg, radius, heading)
 
     def holds(radius: float) -> bool:
-        return allowed(*at(radius)) and _pulls(plates, leg, *at(radius))
+        return allowed(*at(radius)) and _is_pulling(plates, leg, *at(radius))
 
     while holds(far):
         points.append(at(far))
         heading = math.atan2(*reversed(points[-1]))
         far += step
-    end = last(holds, far - step, far)
+    end = find_last(holds, far - step, far)
     return [*points, at(end)] if end > far - step else points
 
 
-def balanced(plates: Plates, leg: int, radius: float, heading: float) -> Angles:
+def find_balanced(plates: Plates, leg: int, radius: float, heading: float) -> Angles:
     """The posture at a distance from home [rad], near a heading, that one leg brings about."""
 
     def unbalance(xp: Namespace, turn: Scalar) -> Scalar:
         alpha, beta = radius * xp.cos(turn), radius * xp.sin(turn)
-        return crosswise(xp, plates, leg, alpha, beta) / radius
+        return compute_crosswise(xp, plates, leg, alpha, beta) / radius
 
     bracket = (heading - SWING, heading + SWING)
     turn = solve_bracketed(floats, unbalance, heading, bracket, TURNS)
     return radius * math.cos(turn), radius * math.sin(turn)
 
 
-def _pulls(plates: Plates, leg: int, alpha: float, beta: float) -> bool:
+def _is_pulling(plates: Plates, leg: int, alpha: float, beta: float) -> bool:
     """Whether a leg balances the others, and still gets shorter on its way out."""
-    _, over_alpha, over_beta = slopes(floats, plates, alpha, beta)
-    across = crosswise(floats, plates, leg, alpha, beta)
+    _, over_alpha, over_beta = compute_length_slopes(floats, plates, alpha, beta)
+    across = compute_crosswise(floats, plates, leg, alpha, beta)
     shorter = alpha * over_alpha[leg] + beta * over_beta[leg] < 0.0
     return shorter and abs(across) <= BALANCED * plates.side**3
 
 
-def last(holds: Callable[[float], bool], low: float, high: float) -> float:
+def find_last(holds: Callable[[float], bool], low: float, high: float) -> float:
     """Where a condition ends that holds at `low` and not at `high`, by halving."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

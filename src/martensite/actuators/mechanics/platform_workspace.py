@@ -17,10 +17,10 @@ from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
     check_number,
     check_plates,
-    lengths,
-    millimetres,
+    compute_lengths,
+    format_millimetres,
 )
-from martensite.actuators.mechanics.platform_rays import Angles, last, ray
+from martensite.actuators.mechanics.platform_rays import Angles, find_last, trace_ray
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 
@@ -42,7 +42,7 @@ class Legs:
 
     def allow(self, alpha: float, beta: float) -> bool:
         """Whether all keep within their limits at angles [rad], reachable or not."""
-        found = lengths(floats, self.plates, alpha, beta)
+        found = compute_lengths(floats, self.plates, alpha, beta)
         inside = self.shortest <= min(found) and max(found) <= self.longest
         return inside and max(abs(alpha), abs(beta)) < QUARTER
 
@@ -103,16 +103,17 @@ def reachable_angles(
         raise ParameterError(f"The `step` must be 0.05 to 5 degrees, but is {step:g} rad.")
     if not shortest <= plates.height <= longest:
         raise ParameterError(
-            f"At home the legs are as long as the plates' distance, {millimetres([plates.height])}"
-            f", which is not within {millimetres([shortest, longest])}. Widen the limits."
+            f"At home the legs are as long as the plates' distance, "
+            f"{format_millimetres([plates.height])}"
+            f", which is not within {format_millimetres([shortest, longest])}. Widen the limits."
         )
-    return _explored(Legs(plates, shortest, longest), step)
+    return _explore_grid(Legs(plates, shortest, longest), step)
 
 
-def _explored(legs: Legs, step: float) -> Workspace:
-    cells = _flood(lambda i, j: legs.allow(i * step, j * step))
-    rows, columns = (_padded([cell[axis] for cell in cells]) for axis in (0, 1))
-    reach = [_reach(legs, step, *way) for way in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+def _explore_grid(legs: Legs, step: float) -> Workspace:
+    cells = _flood_cells(lambda i, j: legs.allow(i * step, j * step))
+    rows, columns = (_pad_numbers([cell[axis] for cell in cells]) for axis in (0, 1))
+    reach = [_measure_reach(legs, step, *way) for way in ((-1, 0), (1, 0), (0, -1), (0, 1))]
     return Workspace(
         legs,
         step,
@@ -121,11 +122,11 @@ def _explored(legs: Legs, step: float) -> Workspace:
         reached=[[(i, j) in cells for j in columns] for i in rows],
         alpha_extent=(-reach[0], reach[1]),
         beta_extent=(-reach[2], reach[3]),
-        rays=[ray(legs.plates, leg, step, legs.allow) for leg in range(3)],
+        rays=[trace_ray(legs.plates, leg, step, legs.allow) for leg in range(3)],
     )
 
 
-def _flood(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
+def _flood_cells(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
     """All cells connected to (0, 0) through sides."""
     found, edge = {(0, 0)}, [(0, 0)]
     while edge:
@@ -137,11 +138,11 @@ def _flood(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
     return found
 
 
-def _padded(numbers: list[int]) -> range:
+def _pad_numbers(numbers: list[int]) -> range:
     return range(min(numbers) - 1, max(numbers) + 2)
 
 
-def _reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
+def _measure_reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
     """How far one half of an axis stays allowed from home on [rad]."""
 
     def holds(far: float) -> bool:
@@ -150,4 +151,4 @@ def _reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
     far = step
     while holds(far):
         far += step
-    return last(holds, far - step, far)
+    return find_last(holds, far - step, far)

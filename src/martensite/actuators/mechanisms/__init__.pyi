@@ -13,8 +13,8 @@ from martensite.actuators.mechanisms.bias_spring import BiasSpring as BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.finger import Finger as Finger
 from martensite.actuators.mechanisms.hand import Hand as Hand
-from martensite.actuators.mechanisms.joints import bowstring as bowstring
 from martensite.actuators.mechanisms.joints import bowstring_arm as bowstring_arm
+from martensite.actuators.mechanisms.joints import shorten_bowstring as shorten_bowstring
 from martensite.actuators.mechanisms.lever import Lever as Lever
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
-from martensite.actuators.mechanisms.drawing import Reading, Shape, hanging, lifted
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_hanging, draw_lifted
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
@@ -150,6 +150,6 @@ class AbstractMechanism(Parametrised):
         name, output = next(iter(self.outputs().items()))
         value, ports = reading.outputs[name], self.ports()
         if not ports and output.unit == "m":
-            return lifted(value)
+            return draw_lifted(value)
         shortened = [value if output.unit == "m" else 0.0] * len(ports)
-        return hanging(ports, shortened, [value] if output.unit == "rad" else [], reading)
+        return draw_hanging(ports, shortened, [value] if output.unit == "rad" else [], reading)

@@ -41,7 +41,7 @@ from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembl
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 
 MOST = 4
 """Largest number of modes."""
@@ -216,7 +216,7 @@ class BeamMotor(AbstractMultibody):
         """l_w - l(x) [m]."""
         if not self.ports():
             return []
-        return [self.wire_length - self.path(xp, total(position[: self.count]))]
+        return [self.wire_length - self.path(xp, sum_column(position[: self.count]))]
 
     def start_forces(self, xp: Namespace) -> Column:
         """None: the wire is assembled without tension [N]."""
@@ -238,7 +238,7 @@ class BeamMotor(AbstractMultibody):
         rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
         bent = [m * a + c * v + k * q - thrown for (m, c, k), q, v, a in rows]
         rubbed = self.dry_friction * xp.tanh(speed * (1.0 / self.friction_rate))
-        turning = self._turning() * spin + moment * total(motion.acceleration[:n]) * cosine
+        turning = self._turning() * spin + moment * sum_column(motion.acceleration[:n]) * cosine
         torque = turning + self.rotor_friction * speed + rubbed - self.torque_constant * current
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
         return [*bent, torque, volts - voltage]
@@ -248,9 +248,11 @@ class BeamMotor(AbstractMultibody):
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]
         rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))
-        bent = total([k * q * q for (_, _, k), q, _ in rows])
-        moved = total([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
-        shared = moment * total(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
+        bent = sum_column([k * q * q for (_, _, k), q, _ in rows])
+        moved = (
+            sum_column([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
+        )
+        shared = moment * sum_column(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
         coil = 0.5 * self.inductance * current * current
         return Energy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
 
@@ -307,7 +309,7 @@ class BeamMotor(AbstractMultibody):
     ) -> tuple[list[Scalar], Column]:
         """The tension of the wire, and the `outputs` in order."""
         n, (position, velocity, *_) = self.count, memory.course
-        bends = [total(position[:n]), total(velocity[:n])]
+        bends = [sum_column(position[:n]), sum_column(velocity[:n])]
         turns = [position[n], velocity[n], velocity[n + 1]]
         modes = position[:n] if n > 1 else ()
         forces = [element.force(state) for element, state, _ in loads]

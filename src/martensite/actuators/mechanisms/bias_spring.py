@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanisms.base import MECHANISMS, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -52,8 +52,8 @@ class BiasSpring(AbstractLoadLine):
         near_wall = ((-thick, 0.0, -tall), (-thick, 0.0, tall))
         far_wall = ((far + thick, 0.0, -tall), (far + thick, 0.0, tall))
         return [
-            bar("wall", thick, *near_wall, kind="ground"),
-            bar("wall of the spring", thick, *far_wall, kind="ground"),
+            draw_bar("wall", thick, *near_wall, kind="ground"),
+            draw_bar("wall of the spring", thick, *far_wall, kind="ground"),
             Shape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
             Shape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
             Shape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),

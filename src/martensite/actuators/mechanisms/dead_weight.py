@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanisms.base import MECHANISMS, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar, weight
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar, draw_weight
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -43,7 +43,7 @@ class DeadWeight(AbstractLoadLine):
         end = (0.0, 0.0, reading.outputs["position"] - hung)
         wide, thick = 0.2 * hung, 0.015 * hung
         return [
-            bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
+            draw_bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
             Shape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
-            weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
+            draw_weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
         ]

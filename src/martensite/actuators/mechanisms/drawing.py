@@ -70,19 +70,19 @@ class Reading(NamedTuple):
     """Length of the element at each port as assembled [m]."""
 
 
-def length(points: Sequence[Point]) -> float:
+def measure_length(points: Sequence[Point]) -> float:
     """Of the line through points [m]."""
     return math.fsum(map(math.dist, points, points[1:]))
 
 
-def along(first: Point, second: Point, way: float) -> Point:
+def locate_along(first: Point, second: Point, way: float) -> Point:
     """The point at a distance [m] from the first towards the second."""
     share = way / (math.dist(first, second) or 1.0)
     x, y, z = ((1.0 - share) * a + share * b for a, b in zip(first, second, strict=True))
     return x, y, z
 
 
-def moved(point: Point, direction: Point, way: float) -> Point:
+def move_point(point: Point, direction: Point, way: float) -> Point:
     """The point moved along a direction by a distance [m]."""
     return (
         point[0] + way * direction[0],
@@ -91,7 +91,7 @@ def moved(point: Point, direction: Point, way: float) -> Point:
     )
 
 
-def led(port: str, path: Sequence[Point], rest: float, away: Point) -> list[Shape]:
+def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[Shape]:
     """A wire along a path whose fixed end is first, and a tether where it is too short.
 
     Args:
@@ -101,18 +101,18 @@ def led(port: str, path: Sequence[Point], rest: float, away: Point) -> list[Shap
         away: direction in which the wire runs on behind the fixed end.
     """
     if rest >= 0.0:
-        points = (moved(path[0], away, rest), *path)
+        points = (move_point(path[0], away, rest), *path)
         return [Shape(port, "wire", points, 0.0, port)]
     behind, k = -rest, 0
     while k < len(path) - 2 and behind >= math.dist(path[k], path[k + 1]):
         behind -= math.dist(path[k], path[k + 1])
         k += 1
-    cut = along(path[k], path[k + 1], min(behind, 0.9 * math.dist(path[k], path[k + 1])))
+    cut = locate_along(path[k], path[k + 1], min(behind, 0.9 * math.dist(path[k], path[k + 1])))
     tether = Shape(f"{port} tether", "tether", (*path[: k + 1], cut), 0.0)
     return [tether, Shape(port, "wire", (cut, *path[k + 1 :]), 0.0, port)]
 
 
-def arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
+def trace_arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
     """Points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
     step = (last - first) / segments
     half = 0.5 * abs(step)
@@ -121,33 +121,33 @@ def arc(radius: float, first: float, last: float, segments: int) -> list[tuple[f
     return [(outside * math.cos(angle), outside * math.sin(angle)) for angle in angles]
 
 
-def bar(name: str, size: float, *points: Point, kind: str = "link") -> Shape:
+def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> Shape:
     """A bar through points."""
     return Shape(name, kind, points, size)
 
 
-def pin(name: str, at: Point, half: float, size: float) -> Shape:
+def draw_pin(name: str, at: Point, half: float, size: float) -> Shape:
     """A pin along y, so many metres to either side."""
     return Shape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
 
 
-def weight(name: str, at: Point, mass: float, least: float, most: float) -> Shape:
+def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> Shape:
     """A cube of steel of a mass [kg], with half an edge between two limits [m]."""
     half = 0.5 * math.cbrt(mass / DENSITY)
     return Shape(name, "weight", (at,), min(max(half, least), most))
 
 
-def lifted(by: float) -> list[Shape]:
+def draw_lifted(by: float) -> list[Shape]:
     """A ball on a thread, as long as chosen here, that is lifted by so much [m]."""
     end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
     return [
-        bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground"),
-        bar("thread", 0.0, (0.0, 0.0, 0.0), end, kind="tether"),
+        draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground"),
+        draw_bar("thread", 0.0, (0.0, 0.0, 0.0), end, kind="tether"),
         Shape("load", "object", (end,), 0.05 * THREAD),
     ]
 
 
-def hanging(
+def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: Reading
 ) -> list[Shape]:
     """What is drawn of a mechanism that says nothing: elements that hang side by side.
@@ -161,7 +161,9 @@ def hanging(
     longest = max(reading.lengths.values(), default=0.1)
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)
-    found = [bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")]
+    found = [
+        draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")
+    ]
     for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
         x = apart * (k - 0.5 * (len(ports) - 1))
         end = (x, 0.0, by - reading.lengths[port])

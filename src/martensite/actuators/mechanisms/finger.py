@@ -40,9 +40,9 @@ from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
 from martensite.actuators.mechanisms.drawing import Reading, Shape
 from martensite.actuators.mechanisms.joints import (
-    bowstring,
     bowstring_arm,
     find_stop_energy,
+    shorten_bowstring,
     stop_torque,
 )
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
@@ -119,7 +119,7 @@ class Finger(AbstractMultibody):
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
         """n ΔL [m]."""
-        return [self.passes * bowstring(xp, position[0], self.offset, self.bracket)]
+        return [self.passes * shorten_bowstring(xp, position[0], self.offset, self.bracket)]
 
     def spring_torque(self, xp: Namespace, angle: Scalar) -> Scalar:
         """τ_s [N m] of the return spring."""

@@ -39,11 +39,11 @@ from martensite.actuators.mechanisms.drawing import Reading, Shape
 from martensite.actuators.mechanisms.joints import (
     Pair,
     Rod,
-    bowstring,
     find_kinetic_energy,
     find_stop_energy,
     find_weight_energy,
     hanging_rods,
+    shorten_bowstring,
     stop_torque,
     two_rods,
 )
@@ -52,7 +52,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 
 FINGERS = ("thumb", "index", "middle")
 JOINTS = ("proximal", "distal")
@@ -168,7 +168,7 @@ class Hand(AbstractMultibody):
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             bent = [
-                size * bowstring(xp, angle, self.offset, self.bracket)
+                size * shorten_bowstring(xp, angle, self.offset, self.bracket)
                 for angle in position[2 * i : 2 * i + 2]
             ]
             if self.tendons == "passing":
@@ -181,7 +181,7 @@ class Hand(AbstractMultibody):
         """Torques [N m] of springs, stops, damping, weight and, if it counts, inertia."""
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
-            angles, rates, accelerations = (_two(numbers, i) for numbers in motion)
+            angles, rates, accelerations = (_select_pair(numbers, i) for numbers in motion)
             rods = self._rods(size)
             hung = hanging_rods(xp, *rods, angles, self.gravity)
             moved = two_rods(xp, *rods, angles, rates, accelerations) if self.moves else (0.0, 0.0)
@@ -191,13 +191,13 @@ class Hand(AbstractMultibody):
 
     def energy(self, xp: Namespace, motion: Motion) -> Energy:
         """Of springs and stops of all joints, weight, and phalanges that move."""
-        springs = total([self._spring_energy(xp, angle) for angle in motion.position])
+        springs = sum_column([self._spring_energy(xp, angle) for angle in motion.position])
         lifted, moved = list[Scalar](), list[Scalar]()
         for i, size in enumerate(self.sizes()):
-            rods, angles = self._rods(size), _two(motion.position, i)
+            rods, angles = self._rods(size), _select_pair(motion.position, i)
             lifted.append(find_weight_energy(xp, *rods, angles, self.gravity))
-            moved.append(find_kinetic_energy(xp, *rods, angles, _two(motion.velocity, i)))
-        return Energy(springs, total(lifted), total(moved))
+            moved.append(find_kinetic_energy(xp, *rods, angles, _select_pair(motion.velocity, i)))
+        return Energy(springs, sum_column(lifted), sum_column(moved))
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """Damping of every joint [N m]."""
@@ -236,6 +236,6 @@ class Hand(AbstractMultibody):
         return (self.torque + 0.5 * self.stiffness * angle) * angle + stop
 
 
-def _two(numbers: Column, finger: int) -> Pair:
+def _select_pair(numbers: Column, finger: int) -> Pair:
     """Those of the two joints of a finger."""
     return numbers[2 * finger], numbers[2 * finger + 1]

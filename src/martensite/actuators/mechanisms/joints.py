@@ -24,7 +24,7 @@ Pair = tuple[Scalar, Scalar]
 """A number for each of two joints in a row."""
 
 
-def bowstring(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
+def shorten_bowstring(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar) -> Scalar:
     """ΔL [m] of a tendon at the distance r = `offset` whose holes are g = `bracket` away [m]."""
     h = 0.5 * angle
     return 2.0 * (offset * xp.sin(h) + bracket * (1.0 - xp.cos(h)))

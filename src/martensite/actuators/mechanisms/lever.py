@@ -24,7 +24,14 @@ from collections.abc import Sequence
 
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar, led, pin, weight
+from martensite.actuators.mechanisms.drawing import (
+    Reading,
+    Shape,
+    draw_bar,
+    draw_pin,
+    draw_weight,
+    lead_wire,
+)
 from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.parameters import param
@@ -184,16 +191,16 @@ class Lever(AbstractMultibody):
         pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * max(a, b), 0.3 * b
         block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
         found = [
-            bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
-            bar("holder", 0.6 * thick, *block, kind="ground"),
-            pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
-            bar("arm of the wire", thick, pivot, end),
-            *led(port, [fixed, end], reading.lengths[port] - self.distance, away),
+            draw_bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
+            draw_bar("holder", 0.6 * thick, *block, kind="ground"),
+            draw_pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
+            draw_bar("arm of the wire", thick, pivot, end),
+            *lead_wire(port, [fixed, end], reading.lengths[port] - self.distance, away),
         ]
         if self.mass > 0.0:
             found += [
-                bar("arm of the weight", 0.8 * thick, pivot, hook),
-                bar("thread", 0.0, hook, hung, kind="tether"),
-                weight("weight", hung, self.mass, 2.0 * thick, most),
+                draw_bar("arm of the weight", 0.8 * thick, pivot, hook),
+                draw_bar("thread", 0.0, hook, hung, kind="tether"),
+                draw_weight("weight", hung, self.mass, 2.0 * thick, most),
             ]
         return found

@@ -26,8 +26,14 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort
 from martensite.actuators.mechanics import condensed
-from martensite.actuators.mechanics.elimination import inner, solutions
-from martensite.actuators.mechanics.motion import Course, Motion, Scheme, dynamic, quasi_static
+from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
+from martensite.actuators.mechanics.motion import (
+    Course,
+    Motion,
+    Scheme,
+    move_dynamically,
+    quasi_static,
+)
 from martensite.actuators.mechanisms.base import (
     AbstractMechanism,
     Column,
@@ -36,10 +42,10 @@ from martensite.actuators.mechanisms.base import (
     Mechanics,
     Output,
 )
-from martensite.actuators.mechanisms.drawing import Reading, Shape, hanging
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_hanging
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import Report
 
@@ -165,9 +171,9 @@ class AbstractMultibody(AbstractMechanism):
             return self.demand(xp, motion._replace(acceleration=tuple(acceleration)), signals)
 
         rest = [0.0] * len(motion.position)
-        needs, inertia = jacobian(xp, needed, rest)
+        needs, inertia = compute_jacobian(xp, needed, rest)
         free = [s - n for s, n in zip(supply, needs, strict=True)]
-        return tuple(solutions(inertia, [free])[0])
+        return tuple(solve_linear(inertia, [free])[0])
 
     def supply(
         self, xp: Namespace, position: Column, forces: Column, velocity: Column
@@ -175,16 +181,16 @@ class AbstractMultibody(AbstractMechanism):
         """Generalised forces [N] or [N m] of given tensions [N]."""
         if not self.ports():
             return [0.0] * len(position)
-        _, lever = jacobian(xp, self.contraction, position)
+        _, lever = compute_jacobian(xp, self.contraction, position)
         motion = Motion(tuple(position), tuple(velocity), (0.0,) * len(position))
         shares = self.transmission(xp, motion)
         arriving = [share * force for share, force in zip(shares, forces, strict=True)]
-        return [inner(arriving, column) for column in zip(*lever, strict=True)]
+        return [multiply_inner(arriving, column) for column in zip(*lever, strict=True)]
 
     def scheme(self, xp: Namespace, course: Course, dt: Scalar) -> Scheme:
         """How velocity and acceleration follow from the position at the end of a step."""
         if self.moves:
-            return dynamic(xp, course, dt, self.rho_inf)
+            return move_dynamically(xp, course, dt, self.rho_inf)
         return quasi_static(xp, course, dt)
 
     def advance(
@@ -238,4 +244,4 @@ class AbstractMultibody(AbstractMechanism):
         ]
         turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]
         shortened = [float(by) for by in self.contraction(floats, place)]
-        return hanging(self.ports(), shortened, turned, reading)
+        return draw_hanging(self.ports(), shortened, turned, reading)

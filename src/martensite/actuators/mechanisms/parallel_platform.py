@@ -32,9 +32,14 @@ from martensite.actuators.mechanics.platform_inertia import (
     weight_energy,
     weight_torques,
 )
-from martensite.actuators.mechanics.platform_kinematics import Plates, corners, lengths, vertices
+from martensite.actuators.mechanics.platform_kinematics import (
+    Plates,
+    compute_lengths,
+    locate_corners,
+    locate_vertices,
+)
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar, led
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar, lead_wire
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
@@ -120,7 +125,7 @@ class ParallelPlatform(AbstractMultibody):
     def contraction(self, xp: Namespace, position: Column) -> Column:
         """h - L_i [m]."""
         alpha, beta = position
-        return [self.height - length for length in lengths(xp, self.plates(), alpha, beta)]
+        return [self.height - length for length in compute_lengths(xp, self.plates(), alpha, beta)]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Torques [N m] of inertia and damping, less those of the weight."""
@@ -153,18 +158,18 @@ class ParallelPlatform(AbstractMultibody):
         """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side
-        base = tuple((x, -y, 0.0) for x, y in corners(self.side))
-        top = tuple((x, -y, -z) for x, y, z in vertices(floats, plates, alpha, beta))
+        base = tuple((x, -y, 0.0) for x, y in locate_corners(self.side))
+        top = tuple((x, -y, -z) for x, y, z in locate_vertices(floats, plates, alpha, beta))
         joint = (0.0, 0.0, plates.pivot)
         x, y, z = (math.fsum(v[k] for v in top) / 3.0 for k in range(3))
         found = [
             Shape("base", "plate", base, thick),
-            bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
+            draw_bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
             Shape("joint", "object", (joint,), 2.5 * thick),
-            bar("neck", thick, joint, (x, y, z)),
+            draw_bar("neck", thick, joint, (x, y, z)),
             Shape("plate", "plate", top, thick),
         ]
         for port, first, last in zip(self.ports(), base, top, strict=True):
             rest = reading.lengths[port] - self.height
-            found += led(port, [first, last], rest, (0.0, 0.0, -1.0))
+            found += lead_wire(port, [first, last], rest, (0.0, 0.0, -1.0))
         return found

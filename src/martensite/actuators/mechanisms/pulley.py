@@ -16,7 +16,15 @@ import math
 
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
-from martensite.actuators.mechanisms.drawing import ARC, Reading, Shape, arc, bar, pin, weight
+from martensite.actuators.mechanisms.drawing import (
+    ARC,
+    Reading,
+    Shape,
+    draw_bar,
+    draw_pin,
+    draw_weight,
+    trace_arc,
+)
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -99,23 +107,25 @@ class AntagonisticPulley(AbstractMultibody):
         wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
         axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
         found = [
-            bar("wall", thick, *wall, kind="ground"),
-            pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
+            draw_bar("wall", thick, *wall, kind="ground"),
+            draw_pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
             Shape("pulley", "pulley", axis, r, turn=angle),
         ]
         for port, side in zip(self.ports(), (1.0, -1.0), strict=True):
-            rim = arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
+            rim = trace_arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
             free = reading.lengths[port] - wound
             start = min(free, straight) if free > 0.0 else 0.5 * r
             path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
             found += [
-                bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
+                draw_bar(
+                    f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"
+                ),
                 Shape(port, "wire", tuple(path), 0.0, port),
             ]
         if self.moment > 0.0:
             end = (2.5 * r * math.sin(angle), -3.0 * wide, -2.5 * r * math.cos(angle))
             found += [
-                bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
-                weight("weight of the lever", end, 0.0, 0.3 * r, r),
+                draw_bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
+                draw_weight("weight of the lever", end, 0.0, 0.3 * r, r),
             ]
         return found

@@ -37,7 +37,7 @@ from martensite.actuators.mechanisms.base import (
     Mechanics,
     Output,
 )
-from martensite.actuators.mechanisms.drawing import Reading, Shape, bar
+from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -180,9 +180,12 @@ class TensileTestingMachine(AbstractMechanism):
         rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
         gives = math.isfinite(self.stiffness)
         return [
-            bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
-            *(bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
-            bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
+            draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
+            *(
+                draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground")
+                for k, s in enumerate(sides, 1)
+            ),
+            draw_bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
             Shape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
             Shape("frame and grips", "spring" if gives else "link", rod, thick),
             Shape("grip", "object", (rod[0],), thick),

@@ -8,7 +8,7 @@ from typing import Any
 
 from martensite.app.messages import BadMessageError, wanted
 from martensite.base import units
-from martensite.base.errors import InputError, ParameterError, suggestion
+from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.design.sizing.request import WireRequest
 from martensite.scenario.catalogue import described
@@ -41,7 +41,7 @@ def _default(declared: Declared) -> str:
         return str(declared.default)
     if math.isinf(declared.default):
         return "none"
-    unit = units.readable(declared.unit)
+    unit = units.choose_readable_unit(declared.unit)
     number = f"{units.from_si(declared.default, unit, declared.unit):.6g}"
     return number if unit == "1" else f"{number} {unit}"
 
@@ -55,7 +55,7 @@ def typed(request: Mapping[str, Any]) -> dict[str, str]:
     given = wanted(request, "fields", dict, {})
     for name in given:
         if name not in WireRequest.declarations:
-            nearest = suggestion(str(name), WireRequest.declarations)
+            nearest = suggest_name(str(name), WireRequest.declarations)
             raise BadMessageError(f"A sizing has no field `{str(name)[:60]}`. {nearest}")
         if len(wanted(given, name, str)) > LONGEST:
             raise BadMessageError(f"Field `{name}` has more than {LONGEST} letters.")
@@ -70,7 +70,9 @@ def value(name: str, text: str) -> Any:
     """
     declared = WireRequest.declarations[name]
     if declared.kind == "parameter":
-        units.parse(text, declared.unit)  # its sentences stand beside the field and need no owner
+        units.parse_quantity(
+            text, declared.unit
+        )  # its sentences stand beside the field and need no owner
     return declared.convert("the sizing", name, text)
 
 

@@ -17,7 +17,7 @@ from typing import Any, get_args
 from martensite.app.drawer import Drawer
 from martensite.app.messages import dumps, wanted
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.scenario.citations import reference
 from martensite.scenario.datasets import describe, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study
@@ -83,5 +83,5 @@ def keep(study: AbstractStudy, folder: Path, results: Mapping[str, Any]) -> None
     """Keep results until the version or the data are others."""
     place = _place(study, folder)
     place.parent.mkdir(exist_ok=True)
-    with replacing(place) as part:
+    with replace_file(place) as part:
         part.write_bytes(dumps(results))

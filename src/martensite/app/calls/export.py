@@ -15,7 +15,7 @@ from martensite.app.documents import scenario_of
 from martensite.app.drawer import Drawer
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
-from martensite.base.errors import suggestion
+from martensite.base.errors import suggest_name
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
@@ -24,7 +24,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Run the scenario and write the file."""
     what = wanted(request, "what", str)
     if what not in WRITERS:
-        raise BadMessageError(f"`what` is `{what}`. {suggestion(what, WRITERS)}")
+        raise BadMessageError(f"`what` is `{what}`. {suggest_name(what, WRITERS)}")
     scenario = scenario_of(request, desk)
     result = scenario.run()
     key, path = Drawer(desk.folder).place(f"{scenario.title[:60]}.{what}")

@@ -16,7 +16,7 @@ from martensite.app.drawer import Drawer
 from martensite.app.messages import wanted
 from martensite.app.sweeping.shelf import Shelf
 from martensite.app.worker import Desk
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.base.status import Status
 from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.table import NOT_MADE
@@ -30,7 +30,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     store = Shelf(desk.folder).path(wanted(request, "key", str))
     kind = wanted(request, "kind", str)
     if kind not in KINDS:
-        raise InputError(f"There is no export `{kind}`. {suggestion(kind, KINDS)}")
+        raise InputError(f"There is no export `{kind}`. {suggest_name(kind, KINDS)}")
     ending, write = KINDS[kind]
     key, path = Drawer(desk.folder).place(f"{store.stem}{ending}")
     write(store, path)

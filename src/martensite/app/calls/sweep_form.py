@@ -24,7 +24,7 @@ from martensite.design.sweep.subject import targets_of, waveforms_of
 from martensite.scenario.catalogue import summary
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, measure
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.variants import RUNTIMES
 
 
@@ -41,7 +41,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         ],
         "measures": [_measure(name, scenario) for name in MEASURES.names()],
         "outputs": [
-            {"name": name, "about": one.long_name, "unit": units.readable(one.unit)}
+            {"name": name, "about": one.long_name, "unit": units.choose_readable_unit(one.unit)}
             for name, one in scenario.whole.outputs().items()
         ],
         "usual": list(USUAL),
@@ -77,7 +77,7 @@ def _targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
 
 
 def _target(one: Target, declared: Declared) -> dict[str, Any]:
-    shown = units.familiar(one.nominal, one.unit)
+    shown = units.choose_familiar_unit(one.nominal, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
     return {
@@ -97,7 +97,7 @@ def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
     kind = MEASURES[name]
     alone = True
     try:
-        measure(name).columns(scenario.whole)
+        parse_measure(name).columns(scenario.whole)
     except MartensiteError:
         alone = False
     return {"name": name, "about": summary(kind), "alone": alone, "usual": _usual(name, kind)}

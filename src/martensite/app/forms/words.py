@@ -60,9 +60,13 @@ def shown(unit: str, value: float | None = None) -> dict[str, Any]:
 
     shown = SI · factor + offset; the spelling is empty where there is no unit.
     """
-    spelling = units.readable(unit) if value is None else units.familiar(value, unit)
+    spelling = (
+        units.choose_readable_unit(unit)
+        if value is None
+        else units.choose_familiar_unit(value, unit)
+    )
     try:
-        size, zero = units.conversion(spelling, unit)
+        size, zero = units.find_conversion(spelling, unit)
     except UnitError:  # of a plug-in: what pint does not know is shown as it is
         spelling, size, zero = unit, 1.0, 0.0
     spelled = "K" if spelling == units.DEGREES else spelling

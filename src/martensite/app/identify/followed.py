@@ -123,7 +123,7 @@ def _listed(record: Record, column: str) -> dict[str, Any]:
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     times, values = zip(*known, strict=True)
     rows, unit = corners(times, values), record.units[column]
-    spelling = units.readable(unit)
+    spelling = units.choose_readable_unit(unit)
     label = "" if spelling == "1" else f" {spelling}"
     return {
         "kind": KIND,

@@ -20,7 +20,7 @@ from martensite.app.identify.raw import BINARY, read_raw
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
 from martensite.base import units
-from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.scenario.layout import IGNORED, Layout, read_headings
 from martensite.scenario.sheets import SEPARATORS, read_sheet
 from martensite.scenario.tables import read_table
@@ -106,7 +106,7 @@ def _record(
     if path.suffix.lower() in BINARY:
         return _arrays(path, headings, interval)
     if separator not in ("auto", *SEPARATORS):
-        raise ParameterError(f"There is no separator `{separator}`. {suggestion('', SEPARATORS)}")
+        raise ParameterError(f"There is no separator `{separator}`. {suggest_name('', SEPARATORS)}")
     width = len(read_sheet(path, Layout((), separator)).rows[0])
     _check_places(headings, width)
     listed = [headings.get(at, IGNORED) for at in range(width)]
@@ -127,7 +127,7 @@ def _arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> 
     spelt: dict[str, str] = {}
     meant = read_headings(headings.values(), f"`{path.name}`")
     for at, column in zip(headings, meant, strict=True):
-        factor, offset = units.conversion(column.spelling, column.unit)
+        factor, offset = units.find_conversion(column.spelling, column.unit)
         found[column.name] = [x * factor + offset for x in raw.columns[at].numbers]
         spelt[column.name] = column.unit
     if "time" not in found:

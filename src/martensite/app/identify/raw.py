@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from martensite.base.errors import DataError, InputError, ParameterError, suggestion
+from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.scenario.layout import CLOCK, Column, Layout
 from martensite.scenario.sampled_files import read_arrays
 from martensite.scenario.sheets import SEPARATORS, Sheet, is_gap, is_number, parses, read_sheet
@@ -68,7 +68,7 @@ def read_raw(path: Path, separator: str = "auto") -> Raw:
         DataError: it is empty, no table, or not of a kind that is read.
     """
     if separator not in ("auto", *SEPARATORS):
-        raise ParameterError(f"There is no separator `{separator}`. {suggestion('', SEPARATORS)}")
+        raise ParameterError(f"There is no separator `{separator}`. {suggest_name('', SEPARATORS)}")
     found = _arrays(path) if path.suffix.lower() in BINARY else _text(path, separator)
     if len(found.columns) > WIDEST:
         raise DataError(

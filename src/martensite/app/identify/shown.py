@@ -16,7 +16,7 @@ def shown(name: str, unit: str) -> dict[str, Any]:
 
 def shown_number(value: float, unit: str) -> dict[str, Any]:
     """How a parameter of such a size is shown."""
-    return converted(unit, units.familiar(value, unit))
+    return converted(unit, units.choose_familiar_unit(value, unit))
 
 
 def shown_difference(name: str, unit: str) -> dict[str, Any]:

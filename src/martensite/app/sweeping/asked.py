@@ -20,7 +20,7 @@ from martensite.design.sweep.job import Wanted, plan_of
 from martensite.design.sweep.plan import Plan
 from martensite.design.sweep.subject import course_of, targets_of
 from martensite.scenario.scenario import Scenario
-from martensite.simulate.measures.base import measure
+from martensite.simulate.measures.base import parse_measure
 
 T = TypeVar("T")
 MOST_RUNS = 1_000_000
@@ -54,7 +54,7 @@ def step_of(words: str) -> float | None:
     """A longest step [s]; None if the library shall choose it."""
     if not words:
         return None
-    found = units.parse(words, "s")
+    found = units.parse_quantity(words, "s")
     if not found > 0.0:
         raise ParameterError(f"A step must be above 0, but is {words}.")
     return found
@@ -135,7 +135,9 @@ def _design(known: Wanted) -> AbstractDesign:
 
 def _measures(scenario: Scenario, known: Wanted, found: Faults) -> None:
     for k, words in enumerate(known.measures):
-        found.attempt(f"measures.{k}", lambda words=words: measure(words).unit_in(scenario.whole))
+        found.attempt(
+            f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole)
+        )
 
 
 def _axes(scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, found: Faults) -> None:
@@ -149,6 +151,6 @@ def _axes(scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, foun
 
 def _alone(scenario: Scenario, one: Axis, chosen: AbstractDesign | None) -> None:
     course = course_of(scenario)
-    Plan(course, (one,), design("monte-carlo:1"), {"stroke": measure("stroke")})
+    Plan(course, (one,), design("monte-carlo:1"), {"stroke": parse_measure("stroke")})
     if chosen is not None and chosen.registered_name == "grid":
         one.levels()

@@ -14,7 +14,7 @@ from typing import Any
 from martensite.base.errors import MartensiteError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
-from martensite.simulate.landmarks import isobar
+from martensite.simulate.landmarks import find_isobar
 from martensite.simulate.result import Result
 
 ROOM = 1.12
@@ -59,4 +59,4 @@ def _diagram(law: AbstractLaw, highest: float, coldest: float) -> dict[str, Any]
 
 @lru_cache(maxsize=64)
 def _bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
-    return bands(law, highest, min(coldest, isobar(law).M_f - 15.0))
+    return bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))

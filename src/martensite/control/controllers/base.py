@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import part, text
 from martensite.base.registry import Registry
@@ -111,5 +111,5 @@ def require(controller: AbstractController, known: Mapping[str, Any]) -> None:
             title = controller.registered_name or type(controller).__name__
             raise ParameterError(
                 f"Controller `{title}` cannot measure `{name}`: there is no such reading. "
-                f"{suggestion(name, known)}"
+                f"{suggest_name(name, known)}"
             )

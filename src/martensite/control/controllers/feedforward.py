@@ -30,7 +30,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem, advanced
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.base.units import DIFFERENCE
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
@@ -39,7 +39,7 @@ from martensite.control.controllers.pid import PidMemory
 from martensite.kernels import floats
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 
 SLIGHT = 1e-9
 """Slope added to the output over its range, so that a flat model has an answer: the last one."""
@@ -96,7 +96,7 @@ class Feedforward(AbstractController):
         if self.followed not in outputs:
             raise ParameterError(
                 f"The model of controller `feedforward` has no output `{self.followed}`. "
-                f"{suggestion(self.followed, outputs)}"
+                f"{suggest_name(self.followed, outputs)}"
             )
         for name in ("substeps", "ahead", "iterations"):
             count = self.__dict__[name]
@@ -120,7 +120,7 @@ class Feedforward(AbstractController):
         idle = self.feedback.limited(xp, 0.0)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         state = self.model.init(xp, idle)
-        return flatten((state, Following(idle, reference, 0.0, correction)))
+        return flatten_numbers((state, Following(idle, reference, 0.0, correction)))
 
     def answer(
         self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
@@ -130,7 +130,7 @@ class Feedforward(AbstractController):
         some = dt > 0.0
         length = xp.where(some, dt, self.lookahead)
         after = self._after(xp, state, held.feed, length, self.substeps)
-        rows = zip(flatten(after), flatten(state), strict=True)
+        rows = zip(flatten_numbers(after), flatten_numbers(state), strict=True)
         state = Shape(state).rebuild([xp.where(some, new, old) for new, old in rows])
         rate = self._rate(held, reference, length)
         target = reference + self.slope_weight * rate * self.lookahead
@@ -138,7 +138,7 @@ class Feedforward(AbstractController):
         found = readings[self.measured]
         correct = self.feedback.answer
         signal, correction = correct(xp, held.correction, feed, reference, found, dt)
-        return signal, flatten((state, Following(feed, reference, rate, correction)))
+        return signal, flatten_numbers((state, Following(feed, reference, rate, correction)))
 
     @property
     def _kept(self) -> Shape:

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require
 from martensite.control.controllers.planning import Limits, Moment, Planner, Price, Search, moved
@@ -36,7 +36,7 @@ from martensite.control.controllers.reach import reach
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.observers.hidden import names, placed
 from martensite.kernels import floats
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.simulate.api import steps_in
 from martensite.simulate.lanes import Lanes
@@ -221,7 +221,7 @@ class Mpc(AbstractController):
         at = [measurement[name] for name in self.reads()[1:]]
         nested = memory.shape.rebuild(state[:, 0].tolist())
         found = placed(floats, self.model, nested, at, [memory.signal])
-        return np.array(flatten(found))[:, None]
+        return np.array(flatten_numbers(found))[:, None]
 
     def _corrected(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
         """With the offset that the reading of this sample gives."""
@@ -241,6 +241,6 @@ def _known(model: AbstractSystem, output: str) -> str:
     """An output of a model; raises `ParameterError` if there is none."""
     if output not in model.outputs():
         raise ParameterError(
-            f"The model has no output `{output}`. {suggestion(output, model.outputs())}"
+            f"The model has no output `{output}`. {suggest_name(output, model.outputs())}"
         )
     return output

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised
 
 Change = Callable[[Actuator], Mapping[str, Any]]
@@ -27,7 +27,8 @@ def changed(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem
     at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
     if drive and drive not in at:
         raise ParameterError(
-            f"A fault of an actuator needs the drive of one, not `{drive}`. {suggestion(drive, at)}"
+            f"A fault of an actuator needs the drive of one, not `{drive}`. "
+            f"{suggest_name(drive, at)}"
         )
     places = {id(one): prefix for prefix, one in _placed(plant, "")}
     found: dict[str, Any] = {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.controllers.base import require
 from martensite.control.loop.names import readings as known_readings
 from martensite.control.loop.names import truths
@@ -23,11 +23,11 @@ def check_bench(bench: Bench) -> None:
             if seen not in known:
                 raise ParameterError(
                     f"Sensor `{name}` looks at `{seen}`, which the plant does not have. "
-                    f"{suggestion(seen, known)}"
+                    f"{suggest_name(seen, known)}"
                 )
     for name in bench.controllers.members():
         if name not in drives:
-            raise ParameterError(f"There is no drive `{name}`. {suggestion(name, drives)}")
+            raise ParameterError(f"There is no drive `{name}`. {suggest_name(name, drives)}")
     _check_readings(bench)
     _check_faults(bench, drives)
     _check_switching(bench)
@@ -53,7 +53,7 @@ def _check_readings(bench: Bench) -> None:
             if name not in drives:
                 raise ParameterError(
                     f"The supervisor speaks of drive `{name}`, which the plant does not have. "
-                    f"{suggestion(name, drives)}"
+                    f"{suggest_name(name, drives)}"
                 )
 
 
@@ -74,7 +74,7 @@ def _require(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -
     for name in names:
         if name not in readings:
             raise ParameterError(
-                f"{who} reads `{name}`, which is not measured. {suggestion(name, readings)}"
+                f"{who} reads `{name}`, which is not measured. {suggest_name(name, readings)}"
             )
 
 
@@ -85,7 +85,8 @@ def _check_faults(bench: Bench, drives: list[str]) -> None:
         for name, what in fault.names().items():
             if name not in known[what]:
                 raise ParameterError(
-                    f"Fault `{title}`: there is no {what} `{name}`. {suggestion(name, known[what])}"
+                    f"Fault `{title}`: there is no {what} `{name}`. "
+                    f"{suggest_name(name, known[what])}"
                 )
 
 

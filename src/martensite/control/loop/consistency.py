@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers import hidden
@@ -114,7 +114,7 @@ def _filter(bench: Bench, name: str | None) -> AbstractFilter:
     found = {n: one for n, one in members.items() if isinstance(one, AbstractFilter)}
     chosen = name or (next(iter(found)) if len(found) == 1 else "")
     if chosen not in found:
-        raise InputError(f"There is no Kalman filter `{chosen}`. {suggestion(chosen, found)}")
+        raise InputError(f"There is no Kalman filter `{chosen}`. {suggest_name(chosen, found)}")
     return found[chosen]
 
 

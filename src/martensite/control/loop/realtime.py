@@ -14,13 +14,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import values_at
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE
 from martensite.control.loop.realtime_program import Loop, Native, Plain, reads, trace
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 
 class RealtimeStep:
@@ -41,7 +41,7 @@ class RealtimeStep:
         self.free = tuple(n for n in self.drives if n not in bench.controllers.members())
         """Names of the signals that no controller has."""
         traced = trace(bench)
-        in_c = compiler() is not None if native is None else native
+        in_c = find_compiler() is not None if native is None else native
         made = Native if in_c else Plain
         self._engine: Any = made(traced, values_at(bench, traced.paths))
         self._waveforms = [one.reference for one in bench.controllers.members().values()]
@@ -91,7 +91,7 @@ class RealtimeStep:
         except KeyError as error:
             name = str(error.args[0])
             raise ParameterError(
-                f"A step needs the reading `{name}`. {suggestion(name, readings)}"
+                f"A step needs the reading `{name}`. {suggest_name(name, readings)}"
             ) from None
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
 

@@ -15,8 +15,8 @@ from martensite.control.loop.parts import Controlling, Inputs, Named, Watching
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
-from martensite.kernels.once import once
+from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 
 _STEP = """
@@ -107,7 +107,7 @@ def trace(bench: Bench) -> Traced:
     return _traced(Keyed(bench))
 
 
-@once(32)
+@cache_answers(32)
 def _traced(keyed: Keyed[Bench]) -> Traced:
     """Kernels of a first and of another sample as a program over flat states."""
     program = Program()
@@ -127,14 +127,14 @@ def _traced(keyed: Keyed[Bench]) -> Traced:
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begun(bench, xp, *sorted_out(numbers))
         found.append(Shape(loop))
-        return flatten(loop)
+        return flatten_numbers(loop)
 
     def step(xp: Any, *numbers: Any) -> list[Any]:
         before = found[0].rebuild(numbers[:size])
-        return flatten(_continued(bench, xp, before, *sorted_out(numbers[size:])))
+        return flatten_numbers(_continued(bench, xp, before, *sorted_out(numbers[size:])))
 
     program.add("begin", labels, begin)
-    size = len(flatten(found[0].example))
+    size = len(flatten_numbers(found[0].example))
     program.add("step", [*(f"s{i}" for i in range(size)), *labels], step)
     return Traced(program, paths, found[0], size, len(labels))
 
@@ -180,7 +180,7 @@ class Plain:
         return self.now
 
 
-@once(32)
+@cache_answers(32)
 def _library(traced: Traced) -> tuple[Any, int]:
     program = traced.program
     source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)

@@ -32,7 +32,7 @@ from martensite.control.loop.names import (
 )
 from martensite.control.loop.parts import Controllers
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
@@ -72,7 +72,7 @@ def simulate_bench(
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
         return _with_loops(found, bench, outside)
-    chosen = runtime or ("c" if compiler() is not None else "floats")
+    chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     return simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
 

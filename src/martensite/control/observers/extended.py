@@ -19,7 +19,7 @@ from martensite.control.observers.filter import AbstractFilter, Believed, Foreca
 from martensite.control.observers.going import Going
 from martensite.kernels.dual import DualNamespace
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 
 Columns = list[list[Scalar]]
 
@@ -46,11 +46,13 @@ class ExtendedKalman(AbstractFilter):
         model = self.believed(before.drift)
         at = [*hidden.values(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
-        size = len(flatten(before.state))
+        size = len(flatten_numbers(before.state))
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
             model = self.believed(x[unknown:])
-            return flatten(hidden.placed(dual, model, before.state, x[:unknown], going.signals))
+            return flatten_numbers(
+                hidden.placed(dual, model, before.state, x[:unknown], going.signals)
+            )
 
         def turn(*numbers: Any) -> list[Any]:
             flat, columns = numbers[:size], list[Any]()
@@ -61,11 +63,11 @@ class ExtendedKalman(AbstractFilter):
                 slopes = numbers[size * (k + 1) : size * (k + 2)]
                 now = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, slopes, strict=True)])
                 then, _ = model.step(dual, now, *going.signals, dt=going.step)
-                after, tangents = _apart(dual, flatten(then))
+                after, tangents = _apart(dual, flatten_numbers(then))
                 columns += tangents
             return [*after, *columns]
 
-        begin = list(flatten(before.state))
+        begin = list(flatten_numbers(before.state))
         for k in range(count):
             dual: Any = DualNamespace(xp)
             begin += _apart(dual, start(dual, _seeded(dual, at, k)))[1]

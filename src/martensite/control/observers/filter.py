@@ -27,16 +27,16 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES, DIFFERENCE, of_reading
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import AbstractObserver, Column, Named
 from martensite.control.observers.covariance import Matrix, Reading
 from martensite.control.observers.going import Going, required, several
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 
 LEAST, MOST = 0.2, 5.0
 """Limits of the factors of drifting parameters."""
@@ -110,7 +110,7 @@ class AbstractFilter(AbstractObserver):
             if name not in known:
                 raise ParameterError(
                     f"Observer `{self.registered_name}`: its model has no output `{name}`. "
-                    f"{suggestion(name, known)}"
+                    f"{suggest_name(name, known)}"
                 )
         for path in self._paths():
             if self.model.value_of(path) == 0.0:
@@ -226,7 +226,7 @@ class AbstractFilter(AbstractObserver):
             there = hidden.placed(xp, model, state, x[:count], signals)
             return [*x, *self.told(xp, there, x[count:], signals)[len(x) :]]
 
-        return jacobian(xp, from_unknowns, [*at, *drift])
+        return compute_jacobian(xp, from_unknowns, [*at, *drift])
 
     def disturbed(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: Going
@@ -241,7 +241,7 @@ class AbstractFilter(AbstractObserver):
 
     def _recalled(self, memory: Column) -> Believed:
         shape = Shape(self.__dict__["_example"])
-        size = len(flatten(shape.example))
+        size = len(flatten_numbers(shape.example))
         drift = size + len(self._paths())
         matrix = covariance.unpacked(memory[drift:])
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
@@ -261,7 +261,7 @@ class AbstractFilter(AbstractObserver):
             some = both > 0.0
             estimates.append(xp.where(some, matrix[i][j] / xp.where(some, both, 1.0), 0.0))
         left = [row[:count] for row in matrix[:count]]
-        memory = [*flatten(state), *drift, *covariance.packed(left)]
+        memory = [*flatten_numbers(state), *drift, *covariance.packed(left)]
         return [*estimates, nis], memory
 
 

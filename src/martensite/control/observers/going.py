@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.observers.base import AbstractObserver, Named
 from martensite.kernels.namespace import Scalar
 
@@ -36,7 +36,7 @@ def required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
         if drive.name not in signals:
             raise ParameterError(
                 f"The model of observer `{observer.registered_name}` is driven by "
-                f"`{drive.name}`, which the plant is not. {suggestion(drive.name, signals)}"
+                f"`{drive.name}`, which the plant is not. {suggest_name(drive.name, signals)}"
             )
     return [signals[drive.name] for drive in observer.model.drives()]
 

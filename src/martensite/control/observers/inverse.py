@@ -19,7 +19,7 @@ from typing import Any
 
 from martensite.actuators.assembly import advanced
 from martensite.actuators.mechanisms.base import Output
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.control.observers import hidden
 from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named
@@ -27,7 +27,7 @@ from martensite.control.observers.going import required, several
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 
 ITERATIONS = 8
 FLAT = 1e-6
@@ -51,7 +51,7 @@ class InverseModel(AbstractObserver):
             if name not in known:
                 raise ParameterError(
                     f"Observer `inverse-model`: its model has no output `{name}`. "
-                    f"{suggestion(name, known)}"
+                    f"{suggest_name(name, known)}"
                 )
         self.__dict__["_example"] = hidden.example(self.model)
         if len(self.model.actuators()) != 1:
@@ -127,4 +127,4 @@ class InverseModel(AbstractObserver):
 
         value, slope = value_and_slope(xp, ohms, fraction)
         estimates = [*(found[name] for name in self._shown()), slope / value]
-        return estimates, flatten(state)
+        return estimates, flatten_numbers(state)

@@ -22,7 +22,7 @@ from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
 from martensite.control.observers.going import Going
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten, total
+from martensite.kernels.nested import Shape, flatten_numbers, sum_column
 
 GAUSSIAN = 3
 """s² with which the fourth moments of a normal distribution are met."""
@@ -42,7 +42,7 @@ class UnscentedKalman(AbstractFilter):
         rows = self._moved(xp, before, going)
         seen = self._seen(xp, rows, before, going)
         mean, matrix = self._moments(seen)
-        size = len(flatten(before.state))
+        size = len(flatten_numbers(before.state))
         state = Shape(before.state).rebuild(rows[0][:size])
         added = self.disturbed(xp, state, before.drift, going)
         return Forecast(state, mean, covariance.plus(matrix, added))
@@ -65,19 +65,19 @@ class UnscentedKalman(AbstractFilter):
 
     def _moved(self, xp: Namespace, before: Believed, going: Going) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""
-        shape, size = Shape(before.state), len(flatten(before.state))
+        shape, size = Shape(before.state), len(flatten_numbers(before.state))
         points = self.points(xp, before, going)
         unknown = len(points[0]) - len(before.drift)
 
         def begin(*x: Scalar) -> list[Scalar]:
             model = self.believed(x[unknown:])
             state = hidden.placed(xp, model, before.state, x[:unknown], going.signals)
-            return [*flatten(state), *x[unknown:]]
+            return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
             model, now = self.believed(row[size:]), shape.rebuild(row[:size])
             then, _ = model.step(xp, now, *going.signals, dt=going.step)
-            return [*flatten(then), *row[size:]]
+            return [*flatten_numbers(then), *row[size:]]
 
         def turn(*numbers: Scalar) -> list[Scalar]:
             columns = _cut(numbers, len(points))
@@ -90,7 +90,7 @@ class UnscentedKalman(AbstractFilter):
 
     def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: Going) -> Matrix:
         """Hidden values, factors and outputs of every point."""
-        shape, size = Shape(before.state), len(flatten(before.state))
+        shape, size = Shape(before.state), len(flatten_numbers(before.state))
 
         def told(*row: Scalar) -> list[Scalar]:
             return self.told(xp, shape.rebuild(row[:size]), row[size:], going.signals)
@@ -105,12 +105,12 @@ class UnscentedKalman(AbstractFilter):
         middle = 1.0 - 0.5 * (len(seen) - 1) / square
         weights = [middle, *[side] * (len(seen) - 1)]
         columns = list(zip(*seen, strict=True))
-        mean = [total([w * x for w, x in zip(weights, c, strict=True)]) for c in columns]
+        mean = [sum_column([w * x for w, x in zip(weights, c, strict=True)]) for c in columns]
         weights[0] = middle + self.beta
         off = [[x - m for x in c] for c, m in zip(columns, mean, strict=True)]
 
         def product(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-            return total([w * x * y for w, x, y in zip(weights, a, b, strict=True)])
+            return sum_column([w * x * y for w, x, y in zip(weights, a, b, strict=True)])
 
         below = [product(off[i], off[j]) for i in range(len(off)) for j in range(i + 1)]
         return mean, covariance.unpacked(below)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, SolveError, suggestion
+from martensite.base.errors import InputError, SolveError, suggest_name
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes
@@ -47,12 +47,12 @@ class DrivenLanes:
             raise InputError("A system without drives cannot be driven.")
         self.drive = drive or names[0]
         if self.drive not in names:
-            raise InputError(f"There is no drive `{self.drive}`. {suggestion(self.drive, names)}")
+            raise InputError(f"There is no drive `{self.drive}`. {suggest_name(self.drive, names)}")
         known = system.outputs()
         self.output = output or next(iter(system.mechanism.outputs()))
         if self.output not in known:
             raise InputError(
-                f"There is no output `{self.output}`. {suggestion(self.output, known)}"
+                f"There is no output `{self.output}`. {suggest_name(self.output, known)}"
             )
         self.system, self.count = system, count
         self.lanes = Lanes(system, count, values, native)

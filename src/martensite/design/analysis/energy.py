@@ -22,7 +22,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.result import Result
 
@@ -147,5 +147,5 @@ def _columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
         return [(result.system.label(port, "force"), result.coordinate)]
     for name in (one for pair in pairs for one in pair):
         if name not in result.columns:
-            raise InputError(f"There is no column `{name}`. {suggestion(name, result.columns)}")
+            raise InputError(f"There is no column `{name}`. {suggest_name(name, result.columns)}")
     return pairs

@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.design.optimise.question import Aim, Question
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import SOLVED, march_floats
-from martensite.simulate.measures.base import needed
+from martensite.simulate.measures.base import list_needed
 from martensite.simulate.steered import Level, Steering
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -85,7 +85,7 @@ class Designs:
         levels = [c.level for one in question.free for c in one.choices if c.level is not None]
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, Counts()
-        self.native = compiler() is not None if native is None else native
+        self.native = find_compiler() is not None if native is None else native
         self.system = self.steering.whole
         self.compiled: CompiledMarch = compile_march(self.system)
         played = self.steering.played()
@@ -93,7 +93,7 @@ class Designs:
         self.times = np.array(self.grid.times)
         self.also = tuple(also)
         every = [aim.measure for aim in (*question.aims, *also) if aim.measure is not None]
-        self.outputs = needed(every, self.system)
+        self.outputs = list_needed(every, self.system)
         self._base = np.array(self.compiled.values(self.system))
         self._rows = [
             [self._row(c.path, c.level) for c in one.choices] for one in question.free

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, suggestion
+from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.simulate.steered import PEAK, Level, Steering
 
 TIMES = 5.0
@@ -151,7 +151,7 @@ def found_choices(name: str, known: Sequence[Choice]) -> tuple[Choice, ...]:
 
 def _nearest(name: str, endings: set[str]) -> str:
     """A suggestion, or where to find a list, which is long."""
-    told = suggestion(name, endings)
+    told = suggest_name(name, endings)
     if told.startswith("Valid"):
         return "`martensite params` lists those of every component."
     return told.partition(" Valid")[0]
@@ -197,11 +197,11 @@ def _box(name: str, one: Choice) -> tuple[float, float]:
 def _bounds(text: str, low: str, high: str, one: Choice) -> tuple[float, float]:
     """Bounds as they are written; a unit behind the second holds for both."""
     try:
-        top = units.parse(high, one.unit)
+        top = units.parse_quantity(high, one.unit)
         if _BARE.match(low) and not _BARE.match(high):
             _, spelling = _split(high)
             return units.to_si(float(low), spelling, one.unit), top
-        return units.parse(low, one.unit), top
+        return units.parse_quantity(low, one.unit), top
     except UnitError as error:
         raise UnitError(f"Bounds of `{text}`: {error}") from None
 

@@ -144,6 +144,6 @@ def _constraints(
 
 def _difference(value: float, unit: str) -> str:
     """A difference in a unit that people read; of temperatures in kelvin."""
-    shown = "K" if unit == "K" else units.readable(unit)
-    factor = 1.0 if unit == "K" else units.conversion(shown, unit)[0]
+    shown = "K" if unit == "K" else units.choose_readable_unit(unit)
+    factor = 1.0 if unit == "K" else units.find_conversion(shown, unit)[0]
     return f"{value / factor:.3g}{'' if shown == '1' else f' {shown}'}"

@@ -16,9 +16,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, suggestion
+from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.design.optimise.free import Choice, Free, choices, found_choices, read_free
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, measure
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.steered import Steering
 
 _CONSTRAINT = re.compile(r"^(.*?[^<>=\s])\s*(<=|>=|<|>|≤|≥)\s*(.*?)\s*$")
@@ -54,7 +54,7 @@ class Constraint:
     @property
     def words(self) -> str:
         """Such as `max(stress) <= 200 MPa`."""
-        unit = units.familiar(self.limit, self.aim.unit)
+        unit = units.choose_familiar_unit(self.limit, self.aim.unit)
         number = f"{units.from_si(self.limit, unit, self.aim.unit):.6g}"
         sign = "<=" if self.most else ">="
         return f"{self.aim.words} {sign} {number}{'' if unit == '1' else f' {unit}'}"
@@ -141,9 +141,9 @@ def read_aim(words: str, steering: Steering, freed: Sequence[Free]) -> Aim:
     if name not in MEASURES.names():
         valid = [*MEASURES.names(), *(one.name for one in freed)]
         raise ParameterError(
-            f"`{words}` is neither a measure nor a free number. {suggestion(name, valid)}"
+            f"`{words}` is neither a measure nor a free number. {suggest_name(name, valid)}"
         )
-    found = measure(words)
+    found = parse_measure(words)
     return Aim(words, found.unit_in(steering.system), found)
 
 
@@ -162,7 +162,7 @@ def read_constraint(text: str, steering: Steering, freed: Sequence[Free]) -> Con
     words, sign, limit = match.groups()
     aim = read_aim(words, steering, freed)
     try:
-        return Constraint(aim, sign in ("<=", "<", "≤"), units.parse(limit, aim.unit))
+        return Constraint(aim, sign in ("<=", "<", "≤"), units.parse_quantity(limit, aim.unit))
     except UnitError as error:
         raise UnitError(f"Constraint `{text}`: {error}") from None
 
@@ -183,7 +183,7 @@ def _case(text: str, known: Sequence[Choice], freed: Sequence[Free]) -> dict[str
                 what = "is free" if choice.path in free else "is a level of a waveform"
                 raise ParameterError(f"`{match[1]}` {what} and cannot differ from case to case.")
             try:
-                found[choice.path] = units.parse(match[2], choice.unit)
+                found[choice.path] = units.parse_quantity(match[2], choice.unit)
             except UnitError as error:
                 raise UnitError(f"Case `{text}`: {error}") from None
     return found

@@ -39,7 +39,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.controllers.pid import Gains, per_sample
 
 FORMS = ("pi", "pid")
@@ -209,9 +209,11 @@ def gains_by_rule(
             has nothing for an integrating plant.
     """
     if rule not in RULES:
-        raise ParameterError(f"There is no tuning rule `{rule}`. {suggestion(rule, RULES)}")
+        raise ParameterError(f"There is no tuning rule `{rule}`. {suggest_name(rule, RULES)}")
     if form not in FORMS:
-        raise ParameterError(f"A rule gives `pi` or `pid`, not `{form}`. {suggestion(form, FORMS)}")
+        raise ParameterError(
+            f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}"
+        )
     if aim is not None and not (RULES[rule].aimed and aim > 0.0):
         raise ParameterError(
             f"A time wanted of the loop must be above 0 s and is for `simc` and `lambda`, but is "

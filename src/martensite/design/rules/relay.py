@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import DataError, ParameterError, suggestion
+from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, references
@@ -107,9 +107,11 @@ def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "
         ParameterError: an unknown rule or form, or a rule that has nothing for the form.
     """
     if rule not in RELAY_RULES:
-        raise ParameterError(f"There is no relay rule `{rule}`. {suggestion(rule, RELAY_RULES)}")
+        raise ParameterError(f"There is no relay rule `{rule}`. {suggest_name(rule, RELAY_RULES)}")
     if form not in FORMS:
-        raise ParameterError(f"A rule gives `pi` or `pid`, not `{form}`. {suggestion(form, FORMS)}")
+        raise ParameterError(
+            f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}"
+        )
     if form not in RELAY_RULES[rule]:
         raise ParameterError(f"Relay rule `{rule}` is for pid only.")
     Kp, Ti, Td = RELAY_RULES[rule][form]

@@ -14,7 +14,7 @@ from martensite.actuators.assembly import System
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
-from martensite.simulate.alarms import excursion
+from martensite.simulate.alarms import find_excursion
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 
@@ -148,5 +148,5 @@ def _falls_to(run: Result, start: float, level: float) -> float | None:
 
 def crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
     """First time at which `values` exceed `level`, between samples on a line; None if never."""
-    above = excursion(times, [value - level for value in values])
+    above = find_excursion(times, [value - level for value in values])
     return None if above is None else above.first

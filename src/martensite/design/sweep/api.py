@@ -165,7 +165,7 @@ def run_sweep(
 
     import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
-    length = units.parse(step, "s") if isinstance(step, str) else step
+    length = units.parse_quantity(step, "s") if isinstance(step, str) else step
     wanted = Wanted(
         tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision
     )

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, suggestion
-from martensite.base.parameters import meant
+from martensite.base.errors import ParameterError, UnitError, suggest_name
+from martensite.base.parameters import find_paths
 
 Numbers: TypeAlias = NDArray[np.float64]
 MOST_LEVELS = 10_000_000
@@ -134,12 +134,12 @@ def axis(words: str, targets: Mapping[str, Target]) -> Axis:
 
 
 def _target(name: str, targets: Mapping[str, Target]) -> Target:
-    found = meant(name, targets)
+    found = find_paths(name, targets)
     if len(found) == 1:
         return targets[found[0]]
     if found:
         raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-    raise ParameterError(f"There is no parameter `{name}` to vary. {suggestion(name, targets)}")
+    raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets)}")
 
 
 def _range(words: str, target: Target) -> Axis | None:
@@ -177,7 +177,7 @@ def _normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
             raise ParameterError(f"A share of `{target.name}` means nothing; write `+- 2 K`.")
         wide = abs(middle) * deviation / 100.0
     else:
-        factor, _ = units.conversion(unit or "1", target.unit)
+        factor, _ = units.find_conversion(unit or "1", target.unit)
         wide = factor * deviation
     if not wide > 0.0:
         raise ParameterError(f"The deviation of `{target.name}` must be above 0, but is {wide:g}.")
@@ -185,7 +185,7 @@ def _normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
 
 
 def _parsed(words: str, target: Target) -> float:
-    return units.parse(words, target.unit)
+    return units.parse_quantity(words, target.unit)
 
 
 def _has_unit(words: str) -> bool:

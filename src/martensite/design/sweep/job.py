@@ -24,7 +24,7 @@ from martensite.design.sweep.salvage import kept
 from martensite.design.sweep.store import Store
 from martensite.design.sweep.subject import course_of, targets_of, waveforms_of
 from martensite.scenario.scenario import Scenario, read
-from martensite.simulate.measures.base import measure
+from martensite.simulate.measures.base import parse_measure
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
 """What is kept of every run, unless chosen."""
@@ -78,10 +78,13 @@ def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
         if name not in outputs:
             raise UnknownNameError("output", name, outputs)
     return Plan(
-        course, tuple(axis(words, targets) for words in wanted.over),
-        design(wanted.sample, wanted.seed), {words: measure(words) for words in wanted.measures},
-        tuple(Trace(*one) for one in wanted.traces), wanted.chunk,
-    )  # fmt: skip
+        course,
+        tuple(axis(words, targets) for words in wanted.over),
+        design(wanted.sample, wanted.seed),
+        {words: parse_measure(words) for words in wanted.measures},
+        tuple(Trace(*one) for one in wanted.traces),
+        wanted.chunk,
+    )
 
 
 def prepared(scenario: Scenario, wanted: Wanted) -> tuple[Plan, Wanted]:

@@ -14,11 +14,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from martensite.base.errors import MartensiteError, ParameterError
-from martensite.base.parameters import Parametrised, structure
+from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
 from martensite.design.sampling.base import AbstractDesign
 from martensite.design.sweep.axes import Axis
-from martensite.simulate.measures.base import AbstractMeasure, judged, needed
+from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
 from martensite.simulate.measures.means import Integral, RootMeanSquare
 from martensite.simulate.variants import Course, Numbers, Ran
 
@@ -101,7 +101,7 @@ class Plan:
             leaf = next(leaf for leaf in part.leaves() if leaf.path == one.target.path)
             for number in one.extremes():
                 leaf.declared.convert(leaf.owner, one.target.name, number)
-                if _size_of(part, one.target.path, number) != structure(part):
+                if _size_of(part, one.target.path, number) != describe_structure(part):
                     raise ParameterError(
                         f"`{one.target.name}` decides how large the program is and cannot be "
                         "varied; run one sweep for each value."
@@ -138,7 +138,9 @@ class Plan:
     def outputs(self) -> tuple[str, ...]:
         """Every output that something is made of, once."""
         shown = (trace.output for trace in self.traces)
-        return tuple(dict.fromkeys((*needed(self.measures.values(), self.course.system), *shown)))
+        return tuple(
+            dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown))
+        )
 
     @cached_property
     def times(self) -> Numbers:
@@ -185,7 +187,7 @@ class Plan:
         bad = ran.status >= Status.UNSOLVED
         with np.errstate(all="ignore"):  # of failed runs
             found = {
-                words: judged(one, self._ready.system, self.times, ran.columns)
+                words: judge_runs(one, self._ready.system, self.times, ran.columns)
                 for words, one in self.measures.items()
             }
         scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
@@ -202,6 +204,6 @@ class Plan:
 def _size_of(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
     """The structure with another number; that of the nominal one where a check refuses it."""
     try:
-        return structure(part.with_values({path: number}))
+        return describe_structure(part.with_values({path: number}))
     except MartensiteError:  # a refused run is a row of the sweep
-        return structure(part)
+        return describe_structure(part)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import InputError
 from martensite.design.sweep.axes import Target
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.scales import Scales
 from martensite.signals.base import AbstractWaveform
@@ -46,7 +46,7 @@ def course_of(
     interval = system.sample_time()
     if interval:
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
-    chosen = runtime or ("c" if compiler() is not None else "floats")
+    chosen = runtime or ("c" if find_compiler() is not None else "floats")
     found = interval or step or scenario.step
     if chosen == "jax" and found is None:
         raise InputError(

@@ -42,11 +42,11 @@ class Column:
     @property
     def shown(self) -> str:
         """Unit in which people read it."""
-        return units.readable(self.declared)
+        return units.choose_readable_unit(self.declared)
 
     def readable(self, values: Any = None) -> Numbers:
         """Its numbers, or others of its unit, in the unit in which people read them."""
-        factor, offset = units.conversion(self.shown, self.declared)
+        factor, offset = units.find_conversion(self.shown, self.declared)
         return (np.asarray(self.values if values is None else values, float) - offset) / factor
 
     def words(self, value: float) -> str:
@@ -58,7 +58,7 @@ class Column:
 
     def apart(self, difference: float) -> str:
         """A difference of two of its numbers with its unit."""
-        factor, offset = units.conversion(self.shown, self.declared)
+        factor, offset = units.find_conversion(self.shown, self.declared)
         unit = "K" if offset else self.shown
         number = f"{difference / factor:.4g}"
         return number if unit == "1" else f"{number} {unit}"

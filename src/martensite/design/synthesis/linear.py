@@ -26,13 +26,13 @@ from typing import Any, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem, advanced
-from martensite.base.errors import InputError, suggestion
+from martensite.base.errors import InputError, suggest_name
 from martensite.design.synthesis.operating_point import OperatingPoint
 from martensite.identify.chains.linear_system import Linear
 from martensite.kernels import floats
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten
+from martensite.kernels.nested import Shape, flatten_numbers
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import steps_in
 
@@ -64,7 +64,7 @@ def linearised(
     chosen = list(inputs or (point.drive,))
     for name in chosen:
         if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
     interval = system.sample_time() or period
     if not interval or interval <= 0.0:
         raise InputError("A plant in continuous time is linearised for a period above 0 s.")
@@ -92,9 +92,9 @@ def _slopes(
     def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
         state, drives = shape.rebuild(numbers[:size]), numbers[size:]
         after, _ = advanced(xp, system, state, [(drives, interval / turns)], turns)
-        return [*flatten(after), *system.observe(xp, state, *drives)]
+        return [*flatten_numbers(after), *system.observe(xp, state, *drives)]
 
-    return jacobian(floats, period, at)[1]
+    return compute_jacobian(floats, period, at)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ def _reached(linear: Linear, seen: Numbers) -> Numbers:
 
 def _output(linear: Linear, name: str) -> int:
     if name not in linear.output_names:
-        raise InputError(f"There is no output `{name}`. {suggestion(name, linear.output_names)}")
+        raise InputError(f"There is no output `{name}`. {suggest_name(name, linear.output_names)}")
     return linear.output_names.index(name)
 
 

@@ -24,7 +24,7 @@ from typing import Any, cast
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from martensite.base.errors import ParameterError, SolveError, suggestion
+from martensite.base.errors import ParameterError, SolveError, suggest_name
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.design.synthesis.linear import Readings
 from martensite.identify.chains.linear_system import Linear
@@ -105,7 +105,7 @@ def augmented(linear: Linear, measured: str) -> tuple[Numbers, Numbers, Numbers]
     if measured not in linear.output_names:
         raise ParameterError(
             f"`{measured}` is no state of the linear plant. "
-            f"{suggestion(measured, linear.output_names)}"
+            f"{suggest_name(measured, linear.output_names)}"
         )
     count, row = len(linear.a), linear.c[[linear.output_names.index(measured)]]
     step = -linear.interval * row

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, ParameterError, SolveError, suggestion
+from martensite.base.errors import InputError, ParameterError, SolveError, suggest_name
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes
@@ -97,7 +97,7 @@ def operating_point_at(
     name, base = _begun(system, drive, others)
     known = list(system.outputs())
     if output not in known:
-        raise InputError(f"There is no output `{output}`. {suggestion(output, known)}")
+        raise InputError(f"There is no output `{output}`. {suggest_name(output, known)}")
     place, ends = known.index(output), (low, high)
     for number in range(ROUNDS):
         row = np.linspace(*ends, SIGNALS)
@@ -120,7 +120,7 @@ def operating_point_at(
 
 def _before(direction: str, high: float | None) -> float | None:
     if direction not in DIRECTIONS:
-        raise InputError(f"Direction is `{direction}`. {suggestion(direction, DIRECTIONS)}")
+        raise InputError(f"Direction is `{direction}`. {suggest_name(direction, DIRECTIONS)}")
     if direction == "heating":
         return None
     if high is None:
@@ -138,7 +138,7 @@ def _begun(
     chosen = drive or names[0]
     for name in (chosen, *(others or {})):
         if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggestion(name, names)}")
+            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
     return chosen, np.array([float((others or {}).get(name, 0.0)) for name in names])
 
 

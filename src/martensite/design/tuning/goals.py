@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.design.tuning.loop_runs import Seen
 
 Numbers = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Goal:
         """Raise `ParameterError` for what is no goal."""
         if self.error not in ERRORS:
             raise ParameterError(
-                f"No goal is named `{self.error}`. {suggestion(self.error, ERRORS)}"
+                f"No goal is named `{self.error}`. {suggest_name(self.error, ERRORS)}"
             )
         weights = self.overshoot, self.energy, self.activity
         if not all(0.0 <= weight < math.inf for weight in weights):

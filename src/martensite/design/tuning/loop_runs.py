@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, references
 from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import grid_of
@@ -68,7 +68,7 @@ class LoopRuns:
             ParameterError: there is no such controller.
         """
         self.bench, self.drive = bench, loop_of(bench, drive)
-        self.native = compiler() is not None if native is None else native
+        self.native = find_compiler() is not None if native is None else native
         self.compiled: CompiledMarch = compile_march(bench)
         self.paths = self.compiled.paths
         self.base = np.array(self.compiled.values(bench))
@@ -169,7 +169,7 @@ def loop_of(bench: Bench, drive: str | None) -> str:
         return names[0]
     if drive not in names:
         said = "Name one of the loops of this bench" if drive is None else f"No loop `{drive}`"
-        raise ParameterError(f"{said}. {suggestion(drive or '', names)}")
+        raise ParameterError(f"{said}. {suggest_name(drive or '', names)}")
     return drive
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.design.tuning.goals import Course, Numbers
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
 from martensite.design.tuning.measures import itae
@@ -45,7 +45,7 @@ class OverPlants:
         """
         for name in (one, other):
             if name not in self.itae:
-                raise ParameterError(f"There is no set `{name}`. {suggestion(name, self.itae)}")
+                raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")
         found = self.itae[one] / self.itae[other]
         return Ratio(float(np.median(found)), float(found.max()), float((found < 1.0).mean()))
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import ParameterError, suggestion
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Leaf
 from martensite.control.loop.bench import Bench
 
@@ -63,7 +63,7 @@ def draw_plants(
         ParameterError: an unknown name, a spread that is none or leaves what is allowed, no plant.
     """
     if method not in METHODS:
-        raise ParameterError(f"No draw is named `{method}`. {suggestion(method, METHODS)}")
+        raise ParameterError(f"No draw is named `{method}`. {suggest_name(method, METHODS)}")
     if count < 1 or not spreads:
         raise ParameterError(
             f"Plants need a spread and must be at least 1, but are {count} with "

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggestion
-from martensite.base.files import replacing
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.files import replace_file
 from martensite.export.c_names import checked_identifier, identifier
 from martensite.export.fmu.binaries import TARGETS, build, checked_targets
 from martensite.export.fmu.description import build_description, description
@@ -75,7 +75,7 @@ def to_fmu(
     """
     path = Path(path)
     if fmi not in VERSIONS:
-        raise InputError(f"No version of FMI named `{fmi}`. {suggestion(fmi, VERSIONS)}")
+        raise InputError(f"No version of FMI named `{fmi}`. {suggest_name(fmi, VERSIONS)}")
     targets = checked_targets(platforms)
     called = checked_identifier(identifier(path.stem) if name is None else name)
     plan = plan_of(model, called, step)
@@ -87,7 +87,7 @@ def to_fmu(
         content[_library(fmi, target, called)] = build(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}
     content |= _beside(fmi, plan)
-    with replacing(path) as part:
+    with replace_file(path) as part:
         _zip(content, part)
     discrete = plan.period > 0.0
     return Fmu(path, fmi, called, token, plan.step, discrete, shown, tuple(targets))

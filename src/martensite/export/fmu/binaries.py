@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from martensite.base.errors import InputError, MartensiteError, suggestion
-from martensite.kernels.c99 import compiler
+from martensite.base.errors import InputError, MartensiteError, suggest_name
+from martensite.kernels.c99 import find_compiler
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off",
          "-fno-math-errno")  # fmt: skip
@@ -77,7 +77,7 @@ def command(target: str) -> list[str] | None:
 def _gcc(target: str) -> str | None:
     """The compiler of this machine, or one of gcc for another."""
     if target == here():
-        return compiler()
+        return find_compiler()
     cross = TARGETS[target].cross
     return shutil.which(cross) if cross else None
 
@@ -93,10 +93,10 @@ def checked_targets(names: Sequence[str] | None) -> list[str]:
     found = [name for name in TARGETS if command(name)]
     for name in names:
         if name not in TARGETS:
-            raise InputError(f"No platform named `{name}`. {suggestion(name, TARGETS)}")
+            raise InputError(f"No platform named `{name}`. {suggest_name(name, TARGETS)}")
         if name not in found:
             raise InputError(
-                f"There is no compiler for `{name}` on this machine. {suggestion(name, found)}"
+                f"There is no compiler for `{name}` on this machine. {suggest_name(name, found)}"
             )
     return list(dict.fromkeys(names))
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Leaf, structure
+from martensite.base.parameters import Leaf, describe_structure
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_core import CCore, build_c_core
@@ -181,7 +181,7 @@ def _decides(system: AbstractSystem, leaf: Leaf) -> bool:
 
     So it is with the period of a bench and the delays of its sensors. Found by trying.
     """
-    usual = structure(system), system.sample_time()
+    usual = describe_structure(system), system.sample_time()
     value, (low, high) = float(leaf.value), leaf.declared.bounds
     for one in {0.25 * value, 0.75 * value, 1.5 * value, 4.0 * value, low, high}:
         if math.isfinite(one) and one != value:
@@ -189,6 +189,6 @@ def _decides(system: AbstractSystem, leaf: Leaf) -> bool:
                 other = system.with_values({leaf.path: one})
             except ParameterError:
                 continue
-            if (structure(other), other.sample_time()) != usual:
+            if (describe_structure(other), other.sample_time()) != usual:
                 return True
     return False

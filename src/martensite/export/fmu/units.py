@@ -20,7 +20,7 @@ def unit_of(declared: str) -> str | None:
 
 def display_of(declared: str) -> str | None:
     """The unit in which to show a quantity, if that is another one."""
-    shown = units.readable(declared)
+    shown = units.choose_readable_unit(declared)
     return None if declared == units.DEGREES or shown == declared else shown
 
 
@@ -40,7 +40,7 @@ def add_units(parent: Element, names: list[str]) -> None:
 def base_units(name: str) -> dict[str, int] | None:
     """Exponents of base units; None for units of none, and for fractional ones."""
     try:
-        exponents = units.dimensions(name)
+        exponents = units.find_dimensions(name)
     except UnitError:
         return None
     whole = all(power == int(power) for power in exponents.values())
@@ -48,6 +48,6 @@ def base_units(name: str) -> dict[str, int] | None:
 
 
 def _scale(shown: str, name: str) -> dict[str, str]:
-    factor, offset = units.conversion(shown, name)
+    factor, offset = units.find_conversion(shown, name)
     scale = {"factor": repr(1.0 / factor)}
     return scale | ({"offset": repr(-offset / factor)} if offset else {})

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 from martensite.export.fmu.plan import Number, Plan
 from martensite.export.fmu.variables import KIND
-from martensite.simulate.grid import share
+from martensite.simulate.grid import place_signal
 
 SHARED = ("instance.c", "values.c", "steps.c", "states.c")
 """What both versions of FMI share; each takes in the one before."""
@@ -59,7 +59,7 @@ def _model(plan: Plan, token: str) -> str:
     }
     defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
     rules = ",\n    ".join(_rule(number) for number in plan.numbers)
-    at_end = [share(drive.at_end) for drive in plan.system.drives()]
+    at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
     return (
         f"{defined}\n{_RULE}static const rule rules[] = {{\n    {rules}\n}};\n"
         f"static const double first_inputs[] = {{{_numbers(plan.first)}}};\n"

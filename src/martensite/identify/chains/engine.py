@@ -14,7 +14,7 @@ from martensite.identify.chains.native_columns import TILE, padded
 from martensite.identify.chains.native_source import Taps
 from martensite.identify.chains.plain import Plain
 from martensite.identify.chains.plan import Plan, plan
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 
 CHUNK = 4032
 """Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""
@@ -57,7 +57,7 @@ class Engine:
         self.blocks, self.interval = tuple(blocks), interval
         last = len(self.blocks) - 1
         self.taps: Taps = taps or tuple((last, i) for i in range(self.blocks[last].outputs))
-        native = compiler() is not None if compiled is None else compiled
+        native = find_compiler() is not None if compiled is None else compiled
         self._runner = (Native if native else Plain)(self.plan, self.taps)
 
     @cached_property

@@ -12,7 +12,7 @@ from martensite.identify.chains.native_columns import TILE, room
 from martensite.identify.chains.native_source import Taps, chain_source
 from martensite.identify.chains.plan import Plan
 from martensite.kernels.c99 import load_library
-from martensite.kernels.once import once
+from martensite.kernels.once import cache_answers
 
 FLAGS = ("-O2",)
 """Kernels of hundreds of numbers compile sooner than with more, and run as fast."""
@@ -73,6 +73,6 @@ def _at(array: Numbers) -> ctypes.c_void_p:
     return ctypes.c_void_p(array.ctypes.data)
 
 
-@once(64)
+@cache_answers(64)
 def _library(plan: Plan, taps: Taps, extra: bool) -> Any:
     return load_library(chain_source(plan, taps, extra), FLAGS)

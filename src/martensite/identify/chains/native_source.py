@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from martensite.identify.chains.native_columns import TILE, at_once, in_sequence, room
 from martensite.identify.chains.native_kernels import Kernels
 from martensite.identify.chains.plan import Piece, Plan
-from martensite.kernels.c99 import prelude
+from martensite.kernels.c99 import write_prelude
 
 Taps = tuple[tuple[int, int], ...]
 """What is given out: numbers of blocks, and of their outputs."""
@@ -24,7 +24,7 @@ def chain_source(plan: Plan, taps: Taps, extra: bool) -> str:
     """C of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
     columns = plan.columns + plan.states * extra
     writer = _Writer(plan, taps, columns, Kernels(plan.program))
-    parts = [prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.kernels.prepare]
+    parts = [write_prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.kernels.prepare]
     numbers = range(len(plan.pieces))
     if not extra:
         parts += [*(writer.block(k, False) for k in numbers), writer.march(False)]

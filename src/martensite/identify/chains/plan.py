@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.kernels.adjoint import gradient
+from martensite.kernels.adjoint import compute_gradient
 from martensite.kernels.graph import VARYING
-from martensite.kernels.once import once
-from martensite.kernels.partials import partials
+from martensite.kernels.once import cache_answers
+from martensite.kernels.partials import compute_partials
 from martensite.kernels.program import Function, Program
 
 
@@ -103,7 +103,7 @@ class _Shaped:
         return hash(self.key)
 
 
-@once(64)
+@cache_answers(64)
 def _planned(shaped: tuple[_Shaped, ...]) -> Plan:
     program = Program()
     blocks = [one.block for one in shaped]
@@ -164,9 +164,9 @@ def _differentiated(
     program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
 ) -> tuple[list[Any], list[dict[int, Any]]]:
     """Values and derivatives: of a single value backwards, if that takes less."""
-    values, rows = partials(program.xp, kernel, moving)
+    values, rows = compute_partials(program.xp, kernel, moving)
     if len(values) == 1:
-        back = gradient(values[0], moving)
+        back = compute_gradient(values[0], moving)
         ahead = rows[0]
         if back is not None and _work(program, back) < _work(program, ahead):
             return values, [back]

@@ -196,7 +196,7 @@ def _conversion(chain: Chain, name: str) -> tuple[str, float, float]:
     spelling = chain.units.get(name, "1") or "1"
     for unit in SI:
         try:
-            return unit, *units.conversion(spelling, unit)
+            return unit, *units.find_conversion(spelling, unit)
         except UnitError:
             continue
     return spelling, 1.0, 0.0

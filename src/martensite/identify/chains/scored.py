@@ -15,7 +15,7 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.residuals import Aim, Squares, settled
 from martensite.identify.chains.scores import fit_percent, rms
-from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
 ROLES = ("estimation", "validation", "other")
@@ -73,7 +73,7 @@ def scored(
     found: list[Score] = []
     for record in records:
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
-            record = resampled(record, chain.interval)
+            record = resample_record(record, chain.interval)
         computed = free_run(chain, record, start, skip)
         fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)

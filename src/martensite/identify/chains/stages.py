@@ -16,7 +16,7 @@ from martensite.identify.chains.estimate import Estimate, Options, estimate
 from martensite.identify.chains.scored import ROLES, Score, scored
 from martensite.identify.chains.search import Searched, search
 from martensite.identify.chains.written import parse_chain
-from martensite.signals.sampling.resampling import experiments, selected
+from martensite.signals.sampling.resampling import collect_experiments, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
 SERIES = "series"
@@ -94,13 +94,13 @@ def identify_stages(
     """
     options = options or Options()
     groups = [_group(records), _group(validation), _group(other)]
-    experiments(*groups[0], *groups[1], *groups[2])
+    collect_experiments(*groups[0], *groups[1], *groups[2])
     planned = _planned(stages, groups[0][0])
     inputs: tuple[str, ...] = groups[0][0].input_names
     found: list[tuple[Estimate, Searched | None]] = []
     scores: list[Score] = []
     for k, stage in enumerate(planned):
-        parts = [[selected(r, inputs, stage.outputs) for r in group] for group in groups]
+        parts = [[select_signals(r, inputs, stage.outputs) for r in group] for group in groups]
         tell = _share(watch, k, len(planned))
         found.append(_one(stage, parts[0], parts[1], options, tell))
         name = f"stage {k + 1}" if len(planned) > 1 else "model"
@@ -109,7 +109,8 @@ def identify_stages(
     model = _series([e.chain for e, _ in found])
     if len(planned) > 1:
         ends = [
-            [selected(r, r.input_names, planned[-1].outputs) for r in group] for group in groups
+            [select_signals(r, r.input_names, planned[-1].outputs) for r in group]
+            for group in groups
         ]
         scores += _scores(model, ends, options, SERIES)
     estimates, searches = zip(*found, strict=True)

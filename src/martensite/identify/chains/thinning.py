@@ -12,7 +12,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.impulse_response import Pair
-from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
 COARSE = 5000
@@ -39,7 +39,7 @@ def coarse(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
     factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
     if (kept := thinnest(records, factor)) < factor:
         factor, records = kept, [_part(r, min(int(PART * most), MIDDLE) * kept) for r in records]
-    return [r if factor < 2 else resampled(r, ratio=float(factor)) for r in records]
+    return [r if factor < 2 else resample_record(r, ratio=float(factor)) for r in records]
 
 
 def _part(record: Sampled, count: int) -> Sampled:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 
-from martensite.base.errors import InputError, MartensiteError, suggestion
+from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.operators.counts import check_whole
@@ -48,7 +48,7 @@ def parse_block(text: str) -> AbstractBlock:
     name, inner, digits = found.groups()
     known = short_names()
     if name not in known:
-        raise InputError(f"There is no block `{name}`. {suggestion(name, known)}")
+        raise InputError(f"There is no block `{name}`. {suggest_name(name, known)}")
     words = [w.strip() for w in (inner or digits or "").split(",") if w.strip()]
     return _built(known[name], text, words)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from martensite.actuators.mechanics.elimination import solutions
-from martensite.kernels.dual import jacobian
+from martensite.actuators.mechanics.elimination import solve_linear
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 
 TURNS = 30
@@ -38,6 +38,6 @@ def _step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column)
     def away(xp: Namespace, s: Column) -> Column:
         return [a - b for a, b in zip(s, held(xp, s, fixed), strict=True)]
 
-    _, matrix = jacobian(xp, away, list(state))
+    _, matrix = compute_jacobian(xp, away, list(state))
     residual = [a - b for a, b in zip(state, held(xp, state, given), strict=True)]
-    return solutions(matrix, [residual])[0]
+    return solve_linear(matrix, [residual])[0]

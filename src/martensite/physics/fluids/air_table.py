@@ -16,7 +16,7 @@ from __future__ import annotations
 from martensite.base.parameters import option
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.physics.fluids.rows import Row, between
+from martensite.physics.fluids.rows import Row, interpolate_rows
 
 ZERO_CELSIUS = 273.15
 ROWS: dict[str, tuple[Row, ...]] = {
@@ -55,5 +55,5 @@ class AirTable(AbstractFluid):
     def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         celsius = temperature - ZERO_CELSIUS
-        conductivity, viscosity, prandtl = between(xp, celsius, ROWS[self.rows])
+        conductivity, viscosity, prandtl = interpolate_rows(xp, celsius, ROWS[self.rows])
         return FluidProperties(conductivity, 1e-5 * viscosity, prandtl, 1.0 / temperature)

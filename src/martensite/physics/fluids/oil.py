@@ -15,7 +15,7 @@ import math
 
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.physics.fluids.rows import Row, between
+from martensite.physics.fluids.rows import Row, interpolate_rows
 
 ROWS: tuple[Row, ...] = (
     (273.0, 0.147, 4280.0, 47000.0), (280.0, 0.144, 2430.0, 27500.0),
@@ -47,5 +47,5 @@ class Oil(AbstractFluid):
 
     def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
-        conductivity, viscosity, prandtl = between(xp, temperature, LOGARITHMIC)
+        conductivity, viscosity, prandtl = interpolate_rows(xp, temperature, LOGARITHMIC)
         return FluidProperties(conductivity, xp.exp(viscosity), xp.exp(prandtl), EXPANSION)

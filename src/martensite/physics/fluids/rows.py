@@ -15,7 +15,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 Row = tuple[float, ...]
 
 
-def between(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scalar]:
+def interpolate_rows(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scalar]:
     """All columns of the table at `x`; the first entry of a row is its x, ascending."""
     found: list[Scalar] = list(rows[0][1:])
     for (left, *before), (right, *after) in pairwise(rows):

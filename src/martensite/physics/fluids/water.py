@@ -58,10 +58,10 @@ class Water(AbstractFluid):
     def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
-        dynamic = 1e-6 * _powers(xp, DYNAMIC, log)
-        conductivity = _powers(xp, CONDUCTIVITY, log)
+        dynamic = 1e-6 * _sum_powers(xp, DYNAMIC, log)
+        conductivity = _sum_powers(xp, CONDUCTIVITY, log)
         a, b = 10.0 / (593.0 - temperature), 10.0 / (temperature - 232.0)
-        volume, slope = _volume(a, b)
+        volume, slope = _compute_volume(a, b)
         heat = _heat_capacity(temperature, a, b)
         return FluidProperties(
             conductivity=conductivity,
@@ -71,7 +71,7 @@ class Water(AbstractFluid):
         )
 
 
-def _powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
+def _sum_powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
     """Σ factor · exp(exponent · log)."""
     found = 0.0
     for factor, exponent in terms:
@@ -79,21 +79,21 @@ def _powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
     return found
 
 
-def _volume(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
+def _compute_volume(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
     """Specific volume [m³/kg] and its slope over temperature [m³/(kg K)]."""
     unit = GAS_CONSTANT / PRESSURE
-    value = VOLUME_START + _series(VOLUME_A, a, 0) + _series(VOLUME_B, b, 0)
-    slope = _series(VOLUME_A, a, 1) - _series(VOLUME_B, b, 1)
+    value = VOLUME_START + _sum_series(VOLUME_A, a, 0) + _sum_series(VOLUME_B, b, 0)
+    slope = _sum_series(VOLUME_A, a, 1) - _sum_series(VOLUME_B, b, 1)
     return 10.0 * unit * value, unit * slope
 
 
 def _heat_capacity(temperature: Scalar, a: Scalar, b: Scalar) -> Scalar:
     """Isobaric heat capacity [J/(kg K)]."""
-    curvature = _series(HEAT_A, a, 2) + _series(HEAT_B, b, 2)
+    curvature = _sum_series(HEAT_A, a, 2) + _sum_series(HEAT_B, b, 2)
     return -GAS_CONSTANT * (HEAT_START + 0.1 * temperature * curvature)
 
 
-def _series(terms: Series, x: Scalar, order: int) -> Scalar:
+def _sum_series(terms: Series, x: Scalar, order: int) -> Scalar:
     """Σ factor · n(n+1)…(n+order-1) · x^(n+order): `order` derivatives of Σ factor · xⁿ."""
     found = 0.0
     for factor, exponent in terms:

@@ -82,7 +82,7 @@ class Start(NamedTuple):
     """(√π/2) erfc(⟨y⟩)."""
 
 
-def wells(
+def build_wells(
     xp: Namespace, material: Material, threshold: Scalar, temperature: Scalar, form: str
 ) -> Wells:
     """The free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
@@ -104,7 +104,7 @@ class Scales(NamedTuple):
     M: Scalar
 
 
-def scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
+def compute_scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
     """Reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
@@ -113,27 +113,27 @@ def scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
     )
 
 
-def edges(at: Wells, scale: Scales, stress: Scalar) -> tuple[Scalar, Scalar]:
+def compute_edges(at: Wells, scale: Scales, stress: Scalar) -> tuple[Scalar, Scalar]:
     """y inside σ_A and inside σ_M, for the variant that a positive stress favours."""
     return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
 
 
-def processes(
+def build_processes(
     xp: Namespace, material: Material, at: Wells, stress: Scalar, form: str
 ) -> tuple[Process, Process]:
     """From austenite to the variant that a positive `stress` favours, and back."""
-    scale = scales(xp, material, at, form)
-    u, z = edges(at, scale, stress)
+    scale = compute_scales(xp, material, at, form)
+    u, z = compute_edges(at, scale, stress)
     if form == "edge":
         return Process(u, 1.0), Process(z, 1.0)
     if form == "barrier":
-        return _saddle(xp, material, at, stress, u, z)
+        return _compute_saddle(xp, material, at, stress, u, z)
     v = (at.stress_A + stress) * scale.A
     ratio = xp.sqrt(material.E_M / material.E_A)
     return _out_of_well(xp, u, v), Process(z, ratio * _half_line(xp, z))
 
 
-def _saddle(
+def _compute_saddle(
     xp: Namespace, material: Material, at: Wells, stress: Scalar, u: Scalar, z: Scalar
 ) -> tuple[Process, Process]:
     """Inside the thresholds u and z; beyond the other one the saddle is gone.
@@ -171,13 +171,13 @@ def _half_line(xp: Namespace, z: Scalar) -> Scalar:
     return 1.0 / xp.where(z > 0.0, 2.0 - xp.exp(-a * a) * scaled, scaled)
 
 
-def rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
+def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
     """Rate of a process at its point [1/s]."""
     a = xp.maximum(process.y, 0.0)
     return process.factor * xp.exp(-a * a) / time
 
 
-def begin(xp: Namespace, process: Process) -> Start:
+def keep_process(xp: Namespace, process: Process) -> Start:
     """What to keep of a process at the start of a step."""
     a = xp.maximum(process.y, 0.0)
     return Start(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))

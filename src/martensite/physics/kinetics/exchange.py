@@ -67,7 +67,7 @@ def mean_flows(
     return Flows(*(share * mean_rate(xp, a, b) for a, b in zip(starts, ends, strict=True)))
 
 
-def exchange(xp: Namespace, before: Variants, flows: Flows) -> Variants:
+def exchange_fractions(xp: Namespace, before: Variants, flows: Flows) -> Variants:
     """The fractions after a step at constant rates."""
     up, down, over, back = flows
     out_plus, out_minus = up + down, over + back
@@ -79,7 +79,7 @@ def exchange(xp: Namespace, before: Variants, flows: Flows) -> Variants:
     austenite = 1.0 - before.plus - before.minus
     flow_plus = up * austenite - down * before.plus
     flow_minus = over * austenite - back * before.minus
-    first, second = _functions(xp, low, high, 2.0 * spread)
+    first, second = _compute_psi_pair(xp, low, high, 2.0 * spread)
     turn_plus = -(out_plus + high) * flow_plus - up * flow_minus
     turn_minus = -(out_minus + high) * flow_minus - over * flow_plus
     # limits at the size of rounding: the exact solution keeps them
@@ -88,9 +88,11 @@ def exchange(xp: Namespace, before: Variants, flows: Flows) -> Variants:
     return Variants(plus, xp.clip(minus, 0.0, 1.0 - plus))
 
 
-def _functions(xp: Namespace, low: Scalar, high: Scalar, apart: Scalar) -> tuple[Scalar, Scalar]:
+def _compute_psi_pair(
+    xp: Namespace, low: Scalar, high: Scalar, apart: Scalar
+) -> tuple[Scalar, Scalar]:
     """ψ(high), and the divided difference of ψ: its slope where the eigenvalues are close."""
-    at_low, at_high = _psi(xp, low), _psi(xp, high)
+    at_low, at_high = _compute_psi(xp, low), _compute_psi(xp, high)
     close, small = apart < CLOSE, xp.abs(high) < 0.1
     series = 0.5 + high * (1.0 / 3.0 + high * (1.0 / 8.0 + high * (1.0 / 30.0 + high / 144.0)))
     exact = (1.0 + (high - 1.0) * at_high) / xp.where(small, 1.0, high)
@@ -98,7 +100,7 @@ def _functions(xp: Namespace, low: Scalar, high: Scalar, apart: Scalar) -> tuple
     return at_high, xp.where(close, xp.where(small, series, exact), difference)
 
 
-def _psi(xp: Namespace, x: Scalar) -> Scalar:
+def _compute_psi(xp: Namespace, x: Scalar) -> Scalar:
     """(exp x - 1)/x for x ≤ 0."""
     small = xp.abs(x) < SMALL
     series = 1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x / 720.0))))

@@ -125,7 +125,7 @@ def round_off(
     return 8.0 * xp.eps() * size * xp.abs(strip.per_width)
 
 
-def course(
+def follow_strip(
     xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar, left: Scalar
 ) -> Course:
     """Follow one strip's coordinate along the leg from its starting point.
@@ -151,13 +151,13 @@ def course(
     return Course(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
 
 
-def courses(
+def follow_both_strips(
     xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
     temperature: Scalar,
 ) -> tuple[Course, Course, Flag]:  # fmt: skip
     """Both courses of a leg, and whether the reverse process is the one that acts first."""
-    f = course(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
-    r = course(xp, reverse, memory, stress, temperature, memory.fraction)
+    f = follow_strip(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
+    r = follow_strip(xp, reverse, memory, stress, temperature, memory.fraction)
     if forward.endless:
         return endless_turns(xp, f, r, memory.branch)
     tie = xp.both(r.enters <= f.enters, memory.branch <= 0.0)
@@ -184,12 +184,12 @@ def endless_turns(
     return f, r, xp.both(r_acts, r_first)
 
 
-def select(
+def select_process(
     xp: Namespace, rule: str, left: Left, forward: Strip, reverse: Strip, memory: Memory,
     stress: Scalar, temperature: Scalar,
 ) -> Move:  # fmt: skip
     """The process that a straight leg to (stress, temperature) sets off first."""
-    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
     ahead = direction > 0.0
     begin = xp.where(ahead, f.begin, r.begin)
@@ -211,7 +211,7 @@ def select(
     )
 
 
-def follow(
+def follow_process(
     xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar,
     endless: bool = False,
 ) -> Scalar:  # fmt: skip
@@ -226,7 +226,7 @@ def follow(
     return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
 
 
-def commit(
+def commit_move(
     xp: Namespace,
     memory: Memory,
     move: Move,
@@ -249,7 +249,7 @@ def commit(
     )
 
 
-def moved(
+def relocate_memory(
     xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: Memory, fraction: Scalar,
     stress: Scalar, temperature: Scalar,
 ) -> Memory:  # fmt: skip
@@ -278,7 +278,7 @@ def moved(
     return Memory(fraction, memory.branch, scale, stress, temperature)
 
 
-def handover(
+def find_handover(
     xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
     temperature: Scalar,
 ) -> tuple[Scalar, Scalar]:  # fmt: skip
@@ -288,7 +288,7 @@ def handover(
     second needs nothing to transform before: the first one makes it. Two endless processes may
     share a leg in three parts: reverse, forward, reverse.
     """
-    f, r, back = courses(xp, forward, reverse, memory, stress, temperature)
+    f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     two = xp.both(f.passes, r.passes)
     first, second = r.leaves, f.leaves
     if forward.endless:  # see courses: forward is followed by reverse, reverse by forward

@@ -31,13 +31,13 @@ class Variants(NamedTuple):
     minus: Scalar
 
 
-def variants(fractions: Fractions) -> Variants:
+def split_variants(fractions: Fractions) -> Variants:
     """x₊ and x₋ of a phase state."""
     martensite, oriented = fractions
     return Variants(0.5 * (martensite + oriented), 0.5 * (martensite - oriented))
 
 
-def together(state: Variants) -> Fractions:
+def join_variants(state: Variants) -> Fractions:
     """Phase state of x₊ and x₋."""
     return Fractions(state.plus + state.minus, state.plus - state.minus)
 
@@ -225,11 +225,11 @@ class AbstractCrystal(AbstractLayers):
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> Memory:
         """Memory of a wire in a phase state that has no history."""
-        return Memory(variants(fractions), stress, temperature)
+        return Memory(split_variants(fractions), stress, temperature)
 
     def fractions(self, memory: Memory) -> Fractions:
         """ξ = x₊ + x₋, oriented x₊ - x₋."""
-        return together(memory.present)
+        return join_variants(memory.present)
 
     def populations(self, memory: Memory) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
         """x₊ and x₋."""
@@ -247,5 +247,5 @@ class AbstractCrystal(AbstractLayers):
         temperature: Scalar, dt: Scalar,
     ) -> Memory:  # fmt: skip
         """The memory after the accepted step."""
-        present = variants(fractions)
+        present = split_variants(fractions)
         return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

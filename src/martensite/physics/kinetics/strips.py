@@ -24,7 +24,7 @@ from martensite.physics.kinetics.history import RESUME, Memory, Move, Strip
 from martensite.physics.laws.base import Doubt, Fractions
 
 
-def cosine(xp: Namespace, distance: Scalar) -> Scalar:
+def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
     """What a cosine process leaves to transform at a distance from its finish line."""
     sine = xp.quarter_sine(distance)
     return sine * sine
@@ -87,7 +87,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> Memory:  # fmt: skip
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        return history.moved(xp, self.left, self.strips(), memory, *there)
+        return history.relocate_memory(xp, self.left, self.strips(), memory, *there)
 
     def fractions(self, memory: Memory) -> Fractions:
         """All martensite counts as oriented."""
@@ -96,13 +96,15 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select(xp, rule, self.left, *self.strips(), memory, stress, temperature)
+        return history.select_process(
+            xp, rule, self.left, *self.strips(), memory, stress, temperature
+        )
 
     def follow(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        fraction = history.follow(xp, self.left, move, stress, temperature, self.endless)
+        fraction = history.follow_process(xp, self.left, move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
     def commit(
@@ -117,14 +119,14 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> Memory:
         """The memory after the accepted move."""
         fraction = fractions.martensite
-        return history.commit(xp, memory, move, fraction, stress, temperature, self.endless)
+        return history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Memory, Fractions]:
         """Advance along a straight leg; both processes may act, one after the other."""
         for _ in range(2 if self.endless else 1):
-            between = history.handover(xp, *self.strips(), memory, stress, temperature)
+            between = history.find_handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 

@@ -43,8 +43,8 @@ from martensite.kernels import floats
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.diagram import WIDTHS, require_order
-from martensite.physics.kinetics.hardening import LEAST_EXPONENT, hardening
-from martensite.physics.kinetics.waist import MOST, unwaisted, waist_energy, waisted
+from martensite.physics.kinetics.hardening import LEAST_EXPONENT, compute_hardening
+from martensite.physics.kinetics.waist import MOST, apply_waist, remove_waist, waist_energy
 from martensite.physics.laws.base import AbstractLaw, Doubt
 
 SAMPLES = 201
@@ -267,17 +267,17 @@ class AbstractSurfaceLaw(AbstractLaw):
 
     def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
         """h_f(ξ) [-]."""
-        share = hardening(xp, fraction, self.n_1, self.n_2)
-        return waisted(share, self.waist_f) if self.hardening == "waisted" else share
+        share = compute_hardening(xp, fraction, self.n_1, self.n_2)
+        return apply_waist(share, self.waist_f) if self.hardening == "waisted" else share
 
     def reverse_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
         """h_r(ξ) [-]."""
-        share = hardening(xp, fraction, self.n_3, self.n_4)
-        return waisted(share, self.waist_r) if self.hardening == "waisted" else share
+        share = compute_hardening(xp, fraction, self.n_3, self.n_4)
+        return apply_waist(share, self.waist_r) if self.hardening == "waisted" else share
 
     def smooth(self, xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
         """The share h [-] of smooth hardening that belongs to a share with its waist."""
-        return unwaisted(xp, share, waist) if self.hardening == "waisted" else share
+        return remove_waist(xp, share, waist) if self.hardening == "waisted" else share
 
     def forward_share(
         self, xp: Namespace, scale: Scale, stress: Scalar, temperature: Scalar

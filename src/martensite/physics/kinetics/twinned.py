@@ -20,7 +20,7 @@ from martensite.physics.kinetics.history import (
     RESUME,
     Course,
     Strip,
-    course,
+    follow_strip,
     round_off,
     turning_point,
 )
@@ -103,13 +103,13 @@ class Courses(NamedTuple):
     """Reverse acts first."""
 
 
-def init(fractions: Fractions, stress: Scalar, temperature: Scalar) -> Memory:
+def start_memory(fractions: Fractions, stress: Scalar, temperature: Scalar) -> Memory:
     """Memory of a wire that has no history."""
     reaches = UNSET, UNSET, UNSET
     return Memory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
 
 
-def moved(
+def relocate_memory(
     xp: Namespace, diagram: Diagram, memory: Memory, fractions: Fractions, stress: Scalar,
     temperature: Scalar,
 ) -> Memory:  # fmt: skip
@@ -134,7 +134,7 @@ def moved(
 # ---------------------------------------------------------------- the leg and its kink
 
 
-def kink(
+def find_kink(
     xp: Namespace, bend: Scalar, start: Place, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
     """Whether a leg crosses the bend, after which share of it, and the stress there."""
@@ -150,12 +150,12 @@ def bent_course(
 ) -> Course:  # fmt: skip
     """Follow S along a leg: one straight piece on either side of the kink."""
     start = Place(memory.stress, memory.temperature)
-    crosses, share, turn = kink(xp, bend, start, stress, temperature)
+    crosses, share, turn = find_kink(xp, bend, start, stress, temperature)
     end = Place(stress, xp.maximum(temperature, bend))
     middle = Place(xp.where(crosses, turn, stress), xp.where(crosses, bend, end.temperature))
     start = Place(start.stress, xp.maximum(start.temperature, bend))
-    one = course(xp, strip, start, *middle, left)
-    two = course(xp, strip, middle, *end, left)
+    one = follow_strip(xp, strip, start, *middle, left)
+    two = follow_strip(xp, strip, middle, *end, left)
     rest = 1.0 - share
     enters = xp.where(one.passes, share * one.enters, share + rest * two.enters)
     leaves = xp.where(two.passes, share + rest * two.leaves, share * one.leaves)
@@ -163,7 +163,7 @@ def bent_course(
     return one._replace(passes=passes, acts=acts, enters=enters, leaves=leaves)
 
 
-def courses(
+def follow_all_strips(
     xp: Namespace, diagram: Diagram, memory: Memory, stress: Scalar, temperature: Scalar
 ) -> Courses:
     """What each process meets on a leg, and who acts first.
@@ -173,8 +173,8 @@ def courses(
     """
     to = stress, temperature
     s = bent_course(xp, diagram.loading, diagram.bend, memory, *to, 1.0 - memory.oriented)
-    t = course(xp, diagram.cooling, memory, *to, 1.0 - memory.martensite)
-    r = course(xp, diagram.reverse, memory, *to, memory.martensite)
+    t = follow_strip(xp, diagram.cooling, memory, *to, 1.0 - memory.martensite)
+    r = follow_strip(xp, diagram.reverse, memory, *to, memory.martensite)
     forward = xp.either(s.acts, t.acts)
     enters = xp.where(s.acts, s.enters, t.enters)
     tie = xp.both(r.enters <= enters, memory.branch <= 0.0)
@@ -183,7 +183,7 @@ def courses(
     return Courses(s, t, r, xp.both(forward, xp.negate(back)), back)
 
 
-def handover(
+def find_handover(
     xp: Namespace, found: Courses, memory: Memory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The point of a leg at which the first direction is done and the other may begin.
@@ -201,7 +201,9 @@ def handover(
 # ---------------------------------------------------------------- select, follow, commit
 
 
-def select(xp: Namespace, rule: str, diagram: Diagram, memory: Memory, found: Courses) -> Move:
+def select_direction(
+    xp: Namespace, rule: str, diagram: Diagram, memory: Memory, found: Courses
+) -> Move:
     """The direction that a leg sets off first, and from where."""
     whole = found.loading, found.cooling, found.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
@@ -225,12 +227,12 @@ def select(xp: Namespace, rule: str, diagram: Diagram, memory: Memory, found: Co
     )
 
 
-def distances(
+def compute_distances(
     xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
     strip = move.strip()
-    crosses, _, turn = kink(
+    crosses, _, turn = find_kink(
         xp, move.bend, Place(move.stress, move.temperature), stress, temperature
     )
     end = strip.distance(stress, xp.maximum(temperature, move.bend))
@@ -239,7 +241,7 @@ def distances(
     return xp.clip(least, 0.0, 1.0), xp.clip(cooling, 0.0, 1.0)
 
 
-def ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
+def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
     """(1 - P₁)/(1 - P₀) of a cosine process; 1 where nothing is left on its curve."""
     left = reach > 0.0
     share = xp.quarter_sine(xp.minimum(reach, distance))
@@ -247,12 +249,15 @@ def ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
     return xp.where(left, share * share, 1.0)
 
 
-def follow(
+def follow_direction(
     xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
 ) -> Fractions:
     """Fractions if the move ends at (stress, temperature)."""
-    distance, cooled = distances(xp, diagram, move, stress, temperature)
-    first, second = ratio(xp, move.reach, distance), ratio(xp, move.cooling, cooled)
+    distance, cooled = compute_distances(xp, diagram, move, stress, temperature)
+    first, second = (
+        compute_rest_ratio(xp, move.reach, distance),
+        compute_rest_ratio(xp, move.cooling, cooled),
+    )
     oriented = move.oriented + (1.0 - move.oriented) * (1.0 - first)
     martensite = move.martensite + (1.0 - move.martensite) * (1.0 - first * second)
     martensite = xp.maximum(martensite, oriented)
@@ -264,7 +269,7 @@ def follow(
     )
 
 
-def commit(
+def commit_move(
     xp: Namespace, rule: str, diagram: Diagram, memory: Memory, move: Move,
     fractions: Fractions, stress: Scalar, temperature: Scalar,
 ) -> Memory:  # fmt: skip
@@ -273,7 +278,7 @@ def commit(
     branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
     reaches = memory.loading, memory.cooling, memory.reverse
     if rule == RESUME:
-        first, cooled = distances(xp, diagram, move, stress, temperature)
+        first, cooled = compute_distances(xp, diagram, move, stress, temperature)
         hair = round_off(xp, move.strip(), memory, stress, temperature)
         falls = move.reach - first > hair
         cools = move.cooling - cooled > round_off(xp, diagram.cooling, memory, 0.0, temperature)
@@ -288,12 +293,12 @@ def commit(
     return Memory(*fractions, branch, *reaches, stress, temperature)
 
 
-def crossing(
+def compute_crossing(
     xp: Namespace, diagram: Diagram, memory: Memory, move: Move, stress: Scalar,
     temperature: Scalar,
 ) -> Scalar:  # fmt: skip
     """Largest share of a strip that the selected direction crosses on a move [-]."""
-    first, cooled = distances(xp, diagram, move, stress, temperature)
+    first, cooled = compute_distances(xp, diagram, move, stress, temperature)
     warm = xp.maximum(memory.temperature, move.bend)
     begin = xp.clip(move.strip().distance(memory.stress, warm), 0.0, 1.0)
     before = xp.clip(diagram.cooling.distance(memory.stress, memory.temperature), 0.0, 1.0)

@@ -31,24 +31,24 @@ SHIFT = 6
 """Steps up to where Stirling's series of four terms is right to 3e-11."""
 
 
-def waisted(share: Scalar, waist: Scalar) -> Scalar:
+def apply_waist(share: Scalar, waist: Scalar) -> Scalar:
     """h_w [-] of a share h [-], with b = `waist`."""
     y = 2.0 * share - 1.0
     return 0.5 + 0.5 * y * (1.0 - waist + waist * y * y)
 
 
-def unwaisted(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
+def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
     """The h [-] with h_w = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
     share = xp.clip(share, 0.0, 1.0)
     wanted = xp.store(2.0 * share - 1.0)
-    root = xp.store(_root(xp, xp.detach(wanted), xp.detach(waist)))
+    root = xp.store(_find_waist_root(xp, xp.detach(wanted), xp.detach(waist)))
     rest = root * (1.0 - waist + waist * root * root) - wanted
     slope = xp.detach(1.0 - waist + 3.0 * waist * root * root)
     y = xp.clip(xp.solved(root, root - rest / slope), -1.0, 1.0)
     return xp.where(xp.abs(wanted) < 1.0, 0.5 + 0.5 * y, share)
 
 
-def _root(xp: Namespace, wanted: Scalar, waist: Scalar) -> Scalar:
+def _find_waist_root(xp: Namespace, wanted: Scalar, waist: Scalar) -> Scalar:
     """y of the module's equations; its slopes are not used."""
     thin = 1.0 - waist
     s = xp.abs(wanted) * xp.sqrt(6.75 * waist / (thin * thin * thin))
@@ -64,12 +64,14 @@ def waist_energy(xp: Namespace, start: Scalar, end: Scalar) -> Scalar:
         start: exponent m of h at the start.
         end: exponent n at the end.
     """
-    cross = _beta(xp, start + 1.0, 2.0 * end + 1.0) - _beta(xp, 2.0 * start + 1.0, end + 1.0)
+    cross = _compute_beta(xp, start + 1.0, 2.0 * end + 1.0) - _compute_beta(
+        xp, 2.0 * start + 1.0, end + 1.0
+    )
     cube = 1.0 / (3.0 * start + 1.0) - 1.0 / (3.0 * end + 1.0) + 3.0 * cross
     return cube - 1.0 / (start + 1.0) + 1.0 / (end + 1.0)
 
 
-def _beta(xp: Namespace, a: Scalar, b: Scalar) -> Scalar:
+def _compute_beta(xp: Namespace, a: Scalar, b: Scalar) -> Scalar:
     """Euler's beta function of arguments from 1 on."""
     return xp.exp(_log_gamma(xp, a) + _log_gamma(xp, b) - _log_gamma(xp, a + b) + HALF_LOG)
 

@@ -100,14 +100,14 @@ class Brinson(AbstractPhaseDiagram):
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> Memory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
-        return twinned.init(fractions, stress, temperature)
+        return twinned.start_memory(fractions, stress, temperature)
 
     def moved(
         self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> Memory:  # fmt: skip
         """The branch in progress goes on from other fractions at another point."""
-        return twinned.moved(xp, self.diagram(), memory, fractions, stress, temperature)
+        return twinned.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
 
     def fractions(self, memory: Memory) -> Fractions:
         """ξ and ξ_S."""
@@ -116,14 +116,14 @@ class Brinson(AbstractPhaseDiagram):
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The direction set off by a straight move to (stress [Pa], temperature [K])."""
         diagram = self.diagram()
-        found = twinned.courses(xp, diagram, memory, stress, temperature)
-        return twinned.select(xp, self.history, diagram, memory, found)
+        found = twinned.follow_all_strips(xp, diagram, memory, stress, temperature)
+        return twinned.select_direction(xp, self.history, diagram, memory, found)
 
     def follow(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        return twinned.follow(xp, self.diagram(), move, stress, temperature)
+        return twinned.follow_direction(xp, self.diagram(), move, stress, temperature)
 
     def commit(
         self,
@@ -137,7 +137,7 @@ class Brinson(AbstractPhaseDiagram):
     ) -> Memory:
         """The memory after the accepted move."""
         end = fractions, stress, temperature
-        return twinned.commit(xp, self.history, self.diagram(), memory, move, *end)
+        return twinned.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
     def kinetics(
         self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -145,9 +145,9 @@ class Brinson(AbstractPhaseDiagram):
         """Advance along a straight leg; both directions may act, one after the other."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
-            found = twinned.courses(xp, diagram, memory, stress, temperature)
-            move = twinned.select(xp, self.history, diagram, memory, found)
-            between = twinned.handover(xp, found, memory, stress, temperature)
+            found = twinned.follow_all_strips(xp, diagram, memory, stress, temperature)
+            move = twinned.select_direction(xp, self.history, diagram, memory, found)
+            between = twinned.find_handover(xp, found, memory, stress, temperature)
             fractions = self.follow(xp, move, *between, dt)
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
@@ -160,4 +160,4 @@ class Brinson(AbstractPhaseDiagram):
         self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Largest share of a strip crossed by the move [-]."""
-        return twinned.crossing(xp, self.diagram(), memory, move, stress, temperature)
+        return twinned.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

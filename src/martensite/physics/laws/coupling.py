@@ -51,7 +51,7 @@ class Report(NamedTuple):
     """Temperature [K] that a mean of the drive leaves out."""
 
 
-def advance(
+def advance_memory(
     xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
     change: Scalar = 0.0,
 ) -> tuple[Any, Report]:  # fmt: skip
@@ -68,14 +68,14 @@ def advance(
         return law.follow(xp, move, *settle(xp, fractions), dt)
 
     def drive(xp: Namespace, q: Scalar) -> Scalar:
-        return law.drive(xp, move, *settle(xp, _between(start, aim, q)), dt)
+        return law.drive(xp, move, *settle(xp, _blend_fractions(start, aim, q)), dt)
 
     aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
-    guess = _guess(xp, drive) if law.steep else _expected(xp, start, aim, change)
+    guess = _guess_place(xp, drive) if law.steep else _expect_place(xp, start, aim, change)
     enough = SMALL if law.one_way or law.steep else NEAR
-    end = _seek(xp, answer, start, aim, guess, enough, not law.steep)
+    end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
     if not law.one_way:
-        end = _polish(xp, answer, end)
+        end = _polish_fractions(xp, answer, end)
     found = answer(xp, end)
     stress, temperature = settle(xp, end)
     residual = xp.maximum(
@@ -85,13 +85,13 @@ def advance(
     return after, Report(residual, law.crossing(xp, memory, move, *trial))
 
 
-def _between(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
+def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
     """The point after a share q of the way; exact at both ends."""
     rest = 1.0 - q
     return Fractions(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
 
 
-def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
+def _guess_place(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
     """Where on the chord the drive of a steep law vanishes: the secant, then Newton's method."""
     first, last = drive(xp, 0.0), drive(xp, 1.0)
     falls = first > last
@@ -102,14 +102,14 @@ def _guess(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scala
     return xp.where(falls, q, 0.0)
 
 
-def _expected(xp: Namespace, start: Fractions, aim: Fractions, change: Scalar) -> Scalar:
+def _expect_place(xp: Namespace, start: Fractions, aim: Fractions, change: Scalar) -> Scalar:
     """Where on the chord the martensite fraction has changed by so much; its start if nowhere."""
     way = aim.martensite - start.martensite
     there = xp.both(xp.abs(way) > xp.abs(change), way * change > 0.0)
     return xp.where(there, change / xp.where(there, way, 1.0), 0.0)
 
 
-def _seek(
+def _seek_on_chord(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
     aim: Fractions, guess: Scalar, enough: float, smooth: bool,
 ) -> Fractions:  # fmt: skip
@@ -122,16 +122,16 @@ def _seek(
     per_o = xp.store(xp.where(o < 0.0, -share, share))
 
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, Fractions(*(xp.store(x) for x in _between(start, aim, q))))
+        found = answer(xp, Fractions(*(xp.store(x) for x in _blend_fractions(start, aim, q))))
         way = per_m * (found.martensite - start.martensite)
         return q - way - per_o * (found.oriented - start.oriented)
 
     q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough, smooth=smooth)
     q = xp.where(xp.abs(q - 1.0) > WHOLE * xp.eps(), q, 1.0)
-    return _between(start, aim, xp.where(moves, q, 0.0))
+    return _blend_fractions(start, aim, xp.where(moves, q, 0.0))
 
 
-def _polish(
+def _polish_fractions(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions
 ) -> Fractions:
     """Newton's method in both fractions; a step that does not help is shortened."""
@@ -140,8 +140,8 @@ def _polish(
         _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar,
         least: Scalar,
     ) -> tuple[Scalar, ...]:  # fmt: skip
-        tried = _admissible(xp, m + length * step_m, o + length * step_o)
-        newton, residual = _newton(xp, answer, tried)
+        tried = _limit_fractions(xp, m + length * step_m, o + length * step_o)
+        newton, residual = _compute_newton_step(xp, answer, tried)
         better = residual < least
         pairs = zip((*tried, *newton), (m, o, step_m, step_o), strict=True)
         kept = [xp.where(better, new, old) for new, old in pairs]
@@ -153,19 +153,19 @@ def _polish(
     begin = 1.0, *start, 0.0, 0.0, 1.0, float("inf")
     going, m, o, step_m, step_o, length, _ = xp.iterate(MOST, turn, *begin)
     length = xp.where(going > 0.0, 0.0, length)
-    end = _admissible(xp, m + length * step_m, o + length * step_o)
+    end = _limit_fractions(xp, m + length * step_m, o + length * step_o)
     at = Fractions(*(xp.detach(x) for x in end))
-    step, _ = _newton(xp, answer, at)
+    step, _ = _compute_newton_step(xp, answer, at)
     return Fractions(*(xp.solved(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
 
 
-def _admissible(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
+def _limit_fractions(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
     """The nearest legal phase state: an iterate may lie outside."""
     martensite = xp.clip(martensite, 0.0, 1.0)
     return Fractions(martensite, xp.clip(oriented, -martensite, martensite))
 
 
-def _newton(
+def _compute_newton_step(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
 ) -> tuple[Fractions, Scalar]:
     """The Newton step of z - f(z) = 0, and the size of the mismatch."""

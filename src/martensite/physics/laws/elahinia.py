@@ -33,7 +33,7 @@ original was not seen. The history rules `resume` and `restart` are this package
 from __future__ import annotations
 
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.strips import AbstractStripLaw, cosine
+from martensite.physics.kinetics.strips import AbstractStripLaw, compute_cosine_rest
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -45,7 +45,7 @@ class Elahinia(AbstractStripLaw):
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """sin²(π/2 · distance)."""
-        return cosine(xp, distance)
+        return compute_cosine_rest(xp, distance)
 
     def young(self, fractions: Fractions) -> Scalar:
         """E_A + ξ (E_M - E_A) [Pa]."""

@@ -37,9 +37,13 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.hardening import hardening, hardening_integral, transformed
+from martensite.physics.kinetics.hardening import (
+    compute_hardening,
+    hardening_integral,
+    invert_hardening,
+)
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, Scale, Way
-from martensite.physics.kinetics.waist import waisted
+from martensite.physics.kinetics.waist import apply_waist
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -132,9 +136,9 @@ class Lagoudas(AbstractSurfaceLaw):
         strain = move.ratio * self.H_sat
         share = self.reverse_share(xp, scale, strain, stress, temperature)
         share = self.smooth(xp, share, self.waist_r)
-        left = xp.minimum(transformed(xp, share, self.n_3, self.n_4), move.fraction)
+        left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
-        fraction = xp.store(xp.maximum(transformed(xp, share, self.n_1, self.n_2), left))
+        fraction = xp.store(xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left))
         gained = self._gained(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
         return Fractions(fraction, kept + gained / self.H_sat)
@@ -147,7 +151,7 @@ class Lagoudas(AbstractSurfaceLaw):
         H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right near the middle of h.
         """
         exponents = self.n_1, self.n_2
-        first, last = (hardening(xp, x, *exponents) for x in (move.fraction, fraction))
+        first, last = (compute_hardening(xp, x, *exponents) for x in (move.fraction, fraction))
         grown, climb = fraction - move.fraction, last - first
         climbs = climb > 0.0
         safe = xp.store(xp.where(climbs, climb, 1.0))
@@ -175,7 +179,7 @@ class Lagoudas(AbstractSurfaceLaw):
         """
         goal = 0.5
         if self.hardening == "waisted":
-            ends = (waisted(first + part * climb, self.waist_f) for part in (0.0, 0.5, 1.0))
+            ends = (apply_waist(first + part * climb, self.waist_f) for part in (0.0, 0.5, 1.0))
             first, half, last = ends
             climbs = last > first
             climb = xp.store(xp.where(climbs, last - first, 1.0))
@@ -246,6 +250,6 @@ class Lagoudas(AbstractSurfaceLaw):
         strain = memory.ratio * self.H_sat
         behind = xp.clip(self.reverse_share(xp, scale, strain, stress, temperature), 0.0, 1.0)
         behind = self.smooth(xp, behind, self.waist_r)
-        ahead = ahead - hardening(xp, memory.fraction, self.n_1, self.n_2)
-        behind = hardening(xp, memory.fraction, self.n_3, self.n_4) - behind
+        ahead = ahead - compute_hardening(xp, memory.fraction, self.n_1, self.n_2)
+        behind = compute_hardening(xp, memory.fraction, self.n_3, self.n_4) - behind
         return xp.maximum(xp.maximum(ahead, behind), 0.0)

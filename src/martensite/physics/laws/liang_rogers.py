@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from martensite.base.parameters import option
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.strips import AbstractStripLaw, cosine
+from martensite.physics.kinetics.strips import AbstractStripLaw, compute_cosine_rest
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -43,7 +43,7 @@ class LiangRogers(AbstractStripLaw):
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """sin²(π/2 · distance)."""
-        return cosine(xp, distance)
+        return compute_cosine_rest(xp, distance)
 
     def young(self, fractions: Fractions) -> Scalar:
         """Young's modulus [Pa] by the chosen rule."""

@@ -26,14 +26,25 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import (
     Process,
     Start,
-    begin,
-    processes,
-    rate,
-    scales,
-    wells,
+    build_processes,
+    build_wells,
+    compute_rate,
+    compute_scales,
+    keep_process,
 )
-from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange, mean_flows
-from martensite.physics.kinetics.layers import AbstractCrystal, Memory, Pull, Variants, together
+from martensite.physics.kinetics.exchange import (
+    AbstractExchange,
+    Flows,
+    exchange_fractions,
+    mean_flows,
+)
+from martensite.physics.kinetics.layers import (
+    AbstractCrystal,
+    Memory,
+    Pull,
+    Variants,
+    join_variants,
+)
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -69,15 +80,15 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
         """The four processes at a point."""
         constants = self.material()
-        at = wells(xp, constants, self.threshold(temperature), temperature, self.form)
-        plus = processes(xp, constants, at, stress, self.form)
-        minus = processes(xp, constants, at, -stress, self.form)
+        at = build_wells(xp, constants, self.threshold(temperature), temperature, self.form)
+        plus = build_processes(xp, constants, at, stress, self.form)
+        minus = build_processes(xp, constants, at, -stress, self.form)
         return (*plus, *minus)
 
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
         """The barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
-        starts = tuple(begin(xp, process) for process in found)
+        starts = tuple(keep_process(xp, process) for process in found)
         return Move(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
 
     def follow(
@@ -86,15 +97,15 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         """Fractions if the step of dt [s] ends at (stress, temperature)."""
         ends = self.barriers(xp, stress, temperature)
         flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
-        return together(exchange(xp, move.present, flows))
+        return join_variants(exchange_fractions(xp, move.present, flows))
 
     def drive(
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
         """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
         pull = move.pull
-        at = wells(xp, self.material(), self.threshold(temperature), temperature, self.form)
-        scale = scales(xp, self.material(), at, self.form)
+        at = build_wells(xp, self.material(), self.threshold(temperature), temperature, self.form)
+        scale = compute_scales(xp, self.material(), at, self.form)
         slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
         inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)
         return self.overshoot(xp, pull, stress, temperature) + inside
@@ -102,7 +113,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
         """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
         found = self.barriers(xp, stress, temperature)
-        return Flows(*(rate(xp, process, self.layer_time) for process in found))
+        return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
 
     def jumps(
         self, xp: Namespace, stress: Scalar, temperature: Scalar

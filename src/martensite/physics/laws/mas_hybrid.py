@@ -26,8 +26,14 @@ from typing import NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.barriers import scales, wells
-from martensite.physics.kinetics.layers import AbstractCrystal, Memory, Pull, Variants, together
+from martensite.physics.kinetics.barriers import build_wells, compute_scales
+from martensite.physics.kinetics.layers import (
+    AbstractCrystal,
+    Memory,
+    Pull,
+    Variants,
+    join_variants,
+)
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -61,8 +67,8 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     def inside(self, xp: Namespace) -> Rests:
         """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""
         constants = self.material()
-        at = wells(xp, constants, self.sigma_L, self.T_L, self.form)
-        scale = scales(xp, constants, at, self.form)
+        at = build_wells(xp, constants, self.sigma_L, self.T_L, self.form)
+        scale = compute_scales(xp, constants, at, self.form)
         slow = xp.sqrt(xp.log(xp.maximum(self.transit_time / self.layer_time, 1.0)))
         return Rests(slow / scale.A, slow / scale.M)
 
@@ -83,7 +89,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the step ends at (stress, temperature); independent of dt."""
-        return together(self.balance(xp, move.present, stress, temperature))
+        return join_variants(self.balance(xp, move.present, stress, temperature))
 
     def balance(
         self, xp: Namespace, present: Variants, stress: Scalar, temperature: Scalar

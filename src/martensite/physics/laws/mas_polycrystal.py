@@ -25,10 +25,23 @@ from typing import NamedTuple
 
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
-from martensite.physics.kinetics.barriers import Process, Start, begin, edges, rate, scales, wells
-from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange, mean_flows
-from martensite.physics.kinetics.layers import PRESENT, Pull, Variants, variants
+from martensite.kernels.nested import sum_column
+from martensite.physics.kinetics.barriers import (
+    Process,
+    Start,
+    build_wells,
+    compute_edges,
+    compute_rate,
+    compute_scales,
+    keep_process,
+)
+from martensite.physics.kinetics.exchange import (
+    AbstractExchange,
+    Flows,
+    exchange_fractions,
+    mean_flows,
+)
+from martensite.physics.kinetics.layers import PRESENT, Pull, Variants, split_variants
 from martensite.physics.laws.base import LAWS, Fractions
 
 Column = Sequence[Scalar]
@@ -85,7 +98,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> Memory:
         """Memory of a wire in a phase state that has no history; all groups are alike."""
-        present, count = variants(fractions), int(self.groups)
+        present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return Memory(*columns, fractions, stress, temperature)
 
@@ -94,7 +107,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         temperature: Scalar,
     ) -> Memory:  # fmt: skip
         """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
-        before, after = variants(memory.mean), variants(fractions)
+        before, after = split_variants(memory.mean), split_variants(fractions)
 
         def shrunk(now: Scalar, then: Scalar) -> Scalar:
             falls = now > then
@@ -131,7 +144,9 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     ) -> Callable[[Scalar], Flows]:
         """Rates [1/s] of the four processes, by the quantile of a group."""
         four, time = self.group(xp, stress, temperature), self.layer_time
-        return lambda quantile: Flows(*(rate(xp, process, time) for process in four(quantile)))
+        return lambda quantile: Flows(
+            *(compute_rate(xp, process, time) for process in four(quantile))
+        )
 
     def fractions(self, memory: Memory) -> Fractions:
         """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
@@ -140,7 +155,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def mean(self, xp: Namespace, plus: Column, minus: Column) -> Fractions:
         """Fractions of all groups together."""
         share = 1.0 / len(plus)
-        a, b = share * total(plus), share * total(minus)
+        a, b = share * sum_column(plus), share * sum_column(minus)
         return Fractions(xp.minimum(a + b, 1.0), a - b)
 
     def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
@@ -148,9 +163,9 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         group = self.group(xp, memory.stress, memory.temperature)
 
         def start(quantile: Scalar) -> tuple[Scalar, ...]:
-            return tuple(n for process in group(quantile) for n in begin(xp, process))
+            return tuple(n for process in group(quantile) for n in keep_process(xp, process))
 
-        pull = self.strongest(xp, variants(memory.mean), stress, temperature)
+        pull = self.strongest(xp, split_variants(memory.mean), stress, temperature)
         rest = self.overshoot(xp, pull, memory.stress, memory.temperature)
         starts = xp.each(start, self.quantiles())
         return Move(memory.plus, memory.minus, starts, pull, rest)
@@ -164,14 +179,14 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
         """
         constants, threshold = self.material(), self.threshold(temperature)
-        middle = wells(xp, constants, threshold, temperature, self.form)
-        scale = scales(xp, constants, middle, self.form)
+        middle = build_wells(xp, constants, threshold, temperature, self.form)
+        scale = compute_scales(xp, constants, middle, self.form)
 
         def four(quantile: Scalar) -> tuple[Process, ...]:
             barrier, inner = self.shifts(quantile)
             rise, local = xp.maximum(threshold + barrier, 0.0), stress + inner
             at = middle._replace(stress_A=rise, stress_M=rise - self.Delta_sigma)
-            distances = (*edges(at, scale, local), *edges(at, scale, -local))
+            distances = (*compute_edges(at, scale, local), *compute_edges(at, scale, -local))
             return tuple(Process(y, 1.0) for y in distances)
 
         return four
@@ -187,7 +202,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         ) -> tuple[Scalar, Scalar]:
             starts = [Start(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
             flows = mean_flows(xp, starts, group(quantile), dt / self.layer_time)
-            return exchange(xp, Variants(plus, minus), flows)
+            return exchange_fractions(xp, Variants(plus, minus), flows)
 
         plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
         return plus, minus

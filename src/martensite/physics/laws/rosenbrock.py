@@ -22,9 +22,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from martensite.kernels.dual import jacobian
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import total
+from martensite.kernels.nested import sum_column
 from martensite.physics.kinetics.exchange import AbstractExchange, Flows
 from martensite.physics.laws.base import Fractions
 
@@ -102,7 +102,7 @@ class _Columns(NamedTuple):
     def mean(self) -> tuple[Scalar, Scalar]:
         """Of martensite and oriented fraction over the groups."""
         share = 1.0 / len(self.plus)
-        a, b = share * total(self.plus), share * total(self.minus)
+        a, b = share * sum_column(self.plus), share * sum_column(self.minus)
         return a + b, a - b
 
 
@@ -130,12 +130,12 @@ def advance_rosenbrock(
     at = [*start.mean(), memory.temperature]
     stages = _Stages(xp, law, coupling, start, at, dt).solve()
     begin = _Stage(start, *at)
-    coarse = _sum(xp, begin, stages[:5], POINTS[5])
-    fine = _sum(xp, coarse, stages[5:], (1.0,))
+    coarse = _sum_stages(xp, begin, stages[:5], POINTS[5])
+    fine = _sum_stages(xp, coarse, stages[5:], (1.0,))
     bend = [a + 0.5 * b for a, b in zip(INNER, OUTER, strict=True)]
-    mean = _sum(xp, _sum(xp, begin, [begin], (-0.5,)), [fine], (0.5,))
-    middle = _sum(xp, mean, stages[:5], [0.25 * x for x in bend])
-    settle = _settle(xp, law, coupling)
+    mean = _sum_stages(xp, _sum_stages(xp, begin, [begin], (-0.5,)), [fine], (0.5,))
+    middle = _sum_stages(xp, mean, stages[:5], [0.25 * x for x in bend])
+    settle = _make_settle(xp, law, coupling)
     return settle(fine, True), settle(middle, True), settle(coarse, False)
 
 
@@ -168,7 +168,7 @@ class _Stages:
         def stress(xp: Namespace, at: Column) -> Column:
             return [self.coupling.stress(xp, at)]
 
-        (value,), (slopes,) = jacobian(self.xp, stress, at)
+        (value,), (slopes,) = compute_jacobian(self.xp, stress, at)
         return self.xp.store(value), [self.xp.store(slope) for slope in slopes]
 
     def _linearise(self, stress: Scalar) -> _Linear:
@@ -179,7 +179,7 @@ class _Stages:
             def jumps(xp: Namespace, at: Column) -> Column:
                 return law.jumps(xp, at[0], at[1])(quantile)
 
-            flows, slopes = jacobian(xp, jumps, [stress, temperature])
+            flows, slopes = compute_jacobian(xp, jumps, [stress, temperature])
             here, rates = _Group(plus, minus), Flows(*(xp.store(x) for x in flows))
             by_stress, by_temperature = (Flows(*column) for column in zip(*slopes, strict=True))
             up, over = rates.to_plus, rates.to_minus
@@ -187,14 +187,19 @@ class _Stages:
             share = 1.0 / (a * d - up * over)
             inverse = [xp.store(share * x) for x in (d, -up, -over, a)]
             changes = (
-                _change(rates, here),
-                _change(by_stress, here),
-                _change(by_temperature, here),
+                _sum_flows(rates, here),
+                _sum_flows(by_stress, here),
+                _sum_flows(by_temperature, here),
             )
             one, two, three = changes
-            return [*one, *inverse, *_times(inverse, two), *_times(inverse, three)]
+            return [
+                *one,
+                *inverse,
+                *_multiply_matrix(inverse, two),
+                *_multiply_matrix(inverse, three),
+            ]
 
-        columns = _each(xp, group, law.quantiles(), *self.begin.groups)
+        columns = _map_rows(xp, group, law.quantiles(), *self.begin.groups)
         a, b, c, d = columns[2:6]
         pairs = (_Columns(*columns[k : k + 2]) for k in (0, 6, 8))
         rates, by_stress, by_temperature = pairs
@@ -209,7 +214,7 @@ class _Stages:
             net, slope = coupling.power(xp, at)
             return [net - 0.5 * self.dt * slope + latent * moved, slope, latent]
 
-        (_, slope, latent), (by_state, *_) = jacobian(xp, balance, at)
+        (_, slope, latent), (by_state, *_) = compute_jacobian(xp, balance, at)
         self.slope, self.latent = xp.store(slope), xp.store(latent)
         self.by_heat = [xp.store(x) for x in by_state]
         by_m, by_o, by_T = self.by_state
@@ -232,7 +237,7 @@ class _Stages:
         heat = power + (TIMES[k] - 0.5) * self.dt * slope
         heat = heat + coupling.latent(xp, stress, at[2]) * moved
         heat = heat + SLOPES[k] * self.dt * self.slope
-        own = _weighted(CARRIED[k], [one.temperature for one in before])
+        own = _weigh_numbers(CARRIED[k], [one.temperature for one in before])
         heat = heat + coupling.capacity * self.per_step * own
         (m, o), (by_m, by_o, _) = asked.mean(), self.by_state
         stress = self.yields * (by_m * m + by_o * o)
@@ -249,14 +254,14 @@ class _Stages:
             ]
 
         linear = self.linear
-        groups = _each(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
+        groups = _map_rows(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
         m, o = xp.store(m + self.both[0] * change), xp.store(o + self.both[1] * change)
         return _Stage(_Columns(*groups), m, o, change)
 
     def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
         """Fractions and temperature where a stage asks for rates."""
         changes = zip(*(one.scalars() for one in (self.begin, *before)), strict=True)
-        return [self.xp.store(x + _weighted(weights, rest)) for x, *rest in changes]
+        return [self.xp.store(x + _weigh_numbers(weights, rest)) for x, *rest in changes]
 
     def _ask_groups(
         self, k: int, stress: Scalar, temperature: Scalar, before: Sequence[_Stage]
@@ -270,25 +275,30 @@ class _Stages:
             inverse, here, rest = row[:4], row[4:6], row[6:]
             plus, minus = rest[:count], rest[count:]
             point = _Group(
-                here[0] + _weighted(POINTS[k], plus), here[1] + _weighted(POINTS[k], minus)
+                here[0] + _weigh_numbers(POINTS[k], plus),
+                here[1] + _weigh_numbers(POINTS[k], minus),
             )
-            rates = _change(jumps(quantile), point)
+            rates = _sum_flows(jumps(quantile), point)
             gain = _Group(
-                rates.plus + per_step * _weighted(CARRIED[k], plus),
-                rates.minus + per_step * _weighted(CARRIED[k], minus),
+                rates.plus + per_step * _weigh_numbers(CARRIED[k], plus),
+                rates.minus + per_step * _weigh_numbers(CARRIED[k], minus),
             )
-            return [*_times(inverse, gain), gain.plus + gain.minus, rates.plus + rates.minus]
+            return [
+                *_multiply_matrix(inverse, gain),
+                gain.plus + gain.minus,
+                rates.plus + rates.minus,
+            ]
 
-        columns = _each(
+        columns = _map_rows(
             xp, group, law.quantiles(), *self.linear.inverse, *begin,
             *(one.groups.plus for one in before), *(one.groups.minus for one in before),
         )  # fmt: skip
         share = 1.0 / len(columns[0])
-        gained, moved = (share * total(column) for column in columns[2:])
+        gained, moved = (share * sum_column(column) for column in columns[2:])
         return _Columns(*columns[:2]), gained, moved
 
 
-def _change(flows: Flows, at: _Group) -> _Group:
+def _sum_flows(flows: Flows, at: _Group) -> _Group:
     """What flows between the phases of a group."""
     austenite = 1.0 - at.plus - at.minus
     return _Group(
@@ -297,19 +307,19 @@ def _change(flows: Flows, at: _Group) -> _Group:
     )
 
 
-def _times(matrix: Sequence[Scalar], change: _Group) -> _Group:
+def _multiply_matrix(matrix: Sequence[Scalar], change: _Group) -> _Group:
     a, b, c, d = matrix
     return _Group(a * change.plus + b * change.minus, c * change.plus + d * change.minus)
 
 
-def _weighted(weights: Sequence[float], numbers: Sequence[Scalar]) -> Scalar:
+def _weigh_numbers(weights: Sequence[float], numbers: Sequence[Scalar]) -> Scalar:
     result: Scalar = 0.0
     for weight, number in zip(weights, numbers, strict=True):
         result = result + weight * number
     return result
 
 
-def _each(
+def _map_rows(
     xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Column
 ) -> tuple[Column, ...]:
     """Columns of results; a single row is no loop."""
@@ -318,16 +328,16 @@ def _each(
     return tuple((xp.store(x),) for x in body(*(column[0] for column in columns)))
 
 
-def _sum(
+def _sum_stages(
     xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]
 ) -> _Stage:
     """A state and a weighted sum of changes."""
 
     def add(x: Scalar, *more: Scalar) -> list[Scalar]:
-        return [x + _weighted(weights, more)]
+        return [x + _weigh_numbers(weights, more)]
 
     groups = (
-        _each(xp, add, column, *(one.groups[i] for one in stages))[0]
+        _map_rows(xp, add, column, *(one.groups[i] for one in stages))[0]
         for i, column in enumerate(begin.groups)
     )
     scalars = [one.scalars() for one in stages]
@@ -335,7 +345,7 @@ def _sum(
     return _Stage(_Columns(*groups), *(xp.store(x) for x in rest))
 
 
-def _settle(
+def _make_settle(
     xp: Namespace, law: AbstractExchange, coupling: Coupling
 ) -> Callable[[_Stage, bool], Any]:
     """Makes a memory of a state, with populations within their bounds if they are to be."""
@@ -347,7 +357,7 @@ def _settle(
     def settle(state: _Stage, limited: bool) -> Any:
         groups = state.groups
         if limited:
-            groups = _Columns(*_each(xp, limit, *groups))
+            groups = _Columns(*_map_rows(xp, limit, *groups))
         fractions = Fractions(*groups.mean())
         stress = coupling.stress(xp, [*fractions, state.temperature])
         return law.remember(xp, *groups, stress, state.temperature)

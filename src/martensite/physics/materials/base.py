@@ -27,7 +27,7 @@ from martensite.base.errors import (
     ParameterError,
     UnitError,
     UnknownNameError,
-    suggestion,
+    suggest_name,
 )
 from martensite.base.files import toml_document
 from martensite.physics.materials.names import NAMES
@@ -110,7 +110,7 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
         path = _DATA / f"{name}.toml"
         if not path.is_file():
             raise UnknownNameError("material", name, material_names())
-    return _material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
+    return _read_material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
@@ -126,39 +126,41 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
     return toml_document(text, f"{what.capitalize()} file `{path}`")
 
 
-def _material(name: str, document: Mapping[str, Any], file: str) -> Material:
+def _read_material(name: str, document: Mapping[str, Any], file: str) -> Material:
     refuse_unknown(_KEYS, document, file)
     sources = read_sources(document, file)
     values = {
-        key: _number(key, read_table(entry, f"{file}, `{key}`"), sources, file)
+        key: _read_number(key, read_table(entry, f"{file}, `{key}`"), sources, file)
         for key, entry in read_table(document.get("values", {}), f"{file}, [values]").items()
     }
     title, summary, limits = (str(document.get(key, "")) for key in _KEYS[:3])
-    law, fit = (_optional(document, key, file) for key in ("law", "fit"))
+    law, fit = (_read_optional(document, key, file) for key in ("law", "fit"))
     if law is not None:
         read_text(law, "kind", f"{file}, [law]")
     return Material(name, title or name, summary, limits, sources, values, law, fit)
 
 
-def _optional(document: Mapping[str, Any], key: str, file: str) -> dict[str, Any] | None:
+def _read_optional(document: Mapping[str, Any], key: str, file: str) -> dict[str, Any] | None:
     return read_table(document[key], f"{file}, [{key}]") if key in document else None
 
 
 def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:
     """The sources that a file names, by key."""
     found = read_table(document.get("sources", {}), f"{file}, [sources]")
-    return {key: _source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
+    return {key: _read_source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
 
 
-def _source(entry: Any, where: str) -> Source:
+def _read_source(entry: Any, where: str) -> Source:
     table = read_table(entry, where)
     refuse_unknown(("cite", "text"), table, where)
     return Source(read_text(table, "cite", where), read_text(table, "text", where))
 
 
-def _number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> Number:
+def _read_number(
+    name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str
+) -> Number:
     if name not in NAMES:
-        raise ParameterError(f"{file}: no canonical number `{name}`. {suggestion(name, NAMES)}")
+        raise ParameterError(f"{file}: no canonical number `{name}`. {suggest_name(name, NAMES)}")
     return read_number(entry, NAMES[name][0], sources, f"{file}, `{name}`")
 
 
@@ -173,11 +175,11 @@ def read_number(
     refuse_unknown(_FIELDS, entry, where)
     text, kind, source = (read_text(entry, key, where) for key in _FIELDS[:3])
     if kind not in KINDS:
-        raise ParameterError(f"{where}: no kind `{kind}`. {suggestion(kind, KINDS)}")
+        raise ParameterError(f"{where}: no kind `{kind}`. {suggest_name(kind, KINDS)}")
     if source not in sources:
-        raise ParameterError(f"{where}: no source `{source}`. {suggestion(source, sources)}")
+        raise ParameterError(f"{where}: no source `{source}`. {suggest_name(source, sources)}")
     try:
-        value = units.parse(text, unit)
+        value = units.parse_quantity(text, unit)
     except UnitError as error:
         raise UnitError(f"{where}: {error}") from None
     more = (str(entry.get(key, "")) for key in _FIELDS[3:])
@@ -204,4 +206,4 @@ def refuse_unknown(valid: tuple[str, ...], entry: Mapping[str, Any], where: str)
     """Raise `ParameterError` with the nearest valid key if the entry has another one."""
     unknown = next((key for key in entry if key not in valid), None)
     if unknown is not None:
-        raise ParameterError(f"{where} has no `{unknown}`. {suggestion(unknown, valid)}")
+        raise ParameterError(f"{where} has no `{unknown}`. {suggest_name(unknown, valid)}")

@@ -129,26 +129,28 @@ def load_wires(name: str | Path = "flexinol") -> WireCatalogue:
         path = _DATA / f"{name}.toml"
         if not path.is_file():
             raise UnknownNameError("wire catalogue", name, wire_catalogues())
-    return _catalogue(path.stem, read_toml(path, "catalogue"), f"Catalogue file `{path.name}`")
+    return _read_catalogue(path.stem, read_toml(path, "catalogue"), f"Catalogue file `{path.name}`")
 
 
-def _catalogue(name: str, document: Mapping[str, Any], file: str) -> WireCatalogue:
+def _read_catalogue(name: str, document: Mapping[str, Any], file: str) -> WireCatalogue:
     valid = tuple(field.name for field in fields(WireCatalogue))[1:]
     refuse_unknown(valid, document, file)
     title, summary, limits = (read_text(document, key, file) for key in valid[:3])
     sources = read_sources(document, file)
     rows = read_table(document.get("sizes", {}), f"{file}, [sizes]")
-    sizes = [_size(key, row, sources, f"{file}, `{key}`") for key, row in rows.items()]
+    sizes = [_read_size(key, row, sources, f"{file}, `{key}`") for key, row in rows.items()]
     sizes.sort(key=lambda size: size.diameter.value)
     return WireCatalogue(name, title, summary, limits, sources, {size.name: size for size in sizes})
 
 
-def _size(name: str, row: Any, sources: Mapping[str, Source], where: str) -> WireSize:
+def _read_size(name: str, row: Any, sources: Mapping[str, Source], where: str) -> WireSize:
     table = read_table(row, where)
     refuse_unknown(tuple(UNITS), table, where)
-    return WireSize(name, **{key: _cell(table, key, sources, where) for key in UNITS})
+    return WireSize(name, **{key: _read_cell(table, key, sources, where) for key in UNITS})
 
 
-def _cell(table: Mapping[str, Any], column: str, sources: Mapping[str, Source], where: str) -> Cell:
+def _read_cell(
+    table: Mapping[str, Any], column: str, sources: Mapping[str, Source], where: str
+) -> Cell:
     place = f"{where}, `{column}`"
     return read_number(read_table(table.get(column, {}), place), UNITS[column], sources, place)

@@ -22,7 +22,7 @@ LEAST_DIFFERENCE = 0.01
 """Smallest |T - T_a| that drives the flow [K]."""
 
 
-def power(xp: Namespace, base: Scalar, exponent: Scalar) -> Scalar:
+def raise_constant(xp: Namespace, base: Scalar, exponent: Scalar) -> Scalar:
     """`base` to a constant power, for a base that is never negative."""
     return xp.exp(exponent * xp.log(base))
 

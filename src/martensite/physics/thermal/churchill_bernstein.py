@@ -16,7 +16,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.air import Air
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
-from martensite.physics.thermal.buoyancy import power
+from martensite.physics.thermal.buoyancy import raise_constant
 
 
 @COOLING.register("churchill-bernstein")
@@ -38,7 +38,9 @@ class ChurchillBernstein(AbstractCooling):
 
     def nusselt(self, xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
         """Mean Nusselt number on the diameter [-]."""
-        damping = power(xp, 1.0 + power(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
-        laminar = 0.62 * xp.sqrt(reynolds) * power(xp, prandtl, 1.0 / 3.0) / damping
-        turbulent = power(xp, 1.0 + power(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)
+        damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
+        laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
+        turbulent = raise_constant(
+            xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8
+        )
         return 0.3 + laminar * turbulent

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import COOLING, Cylinder
-from martensite.physics.thermal.buoyancy import AbstractFreeConvection, power
+from martensite.physics.thermal.buoyancy import AbstractFreeConvection, raise_constant
 
 
 @COOLING.register("churchill-chu")
@@ -24,6 +24,8 @@ class ChurchillChu(AbstractFreeConvection):
 
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
         """Mean Nusselt number on the diameter [-]."""
-        damping = power(xp, 1.0 + power(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0)
-        root = 0.60 + 0.387 * power(xp, rayleigh, 1.0 / 6.0) / damping
+        damping = raise_constant(
+            xp, 1.0 + raise_constant(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0
+        )
+        root = 0.60 + 0.387 * raise_constant(xp, rayleigh, 1.0 / 6.0) / damping
         return root * root

@@ -257,7 +257,7 @@ def _estimate(result: Result, name: str) -> Panel:
         true, found = column(result, truth), column(result, name)
         if f"{name}_std" in result.columns:
             how = axis(result, name)
-            factor, _ = units.conversion(how.shown, how.unit)
+            factor, _ = units.find_conversion(how.shown, how.unit)
             wide = SURE * np.asarray(result[f"{name}_std"]) / factor
             look = {"color": READ["color"], "alpha": 0.2, "linewidth": 0.0}
             axes.fill_between(result.times, found - wide, found + wide, **look)

@@ -37,7 +37,7 @@ def plot_design(found: Designed, title: str = "") -> Figure:
 def _history(found: Designed, axes: Axes) -> None:
     """Goal of the best design so far; hollow while it does not keep all constraints."""
     goal = found.question.goal
-    shown = units.readable(goal.unit)
+    shown = units.choose_readable_unit(goal.unit)
     runs = np.array([mark.runs for mark in found.history])
     values = np.array([units.from_si(mark.goal, shown, goal.unit) for mark in found.history])
     kept = np.array([mark.violation <= 1e-4 for mark in found.history])
@@ -53,7 +53,7 @@ def _motion(found: Designed, axes: Axes) -> None:
     designs = found.designs
     name = next(iter(designs.system.mechanism.outputs()), "")
     output = designs.system.outputs()[name]
-    shown = units.readable(output.unit)
+    shown = units.choose_readable_unit(output.unit)
     looks = ((found.start, QUIET, "scenario"), (found.numbers, HEATING, "found"))
     for numbers, colour, label in looks:
         column = designs.course(np.array(numbers), name)

@@ -13,8 +13,8 @@ def difference(unit: str) -> tuple[str, float]:
     Args:
         unit: in SI.
     """
-    shown = units.readable(unit)
-    return _PRINTED.get(shown, shown), units.conversion(shown, unit)[0]
+    shown = units.choose_readable_unit(unit)
+    return _PRINTED.get(shown, shown), units.find_conversion(shown, unit)[0]
 
 
 def ratio(above: str, below: str) -> tuple[str, float]:

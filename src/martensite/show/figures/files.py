@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.show.figures.style import styled
 
 if TYPE_CHECKING:
@@ -31,5 +31,5 @@ def write_figure(figure: Figure, path: Path) -> None:
         DataError: the suffix is another one, or the file cannot be written.
     """
     kind = check_format(path)
-    with replacing(path) as part, styled():
+    with replace_file(path) as part, styled():
         figure.savefig(part, format=kind)

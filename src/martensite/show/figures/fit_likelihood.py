@@ -52,7 +52,9 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
 
 
 def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
-    shown = Axis(one.name, one.name, one.name, one.unit, units.familiar(one.value, one.unit))
+    shown = Axis(
+        one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit)
+    )
     at = shown.values([point.at for point in one.points])
     excess = np.asarray([point.excess for point in one.points]) / one.limit
     axes.axhline(
@@ -93,7 +95,7 @@ def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
     error = unsure.errors[unsure.names.index(one.name)]
     if not 0.0 < error < math.inf:
         return
-    factor, offset = units.conversion(shown.shown, shown.unit)
+    factor, offset = units.find_conversion(shown.shown, shown.unit)
     first, last = axes.get_xlim()
     at = np.linspace(first, last, 201)
     moved = (at * factor + offset - one.value) / error

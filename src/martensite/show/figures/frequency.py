@@ -59,7 +59,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
 
 def _lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
     """A line per bias."""
-    shown = units.readable(found.units[0])
+    shown = units.choose_readable_unit(found.units[0])
     for k, (bias, tint) in enumerate(zip(found.biases, colours(len(found.biases)), strict=True)):
         label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
         axes.plot(found.frequencies, values[k], ".-", color=tint, label=label)
@@ -88,7 +88,7 @@ def _bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
 
 def _words(found: FrequencyResponse) -> str:
     """What the lines are."""
-    shown = units.readable(found.units[0])
+    shown = units.choose_readable_unit(found.units[0])
     unit = {"1": "", "degC": " °C"}.get(shown, f" {shown}")
-    size = units.conversion(shown, found.units[0])[0]
+    size = units.find_conversion(shown, found.units[0])[0]
     return f"bias{f' [{unit.strip()}]' if unit else ''}, ± {found.amplitude / size:.3g}"

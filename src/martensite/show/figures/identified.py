@@ -45,10 +45,10 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
 def _panel(panel: Any, found: Identified, record: Sampled) -> None:
     from martensite.identify.chains.scored import free_run
     from martensite.identify.chains.scores import fit_percent
-    from martensite.signals.sampling.resampling import selected
+    from martensite.signals.sampling.resampling import select_signals
 
     names = found.stages[-1].outputs
-    own = selected(record, found.model.input_names, names)
+    own = select_signals(record, found.model.input_names, names)
     skip = found.options.skip
     computed = free_run(found.model, own, found.options.start, skip)
     fit = float(fit_percent(own.outputs, computed, skip)[-1])

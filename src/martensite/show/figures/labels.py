@@ -43,7 +43,7 @@ class Axis:
 
     def values(self, column: ArrayLike) -> Any:
         """A column in SI as an array in the shown unit."""
-        factor, offset = units.conversion(self.shown, self.unit)
+        factor, offset = units.find_conversion(self.shown, self.unit)
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
 

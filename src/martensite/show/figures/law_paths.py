@@ -32,7 +32,7 @@ from martensite.show.figures.style import (
     styled,
 )
 from martensite.simulate.point import PointResult
-from martensite.simulate.stages import stages
+from martensite.simulate.stages import list_stages
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,7 +159,7 @@ def _legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, i
     spans = pairwise(result.ends)
     if not alone:
         return [(first, last, colour) for first, last in spans]
-    kinds = [stage.kind for stage in stages(result)]
+    kinds = [stage.kind for stage in list_stages(result)]
     return [(*span, KINDS.get(kind, INK)) for span, kind in zip(spans, kinds, strict=True)]
 
 
@@ -183,7 +183,7 @@ def _legend(results: Sequence[PointResult]) -> dict[str, str]:
     if len(results) > 1:
         colours = _colours(results)
         return {r.label or f"path {i + 1}": colours[i] for i, r in enumerate(results)}
-    kinds = [stage.kind for stage in stages(results[0])]
+    kinds = [stage.kind for stage in list_stages(results[0])]
     return {kind: KINDS.get(kind, INK) for kind in kinds}
 
 

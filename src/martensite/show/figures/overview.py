@@ -165,7 +165,7 @@ def _summary(result: Result) -> str:
     if result.variants is not None:
         return f"{len(result.variants)} variants: {result.variants.count_endings()}"
     stroke = axis(result, result.coordinate)
-    factor, _ = units.conversion(stroke.shown, stroke.unit)
+    factor, _ = units.find_conversion(stroke.shown, stroke.unit)
     parts = [
         f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}",
         f"{result.steps:,} steps",

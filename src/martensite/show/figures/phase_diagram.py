@@ -24,7 +24,7 @@ from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.labels import Axis, around, mathematical
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.courses import TWINNED
-from martensite.simulate.landmarks import Marks, isobar, loaded
+from martensite.simulate.landmarks import Marks, find_isobar, find_loaded
 from martensite.simulate.point import PointResult
 
 TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
@@ -96,7 +96,7 @@ def confirmed(law: AbstractLaw, values: dict[str, float]) -> bool:
         return all(abs(getattr(found, n) - values[n] - shift) < room for n in (low, high))
 
     stress = 100e6
-    at_rest, pulled = isobar(law, 0.0), isobar(law, stress)
+    at_rest, pulled = find_isobar(law, 0.0), find_isobar(law, stress)
     forward = near(at_rest, 0.0, "M_f", "M_s", "C_M")
     if not critical:
         forward = forward and near(pulled, stress, "M_f", "M_s", "C_M")
@@ -133,7 +133,7 @@ def _detwinning(values: dict[str, float], highest: float, coldest: float) -> lis
 
 def driven(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
     """Bands found by driving a law along isobars [Pa] and by loading it cold."""
-    found = {stress: isobar(law, stress, BEGUN) for stress in stresses}
+    found = {stress: find_isobar(law, stress, BEGUN) for stress in stresses}
 
     def line(name: str) -> Line:
         known = [(getattr(m, name), s) for s, m in found.items() if math.isfinite(getattr(m, name))]
@@ -151,7 +151,7 @@ def _orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]
     """The band in which twinned martensite turns under stress; none if it does not."""
     temperatures = coldest, warmest
     ends = [
-        [loaded(law, round(t, 6), TWINNED, share) for t in temperatures]
+        [find_loaded(law, round(t, 6), TWINNED, share) for t in temperatures]
         for share in (BEGUN, 1.0 - BEGUN)
     ]
     lines = [
@@ -179,7 +179,7 @@ def draw_phase_diagram(
     highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
     coldest = min(min(r.temperature) for r in results) - 8.0
     hottest = max(max(r.temperature) for r in results) + 8.0
-    found = bands(law, highest, min(coldest, isobar(law).M_f - 15.0))
+    found = bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
     for band in found:
         draw_band(axes, band)
     for result, colour in zip(results, colours, strict=True):

@@ -48,8 +48,8 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
 
 def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
     unit, long_name, symbol = PROFILES[name]
-    shown = units.readable(unit)
-    factor, offset = units.conversion(shown, unit)
+    shown = units.choose_readable_unit(unit)
+    factor, offset = units.find_conversion(shown, unit)
     values = (np.asarray(result.profiles[name]) - offset) / factor
     low, high = (0.0, 1.0) if unit == "1" else (None, None)
     (actuator,) = result.system.actuators().values()

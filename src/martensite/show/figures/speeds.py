@@ -52,7 +52,7 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
 def _courses(axes: Any, found: Speeds) -> None:
     """The output over time; colours are signals, dashes loads."""
     unit, size = difference(found.units[1])
-    drive = units.readable(found.units[0])
+    drive = units.choose_readable_unit(found.units[0])
     for rows, dash, load in _loads(found, found.courses):
         for row, signal, tint in zip(rows, found.signals, colours(len(found.signals)), strict=True):
             word = f"{units.from_si(float(signal), drive, found.units[0]):.3g}"
@@ -68,7 +68,7 @@ def _courses(axes: Any, found: Speeds) -> None:
 
 def _both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
     """Heating and cooling over the signal; dashes are loads."""
-    shown = units.readable(found.units[0])
+    shown = units.choose_readable_unit(found.units[0])
     signals = [units.from_si(float(one), shown, found.units[0]) for one in found.signals]
     pairs = zip(_loads(found, up), _loads(found, down), strict=True)
     for (heat, dash, load), (cool, _, _) in pairs:
@@ -92,5 +92,5 @@ def _load(found: Speeds, k: int) -> str:
 
 def _axis(name: str, unit: str) -> str:
     """A drive with its unit."""
-    shown = units.readable(unit)
+    shown = units.choose_readable_unit(unit)
     return name if shown == "1" else f"{name} [{ {'degC': '°C'}.get(shown, shown) }]"

@@ -30,8 +30,8 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
     """
     bench = found.bench
     output = bench.outputs()[judged_output(bench, drive)]
-    shown = units.readable(output.unit)
-    factor, _ = units.conversion(shown, output.unit)
+    shown = units.choose_readable_unit(output.unit)
+    factor, _ = units.find_conversion(shown, output.unit)
     label = {"1": "", "degC": " [K]"}.get(shown, f" [{shown}]")
     runs = ((found.seen_before, BEFORE), (found.seen, AFTER))
     with styled():

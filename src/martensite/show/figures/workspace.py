@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.actuators.mechanics.platform_kinematics import lengths
+from martensite.actuators.mechanics.platform_kinematics import compute_lengths
 from martensite.actuators.mechanics.platform_workspace import QUARTER, Workspace
 from martensite.base.errors import InputError
 from martensite.kernels.arrays import ArrayNamespace
@@ -117,7 +117,7 @@ def _rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
     """How far legs are from being too short, too long, and the plate from 90° [m]: (3, …)."""
     legs = workspace.legs
     alphas, betas = np.broadcast_arrays(alphas, betas)
-    found = np.array(lengths(ArrayNamespace(np), legs.plates, alphas, betas))
+    found = np.array(compute_lengths(ArrayNamespace(np), legs.plates, alphas, betas))
     angle = QUARTER - np.maximum(np.abs(alphas), np.abs(betas))
     short, long = found.min(axis=0) - legs.shortest, legs.longest - found.max(axis=0)
     return np.array([short, long, legs.plates.height * angle])
@@ -149,7 +149,10 @@ def _contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     x, y = (np.linspace(low, high, 241) for low, high in (axes.get_xlim(), axes.get_ylim()))
     grid = np.array(np.meshgrid(x, y))
     length = (
-        1e3 * np.asarray(lengths(ArrayNamespace(np), workspace.legs.plates, *np.radians(grid)))[0]
+        1e3
+        * np.asarray(compute_lengths(ArrayNamespace(np), workspace.legs.plates, *np.radians(grid)))[
+            0
+        ]
     )
     inside = outline.contains_points(grid.reshape(2, -1).T).reshape(length.shape)
     low, high = length[inside].min(), length[inside].max()

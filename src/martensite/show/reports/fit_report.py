@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.fit.fit_provenance import program, scenario_of
 from martensite.show.figures.files import write_figure
 from martensite.show.reports import html, markdown
@@ -110,5 +110,5 @@ def write_text(path: Path, text: str) -> None:
     Raises:
         DataError: the file cannot be written.
     """
-    with replacing(path) as part:
+    with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")

@@ -68,7 +68,7 @@ def parameters(fit: Fit) -> Grid:
 
 def _parameter(fit: Fit, free: Free) -> Row:
     found, value = fit.uncertainty, fit[free.name]
-    spelling = units.familiar(value, free.unit)
+    spelling = units.choose_familiar_unit(value, free.unit)
     plain, wide = found.interval(free.name), found.widened(free.name)
     decimals = _decimals(plain, free.unit, spelling)
     start, *bounds = (
@@ -91,7 +91,7 @@ def _parameter(fit: Fit, free: Free) -> Row:
 
 def _decimals(interval: Interval, unit: str, spelling: str) -> int | None:
     """Decimals that show two digits of half an interval; None if it has no ends."""
-    half = 0.5 * (interval[1] - interval[0]) / units.conversion(spelling, unit)[0]
+    half = 0.5 * (interval[1] - interval[0]) / units.find_conversion(spelling, unit)[0]
     if not 0.0 < half < math.inf:
         return None
     return max(0, 1 - math.floor(math.log10(half)))

@@ -16,9 +16,9 @@ from typing import cast
 import numpy as np
 
 from martensite.base import units as unit_table
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.signals.records import Record, out_of_order
-from martensite.signals.sampling.resampling import resampled
+from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 CLOSE = 0.25
@@ -49,14 +49,14 @@ def from_record(
     if not inputs or not outputs:
         raise DataError("A record needs at least one input and one output column.")
     names = (*inputs, *outputs)
-    spelled, columns = _columns(record, names, units or {})
+    spelled, columns = _list_columns(record, names, units or {})
     times = np.asarray(record.times)
     row = out_of_order(record.times)
     if len(times) < 2 or row is not None:
         where = f"but row {row} does not" if row is not None else "but there is one row only"
         raise DataError(f"Times of record `{record.name}` must increase, {where}.")
-    u, y, first, remarks = _held(record.name, columns, inputs, outputs)
-    grid = _grid(times[first:], interval)
+    u, y, first, remarks = _fill_held_inputs(record.name, columns, inputs, outputs)
+    grid = _find_grid(times[first:], interval)
     made, more = _on_grid(times[first:], u[first:], y[first:], grid)
     found = Sampled(
         name=record.name, interval=grid.interval, inputs=made[0], outputs=made[1],
@@ -67,7 +67,7 @@ def from_record(
         return found
     if abs(interval / found.interval - 1.0) < SAME:
         return replace(found, interval=interval)
-    return resampled(found, interval)
+    return resample_record(found, interval)
 
 
 def pieces_of_record(
@@ -92,9 +92,11 @@ def pieces_of_record(
         raise DataError(f"Record `{record.name}` has no two rows with inputs within {longest:g} s.")
     step = interval
     if step is None:
-        step = min(_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts)
+        step = min(
+            _find_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts
+        )
     return tuple(
-        from_record(_rows(record, part, k, len(parts)), inputs, outputs, step, units)
+        from_record(_select_rows(record, part, k, len(parts)), inputs, outputs, step, units)
         for k, part in enumerate(parts, start=1)
     )
 
@@ -109,19 +111,19 @@ def to_record(sampled: Sampled) -> Record:
     for name, column in signals:
         spelling = sampled.units.get(name, "1")
         unit = unit_table.EVERYDAY.get(spelling, (spelling, 1.0, 0.0))[0]
-        factor, offset = unit_table.conversion(spelling, unit)
+        factor, offset = unit_table.find_conversion(spelling, unit)
         columns[name] = [float(value) for value in column * factor + offset]
         names[name] = unit
     return Record(sampled.name, columns, names)
 
 
-def _rows(record: Record, part: Numbers, number: int, count: int) -> Record:
+def _select_rows(record: Record, part: Numbers, number: int, count: int) -> Record:
     kept = slice(int(part[0]), int(part[-1]) + 1)
     name = record.name if count == 1 else f"{record.name} ({number})"
     return replace(record, name=name, columns={n: c[kept] for n, c in record.columns.items()})
 
 
-def _columns(
+def _list_columns(
     record: Record, names: Sequence[str], units: Mapping[str, str]
 ) -> tuple[dict[str, str], dict[str, Numbers]]:
     """Units and columns by name."""
@@ -129,19 +131,19 @@ def _columns(
     if unknown is not None:
         raise DataError(
             f"A unit is given for `{unknown}`, but record `{record.name}` has no such column. "
-            f"{suggestion(unknown, record.columns)}"
+            f"{suggest_name(unknown, record.columns)}"
         )
     spelled: dict[str, str] = {}
     columns: dict[str, Numbers] = {}
     for name in names:
         column, unit = np.asarray(record[name], dtype=float), record.units[name]
-        spelled[name] = units.get(name, unit_table.readable(unit))
-        factor, offset = unit_table.conversion(spelled[name], unit)
+        spelled[name] = units.get(name, unit_table.choose_readable_unit(unit))
+        factor, offset = unit_table.find_conversion(spelled[name], unit)
         columns[name] = (column - offset) / factor
     return spelled, columns
 
 
-def _held(
+def _fill_held_inputs(
     record: str, columns: Mapping[str, Numbers], inputs: Sequence[str], outputs: Sequence[str]
 ) -> tuple[Numbers, Numbers, int, list[str]]:
     """Inputs without gaps, outputs, the first row at which all inputs are known, remarks."""
@@ -175,7 +177,7 @@ class _Grid:
     """Place of every row; None if the rows are on no grid."""
 
 
-def _grid(times: Numbers, wanted: float | None) -> _Grid:
+def _find_grid(times: Numbers, wanted: float | None) -> _Grid:
     """The grid that times lie on, or else the one that they are to be brought onto."""
     if len(times) < 2:
         return _Grid(wanted or 1.0, np.zeros(len(times), int))
@@ -186,11 +188,11 @@ def _grid(times: Numbers, wanted: float | None) -> _Grid:
     for places in (plain, counted):
         interval = float(times[-1] - times[0]) / float(places[-1])
         if np.max(np.abs(times - times[0] - places * interval)) <= CLOSE * interval:
-            return _Grid(_rounded(interval, len(times)), places)
+            return _Grid(_round_interval(interval, len(times)), places)
     return _Grid(min(usual, wanted or usual), None)
 
 
-def _rounded(interval: float, rows: int) -> float:
+def _round_interval(interval: float, rows: int) -> float:
     """An interval without the rounding errors of its times: the shortest number near it."""
     for digits in range(1, 12):
         short = float(f"{interval:.{digits}g}")
@@ -204,7 +206,7 @@ def _on_grid(
 ) -> tuple[tuple[Numbers, Numbers], list[str]]:
     """Inputs and outputs on the grid, and what was done for it."""
     if grid.places is None:
-        return _interpolated(times, u, y, grid.interval)
+        return _interpolate_record(times, u, y, grid.interval)
     count = int(grid.places[-1]) + 1
     if count == len(times):
         return (u, y), []
@@ -219,14 +221,14 @@ def _on_grid(
     return (u[before], outputs), [remark]
 
 
-def _interpolated(
+def _interpolate_record(
     times: Numbers, u: Numbers, y: Numbers, interval: float
 ) -> tuple[tuple[Numbers, Numbers], list[str]]:
     steps = np.diff(times)
     at = times[0] + interval * np.arange(int((times[-1] - times[0]) / interval + 1e-6) + 1)
     rows = cast("Numbers", np.searchsorted(times, at + 1e-9 * interval, side="right"))
     before = np.clip(rows - 1, 0, len(u) - 1)
-    columns = [_between(at, times, column) for column in y.T]
+    columns = [_interpolate_column(at, times, column) for column in y.T]
     remark = (
         f"Times are irregular, {steps.min():.4g} to {steps.max():.4g} s apart; the record was "
         f"brought to {interval:.4g} s, inputs held, outputs interpolated."
@@ -234,7 +236,7 @@ def _interpolated(
     return (u[before], np.stack(columns, axis=1)), [remark]
 
 
-def _between(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
+def _interpolate_column(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
     """A column at other times; NaN where the known rows around are too far apart."""
     known = np.isfinite(column)
     times, column = times[known], column[known]

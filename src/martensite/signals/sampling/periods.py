@@ -42,7 +42,7 @@ class Periods:
         return 100.0 * (1.0 - self.noise / np.where(spread > 0.0, spread, 1.0))
 
 
-def periods(record: Sampled, period: float, skip: float = 0.0) -> Periods:
+def average_periods(record: Sampled, period: float, skip: float = 0.0) -> Periods:
     """Mean over periods and the level of the noise.
 
     Args:
@@ -75,12 +75,12 @@ def periods(record: Sampled, period: float, skip: float = 0.0) -> Periods:
     noise = np.sqrt(squares / np.maximum(free, 1))
     averaged = replace(
         record.rows(first, first + length), inputs=u.mean(axis=0), outputs=mean,
-        remarks=(*record.remarks, *_differing(record, u)),
+        remarks=(*record.remarks, *_describe_differing(record, u)),
     )  # fmt: skip
     return Periods(averaged, noise, count)
 
 
-def _differing(record: Sampled, u: Numbers) -> list[str]:
+def _describe_differing(record: Sampled, u: Numbers) -> list[str]:
     """Sentences on inputs that do not repeat themselves."""
     spread, size = u.std(axis=0).max(axis=0), u.std(axis=(0, 1))
     return [

@@ -13,14 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 NEAR = 1e-9
 """Relative rounding that is forgiven where samples are counted."""
 
 
-def resampled(
+def resample_record(
     record: Sampled, interval: float | None = None, *, ratio: float | None = None
 ) -> Sampled:
     """The record at another sample time.
@@ -40,7 +40,7 @@ def resampled(
         raise DataError(f"The ratio of resampling must be above 0, but is {factor:g}.")
     if abs(factor - 1.0) < NEAR:
         return record
-    inputs, outputs = (_averaged if factor > 1.0 else _finer)(record, factor)
+    inputs, outputs = (_average_samples if factor > 1.0 else _refine_samples)(record, factor)
     if not len(inputs):
         raise DataError(
             f"Record `{record.name}` of {record.duration:.6g} s is shorter than one sample of "
@@ -49,18 +49,18 @@ def resampled(
     return replace(record, interval=factor * record.interval, inputs=inputs, outputs=outputs)
 
 
-def _averaged(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
+def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     """Means over new samples; NaN where less than half of one is known."""
     edges = factor * np.arange(int(len(record) / factor * (1.0 + NEAR)) + 1)
     known = np.isfinite(record.outputs)
-    shares = _means(known.astype(float), edges)
-    sums = _means(np.where(known, record.outputs, 0.0), edges)
+    shares = _average_held(known.astype(float), edges)
+    sums = _average_held(np.where(known, record.outputs, 0.0), edges)
     enough = shares >= 0.5
     outputs = np.where(enough, sums / np.where(enough, shares, 1.0), np.nan)
-    return _means(record.inputs, edges), outputs
+    return _average_held(record.inputs, edges), outputs
 
 
-def _means(values: Numbers, edges: Numbers) -> Numbers:
+def _average_held(values: Numbers, edges: Numbers) -> Numbers:
     """Means of columns held from sample to sample, between edges counted in samples."""
     if not len(values) or len(edges) < 2:
         return np.empty((0, values.shape[1]))
@@ -71,7 +71,7 @@ def _means(values: Numbers, edges: Numbers) -> Numbers:
     return first + np.diff(np.stack(columns, axis=1), axis=0) / np.diff(edges)[:, None]
 
 
-def _finer(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
+def _refine_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     count = int((len(record) - 1) / factor * (1.0 + NEAR)) + 1
     places = np.minimum(factor * np.arange(count), len(record) - 1)
     left = np.floor(places * (1.0 + NEAR)).astype(int)
@@ -82,7 +82,7 @@ def _finer(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     return record.inputs[left], np.where(exact, record.outputs[left], between)
 
 
-def split(
+def split_record(
     record: Sampled, *, share: float | None = None, time: float | None = None
 ) -> tuple[Sampled, Sampled]:
     """The record before and after a moment, as two records.
@@ -111,7 +111,7 @@ def split(
     return record.rows(0, place, names[0]), record.rows(place, None, names[1])
 
 
-def experiments(*records: Sampled) -> tuple[Sampled, ...]:
+def collect_experiments(*records: Sampled) -> tuple[Sampled, ...]:
     """Records of one system for one estimation, checked, each with a name of its own.
 
     Raises:
@@ -121,7 +121,7 @@ def experiments(*records: Sampled) -> tuple[Sampled, ...]:
         raise DataError("Experiments are at least one record, but none is given.")
     first, names = records[0], [record.name for record in records]
     for record in records[1:]:
-        fault = _misfit(first, record)
+        fault = _describe_misfit(first, record)
         if fault:
             raise DataError(
                 f"Records `{first.name}` and `{record.name}` cannot be fitted together: {fault}."
@@ -133,29 +133,29 @@ def experiments(*records: Sampled) -> tuple[Sampled, ...]:
     )  # fmt: skip
 
 
-def _misfit(one: Sampled, other: Sampled) -> str:
+def _describe_misfit(one: Sampled, other: Sampled) -> str:
     if abs(other.interval / one.interval - 1.0) > 1e-6:
         return f"one is sampled every {one.interval:.6g} s, the other every {other.interval:.6g} s"
     for word in ("input", "output"):
         own, its = getattr(one, f"{word}_names"), getattr(other, f"{word}_names")
         if own != its:
-            return f"their {word}s are {_listed(own)} and {_listed(its)}"
+            return f"their {word}s are {_list_names(own)} and {_list_names(its)}"
     names = (*one.input_names, *one.output_names)
-    name = next((n for n in names if _unit(one, n) != _unit(other, n)), None)
+    name = next((n for n in names if _find_unit(one, n) != _find_unit(other, n)), None)
     if name is not None:
-        return f"`{name}` is in {_unit(one, name)} and in {_unit(other, name)}"
+        return f"`{name}` is in {_find_unit(one, name)} and in {_find_unit(other, name)}"
     return ""
 
 
-def _unit(record: Sampled, name: str) -> str:
+def _find_unit(record: Sampled, name: str) -> str:
     return record.units.get(name, "1")
 
 
-def _listed(names: Sequence[str]) -> str:
+def _list_names(names: Sequence[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def selected(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> Sampled:
+def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> Sampled:
     """The record of some of its signals; an output may become an input.
 
     Missing samples of such an output are interpolated, because inputs must be known.
@@ -168,10 +168,10 @@ def selected(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> 
     for name in (*inputs, *outputs):
         if name not in known:
             raise DataError(
-                f"Record `{record.name}` has no signal `{name}`. {suggestion(name, known)}"
+                f"Record `{record.name}` has no signal `{name}`. {suggest_name(name, known)}"
             )
     remarks = list(record.remarks)
-    columns = [_bridged(record.name, name, known[name], remarks) for name in inputs]
+    columns = [_bridge_gaps(record.name, name, known[name], remarks) for name in inputs]
     return replace(
         record, inputs=np.stack(columns, axis=1),
         outputs=np.stack([known[name] for name in outputs], axis=1),
@@ -180,7 +180,7 @@ def selected(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> 
     )  # fmt: skip
 
 
-def _bridged(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:
+def _bridge_gaps(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:
     """A column without gaps."""
     known = np.isfinite(column)
     missing = int(len(column) - known.sum())

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from martensite.base.errors import DataError, suggestion
+from martensite.base.errors import DataError, suggest_name
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 KINDS = ("mean", "line", "rest")
@@ -47,7 +47,7 @@ class Trend:
         )
 
 
-def trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Trend:
+def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Trend:
     """The trend of a record.
 
     Args:
@@ -60,16 +60,16 @@ def trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Tre
         DataError: there is no such kind, or a signal is not known where its level is sought.
     """
     if kind not in KINDS:
-        raise DataError(f"There is no trend `{kind}`. {suggestion(kind, KINDS)}")
+        raise DataError(f"There is no trend `{kind}`. {suggest_name(kind, KINDS)}")
     part = record
     if kind == "rest":
-        count = _resting(record) if rest is None else int(rest / record.interval + 1e-6)
+        count = _count_resting(record) if rest is None else int(rest / record.interval + 1e-6)
         part = record.rows(0, max(count, 1))
     columns = [*part.inputs.T, *part.outputs.T]
     names = (*record.input_names, *record.output_names)
     t = part.times - part.start
     lines = [
-        _line(t, column, kind == "line", f"`{name}` of record `{record.name}`")
+        _fit_line(t, column, kind == "line", f"`{name}` of record `{record.name}`")
         for name, column in zip(names, columns, strict=True)
     ]
     levels, slopes = (np.array(numbers) for numbers in zip(*lines, strict=True))
@@ -77,33 +77,33 @@ def trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Tre
     return Trend(levels[:n], levels[n:], slopes[:n], slopes[n:])
 
 
-def detrended(
+def remove_trend(
     record: Sampled, kind: str = "mean", rest: float | None = None
 ) -> tuple[Sampled, Trend]:
     """A record without its trend, and the trend, which puts it back."""
-    found = trend(record, kind, rest)
+    found = find_trend(record, kind, rest)
     return found.removed(record), found
 
 
-def _resting(record: Sampled) -> int:
+def _count_resting(record: Sampled) -> int:
     """Samples until an input changes for the first time."""
     moved = np.any(record.inputs != record.inputs[0], axis=1)
     return int(np.argmax(moved)) if moved.any() else len(record)
 
 
-def _line(t: Numbers, values: Numbers, sloped: bool, what: str) -> tuple[float, float]:
+def _fit_line(t: Numbers, values: Numbers, sloped: bool, what: str) -> tuple[float, float]:
     """Level at the first sample, and slope."""
     known = np.isfinite(values)
     if not known.any():
         raise DataError(f"Signal {what} has no known samples to find its level from.")
     t, values = t[known], values[known]
-    level, middle = _mean(values), _mean(t)
-    spread = _mean((t - middle) ** 2)
+    level, middle = _average_known(values), _average_known(t)
+    spread = _average_known((t - middle) ** 2)
     if not sloped or spread == 0.0:
         return level, 0.0
-    slope = _mean((t - middle) * (values - level)) / spread
+    slope = _average_known((t - middle) * (values - level)) / spread
     return level - slope * middle, slope
 
 
-def _mean(values: Numbers) -> float:
+def _average_known(values: Numbers) -> float:
     return float(np.sum(values)) / len(values)

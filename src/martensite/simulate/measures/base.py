@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError, suggestion
-from martensite.base.parameters import Parametrised, meant, text
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.parameters import Parametrised, find_paths, text
 from martensite.base.registry import Registry
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -65,11 +65,11 @@ class AbstractMeasure(Parametrised):
         """
         names = system.outputs()
         wanted = self.of or next(iter(system.mechanism.outputs()))
-        found = meant(wanted, names)
+        found = find_paths(wanted, names)
         if not found:
             raise ParameterError(
                 f"`{self.registered_name}` looks at `{wanted}`, which is no output of this system. "
-                f"{suggestion(wanted, names)}"
+                f"{suggest_name(wanted, names)}"
             )
         return tuple(found)
 
@@ -83,7 +83,7 @@ MEASURES: Registry[AbstractMeasure] = Registry(
 )
 
 
-def measure(words: str) -> AbstractMeasure:
+def parse_measure(words: str) -> AbstractMeasure:
     """The measure that words such as `stroke`, `max(stress)` or `at(position, time=2 s)` name.
 
     Raises:
@@ -95,10 +95,10 @@ def measure(words: str) -> AbstractMeasure:
             f"`{words}` is no measure; write a name, such as `stroke`, or a name and an output, "
             "such as `max(stress)`."
         )
-    return MEASURES[found[1]](**_options(found[2] or ""))
+    return MEASURES[found[1]](**_parse_options(found[2] or ""))
 
 
-def _options(words: str) -> dict[str, Any]:
+def _parse_options(words: str) -> dict[str, Any]:
     """What stands in the brackets: an output first, then options by name."""
     given: dict[str, Any] = {}
     for place, piece in enumerate(filter(None, (p.strip() for p in words.split(",")))):
@@ -109,12 +109,12 @@ def _options(words: str) -> dict[str, Any]:
     return given
 
 
-def needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> tuple[str, ...]:
+def list_needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> tuple[str, ...]:
     """Every output that some measures look at, once."""
     return tuple(dict.fromkeys(n for one in measures for n in one.columns(system)))
 
 
-def judged(
+def judge_runs(
     one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]
 ) -> Numbers:
     """The number of every run, from columns (runs, samples) by name."""

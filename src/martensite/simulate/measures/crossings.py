@@ -45,12 +45,12 @@ class RiseTime(AbstractMeasure):
     def value(self, times: Numbers, seen: Numbers) -> Numbers:
         """t(high) − t(low)."""
         begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
-        return _lasting(begin, end).max(axis=0)
+        return _measure_lasting(begin, end).max(axis=0)
 
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """Derivatives of both crossings; 0 where one never happens."""
         begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
-        lasting = _lasting(begin, end)
+        lasting = _measure_lasting(begin, end)
         longest = np.arange(len(seen))[:, None] == lasting.argmax(axis=0)
         counted = longest & np.isfinite(lasting)
         later = np.where(begin.time <= end.time, 1.0, -1.0)
@@ -80,7 +80,7 @@ class Crossing:
 
     def __init__(self, times: Numbers, way: Way, place: Places) -> None:
         self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
-        begin, end = (_at(way.beyond, self.place + k) for k in (0, 1))
+        begin, end = (_take_sample(way.beyond, self.place + k) for k in (0, 1))
         apart = np.where(self.missing, 1.0, begin - end)
         length = np.diff(times)[self.place]
         when = times[self.place] + begin / apart * length
@@ -92,10 +92,10 @@ class Crossing:
         """Derivatives of the time by every sample; 0 where it never is."""
         way, found = self.way, np.zeros(self.way.beyond.shape)
         level = -(self.by_begin + self.by_end)
-        _add(found, self.place, self.by_begin)
-        _add(found, self.place + 1, self.by_end)
-        _add(found, np.zeros_like(way.turn), level * (1.0 - way.share))
-        _add(found, way.turn, level * way.share)
+        _add_sample(found, self.place, self.by_begin)
+        _add_sample(found, self.place + 1, self.by_end)
+        _add_sample(found, np.zeros_like(way.turn), level * (1.0 - way.share))
+        _add_sample(found, way.turn, level * way.share)
         return found * np.where(self.missing, 0.0, way.sign)[:, None]
 
 
@@ -106,7 +106,7 @@ class Way:
         gone = seen - seen[:, :1]
         self.share = share
         self.turn: Places = np.abs(gone).argmax(axis=1)
-        furthest = _at(gone, self.turn)
+        furthest = _take_sample(gone, self.turn)
         least: Numbers = LEAST[0] + LEAST[1] * np.abs(seen).max(axis=1)
         self.none: Flags = np.abs(furthest) <= least
         """Whether it leads nowhere."""
@@ -117,17 +117,19 @@ class Way:
         """Whether an interval is before the turn."""
 
 
-def _at(samples: Numbers, place: Places) -> Numbers:
+def _take_sample(samples: Numbers, place: Places) -> Numbers:
     """One sample of every column and run."""
     return np.take_along_axis(samples, place[:, None], axis=1)[:, 0]
 
 
-def _add(samples: Numbers, place: Places, more: Numbers) -> None:
+def _add_sample(samples: Numbers, place: Places, more: Numbers) -> None:
     """Add to one sample of every column and run."""
-    np.put_along_axis(samples, place[:, None], (_at(samples, place) + more)[:, None], axis=1)
+    np.put_along_axis(
+        samples, place[:, None], (_take_sample(samples, place) + more)[:, None], axis=1
+    )
 
 
-def _lasting(begin: Crossing, end: Crossing) -> Numbers:
+def _measure_lasting(begin: Crossing, end: Crossing) -> Numbers:
     """Time between two crossings; infinite if one is missing."""
     missing = begin.missing | end.missing
     times = (np.where(missing, 0.0, one.time) for one in (begin, end))

@@ -25,7 +25,7 @@ class Largest(AbstractMeasure):
 
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """1 at the largest sample."""
-        return _marked(seen, np.argmax)
+        return _mark_sample(seen, np.argmax)
 
 
 @MEASURES.register("min")
@@ -38,7 +38,7 @@ class Smallest(Largest):
 
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """1 at the smallest sample."""
-        return _marked(seen, np.argmin)
+        return _mark_sample(seen, np.argmin)
 
 
 @MEASURES.register("stroke")
@@ -64,7 +64,7 @@ class Stroke(Largest):
         return found
 
 
-def _marked(seen: Numbers, place: Callable[..., Any]) -> Numbers:
+def _mark_sample(seen: Numbers, place: Callable[..., Any]) -> Numbers:
     """1 at one sample of every run."""
     found = np.zeros(seen.shape).reshape(-1, seen.shape[2])
     found[place(seen.reshape(found.shape), axis=0), np.arange(seen.shape[2])] = 1.0

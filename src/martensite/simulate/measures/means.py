@@ -8,13 +8,13 @@ from martensite.base.parameters import text
 from martensite.simulate.measures.base import FIRST, MEASURES, AbstractMeasure, Numbers
 
 
-def trapezoids(times: Numbers) -> Numbers:
+def weigh_trapezoids(times: Numbers) -> Numbers:
     """What every sample counts in an integral [s], (samples,)."""
     steps = np.diff(times)
     return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
 
 
-def summed(counts: Numbers, seen: Numbers) -> Numbers:
+def sum_weighted(counts: Numbers, seen: Numbers) -> Numbers:
     """Samples times what each counts, of all columns, (runs,).
 
     Added one after another: other ways depend on how many runs are beside one.
@@ -33,11 +33,11 @@ class Integral(AbstractMeasure):
 
     def counts(self, times: Numbers) -> Numbers:
         """What every sample counts, (samples,)."""
-        return trapezoids(times)
+        return weigh_trapezoids(times)
 
     def value(self, times: Numbers, seen: Numbers) -> Numbers:
         """∫ y dt."""
-        return summed(self.counts(times), seen)
+        return sum_weighted(self.counts(times), seen)
 
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """The trapezoids."""
@@ -65,7 +65,7 @@ class Mean(Integral):
 
     def counts(self, times: Numbers) -> Numbers:
         """Trapezoids as shares of the run."""
-        return trapezoids(times) / (times[-1] - times[0])
+        return weigh_trapezoids(times) / (times[-1] - times[0])
 
 
 @MEASURES.register("rms")
@@ -80,12 +80,12 @@ class RootMeanSquare(AbstractMeasure):
 
     def value(self, times: Numbers, seen: Numbers) -> Numbers:
         """√(∫ y² dt / T)."""
-        counts = trapezoids(times) / (times[-1] - times[0])
-        return np.sqrt(summed(counts, seen**2))
+        counts = weigh_trapezoids(times) / (times[-1] - times[0])
+        return np.sqrt(sum_weighted(counts, seen**2))
 
     def weights(self, times: Numbers, seen: Numbers) -> Numbers:
         """y Δt / (T rms); 0 for a run that stays at 0."""
-        counts = trapezoids(times) / (times[-1] - times[0])
+        counts = weigh_trapezoids(times) / (times[-1] - times[0])
         size = self.value(times, seen)
         safe = np.where(size > 0.0, size, 1.0)
         return counts[None, :, None] * seen / safe

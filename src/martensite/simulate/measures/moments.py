@@ -39,7 +39,7 @@ class At(AbstractMeasure):
                 f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at "
                 f"{times[-1]:.6g} s."
             )
-        found = np.maximum(1.0 - np.abs(times - when) / _gaps(times, when), 0.0)
+        found = np.maximum(1.0 - np.abs(times - when) / _measure_gaps(times, when), 0.0)
         return np.broadcast_to(found[None, :, None], seen.shape)
 
 
@@ -48,7 +48,7 @@ class Final(At):
     """Value at the end."""
 
 
-def _gaps(times: Numbers, when: float) -> float:
+def _measure_gaps(times: Numbers, when: float) -> float:
     """Length of the interval in which a time is [s]."""
     last = len(times) - 1
     place = min(max(int(np.searchsorted(times, when, side="right")), 1), last)

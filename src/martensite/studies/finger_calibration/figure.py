@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.show.figures.labels import mathematical
 from martensite.show.figures.style import (
     HEATING,
@@ -58,7 +58,7 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
     with styled():
         figure = new_figure(12.0, 7.2)
         title = "Calibration of the finger: two searches, and what the test can tell"
-        if compiler() is None:
+        if find_compiler() is None:
             write_heading(figure, title, "needs a C compiler: a search takes thousands of runs")
             return figure
         prepare(printed, full=full)

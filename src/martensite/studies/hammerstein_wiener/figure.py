@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.kernels.c99 import compiler
+from martensite.kernels.c99 import find_compiler
 from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.figures import write_heading
 from martensite.studies.hammerstein_wiener import judged, loops, models
@@ -35,7 +35,7 @@ def draw(printed: Printed) -> Figure:
     with styled():
         figure = new_figure(13.0, 7.4)
         title = "A wire identified in two stages, and what that is worth"
-        if compiler() is None:
+        if find_compiler() is None:
             write_heading(figure, title, "needs a C compiler: a search takes hundreds of runs")
             return figure
         line = (

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.actuators.mechanics.platform_kinematics import lengths
+from martensite.actuators.mechanics.platform_kinematics import compute_lengths
 from martensite.actuators.mechanics.platform_workspace import Workspace
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.show.figures.style import (
@@ -159,7 +159,7 @@ def _room(found: Workspace) -> tuple[Any, Any, Any]:
     near = near[:, :-2] | near[:, 1:-1] | near[:, 2:]
     rows, columns = (np.rint(np.arange(len(x)) / FINER).astype(int) for x in (alphas, betas))
     turned: Any = np.meshgrid(alphas, betas, indexing="ij")
-    length = np.array(lengths(ArrayNamespace(np), found.legs.plates, *turned))
+    length = np.array(compute_lengths(ArrayNamespace(np), found.legs.plates, *turned))
     room = np.minimum(
         length.min(axis=0) - found.legs.shortest, found.legs.longest - length.max(axis=0)
     )

@@ -8,7 +8,11 @@ from functools import cache
 from typing import Any
 
 from martensite.actuators.mechanics.platform_inertia import thin_plate
-from martensite.actuators.mechanics.platform_kinematics import corners, platform_lengths, slopes
+from martensite.actuators.mechanics.platform_kinematics import (
+    compute_length_slopes,
+    locate_corners,
+    platform_lengths,
+)
 from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
 from martensite.kernels import floats
 from martensite.studies.platform import bench
@@ -23,7 +27,7 @@ DENSITY = 6450.0
 
 def compute_geometry(printed: Printed) -> dict[str, Any]:
     """Geometry first, then the stroke of one spring, the reach, and vibration."""
-    (x, y), (_, near), _ = corners(printed.side)
+    (x, y), (_, near), _ = locate_corners(printed.side)
     frequency = natural_frequency(printed)
     return {
         "centroid": -near,
@@ -66,7 +70,7 @@ def natural_frequency(printed: Printed) -> float:
     """Of small vibrations about any axis, all springs cold [Hz]."""
     plates, spring = bench.platform(printed).plates(), bench.spring(bench.AS_PRINTED, printed)
     rate = 1.0 / spring.spring(floats, spring.initial_fractions(), 298.15, 1.0).compliance
-    _, levers, _ = slopes(floats, plates, 0.0, 0.0)
+    _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)
     inertia = thin_plate(plates, printed.plate_mass).inertia
     return math.sqrt(rate * sum(lever**2 for lever in levers) / inertia) / (2.0 * math.pi)
 
@@ -115,7 +119,7 @@ def compute_reach(printed: Printed) -> dict[str, Any]:
 def _swapped(side: float, height: float, alpha: float, beta: float) -> list[float]:
     """Lengths [m] with R_X(α) R_Y(β) in place of R_Y(β) R_X(α), joint in the plate."""
     found: list[float] = []
-    for x, y in corners(side):
+    for x, y in locate_corners(side):
         over, down = math.cos(beta) * x, -math.sin(beta) * x
         along = math.cos(alpha) * y - math.sin(alpha) * down
         drop = math.sin(alpha) * y + math.cos(alpha) * down
