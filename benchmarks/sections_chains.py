@@ -22,9 +22,9 @@ from benchmarks.harness import Candidate, measure
 from benchmarks.process import run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.estimate import Options as Search
-from martensite.identify.chains.estimate import estimate
+from martensite.identify.chains.estimate import estimate_chain
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.written import parse_chain
 from martensite.identify.operators import sections
@@ -44,7 +44,7 @@ def first_stage(samples: int = SAMPLES, text: str = TEXT) -> tuple[Chain, Sample
     held = max(samples // 40, 1)
     u = np.repeat(rng.choice([0.0, 1.0], 41) * rng.uniform(18.0, 38.0, 41), held)[:samples]
     record = Sampled("made up", INTERVAL, u, np.zeros(samples), ("duty",), ("temperature",))
-    chain = untrained(parse_chain(text), record)
+    chain = build_untrained(parse_chain(text), record)
     drawn = [np.concatenate([b.drawn(rng, record.duration, INTERVAL) for b in chain.blocks])
              for _ in range(2)]  # fmt: skip
     y = chain.with_theta(drawn[0]).simulate(record)
@@ -73,7 +73,7 @@ def in_numpy(chain: Chain, u: np.ndarray) -> Function:
 def fraction(block: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Coefficients of B and F from the numbers of `oe`: expanded, as is usual."""
     order, delay, zeros = int(block.nf), int(block.nk), int(block.nb)
-    d = np.poly(sections.poles(order, theta[:order], INTERVAL)).real
+    d = np.poly(sections.find_poles(order, theta[:order], INTERVAL)).real
     state: list[float] = [0.0] * block.states()
     response: list[float] = []
     for k in range(delay + zeros):
@@ -184,7 +184,7 @@ def searches(options: Options) -> list[Table]:
     fits: list[tuple[float, ...]] = []
 
     def run() -> None:
-        fits.append(estimate(chain.blocks, record, Search(starts=24, threads=2)).fits)
+        fits.append(estimate_chain(chain.blocks, record, Search(starts=24, threads=2)).fits)
 
     timings = measure([Candidate("24 starts", run)], min(options.repeats, 2))
     note = "Ends of the refined searches [%]: " + ", ".join(f"{fit:.2f}" for fit in fits[-1])

@@ -22,7 +22,7 @@ from martensite.fit.api import fit_logs
 from martensite.fit.experiment import Experiment
 from martensite.fit.problem import Problem, build_problem
 from martensite.scenario import datasets
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.records import Record
 
 WIRE = """
@@ -94,7 +94,7 @@ def five_records(text: str, levels: Sequence[float], names: Sequence[str]) -> Pr
     times = np.linspace(0.0, 100.0, ROWS)
     columns = {"time": times.tolist(), "strain": (0.04 * np.sin(times)).tolist()}
     record = Record("test", columns, {"time": "s", "strain": "1"})
-    scenarios = [read(text.replace("{level}", str(level))) for level in levels]
+    scenarios = [read_scenario(text.replace("{level}", str(level))) for level in levels]
     made = [
         Experiment(str(level), one.system, one.waveform, record, {"strain": "strain"}, step=STEP)
         for level, one in zip(levels, scenarios, strict=True)

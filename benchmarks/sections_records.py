@@ -24,8 +24,8 @@ from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.chains.best_linear import best_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options as Search
-from martensite.identify.chains.estimate import estimate, refine
-from martensite.identify.chains.scores import rms
+from martensite.identify.chains.estimate import estimate_chain, refine_chain
+from martensite.identify.chains.scores import compute_rms
 from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 from martensite.signals.sampling.sampled import Sampled
 
@@ -50,18 +50,18 @@ class Task(NamedTuple):
 
 def searched(text: str, options: Search) -> Ours:
     """A chain from a search."""
-    return Ours(text, lambda record: estimate(text, record, options).chain)
+    return Ours(text, lambda record: estimate_chain(text, record, options).chain)
 
 
 def fed_back(record: Sampled) -> Chain:
     """A resonance with a polynomial of its output fed back, from the linear model."""
-    linear = estimate("oe(3,2,0) | poly1", record, Search(skip=SKIP)).chain
+    linear = estimate_chain("oe(3,2,0) | poly1", record, Search(skip=SKIP)).chain
     poles, line = linear.split()
     before: Any = linear.blocks[0]
     first = Feedback(order=2, degree=3).adapted(record.inputs, record.interval)
     begun = np.concatenate([first.like(before, poles, record.interval), line])
     chain = replace(linear, blocks=(first, linear.blocks[1]), theta=begun)
-    return chain.with_theta(refine(chain, [record], Search(skip=SKIP)).theta)
+    return chain.with_theta(refine_chain(chain, [record], Search(skip=SKIP)).theta)
 
 
 WIENER_HAMMERSTEIN = "oe(4,3,0) | sigmoid16 | oe(4,3,0)"
@@ -90,7 +90,9 @@ def our_row(model: Ours, records: Records) -> dict[str, Any]:
     wall, cpu = time.perf_counter(), time.process_time()
     chain = model.fit(records["estimation"])
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-    errors = [float(rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests(records).values()]
+    errors = [
+        float(compute_rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests(records).values()
+    ]
     return row(model.name, jaxsysid_fit.Fit(cpu, wall, len(chain.theta), errors), records)
 
 

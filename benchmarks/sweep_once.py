@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.throughput_once import peak
 from martensite.design.sweep.api import How, begin
 from martensite.design.sweep.job import MEASURES, Wanted
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 
 SCENARIO = """
 title = "A short pulse"
@@ -59,7 +59,9 @@ def sweep(count: int, folder: str) -> tuple[int, float]:
     """Runs of a sweep that failed, and the mean stroke [m] of the others."""
     wanted = Wanted(OVER, f"monte-carlo:{count}", MEASURES, runtime="c")
     place = Path(folder) / f"{count}.zarr"
-    begun = begin(read(SCENARIO, Path(folder) / "scenario.toml"), wanted, place, How("serial"))
+    begun = begin(
+        read_scenario(SCENARIO, Path(folder) / "scenario.toml"), wanted, place, How("serial")
+    )
     begun.run()
     failed, strokes, made = 0, 0.0, 0
     for rows, there in begun.store.stretches():

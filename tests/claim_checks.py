@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim
 from martensite.studies.tables import TableStudy, settle_claims
 
@@ -18,7 +18,7 @@ def check_complete(claims: Sequence[Claim], *, all_computed: bool = True) -> Non
     assert len({claim.id for claim in claims}) == len(claims)
     for claim in claims:
         assert claim.statement and claim.why and claim.unit
-        assert claim.source.split(",")[0] in bibliography()
+        assert claim.source.split(",")[0] in read_bibliography()
         if all_computed or claim.computed is not None:
             assert claim.computed is not None and math.isfinite(claim.computed)
     json.dumps([claim.to_dict() for claim in claims], allow_nan=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from martensite.design.optimise.evaluate import Designs
 from martensite.design.optimise.question import read_question
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.steered import Steering
 
 BUNDLE = """
@@ -47,7 +47,7 @@ POWER = "drive.waveform.high=1..12 W"
 @cache
 def bundle() -> Scenario:
     """The scenario."""
-    return read(BUNDLE)
+    return read_scenario(BUNDLE)
 
 
 def steering(**changes: float) -> Steering:

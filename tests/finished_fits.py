@@ -18,7 +18,7 @@ from martensite.fit.fit import Fit
 from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
 
@@ -64,7 +64,7 @@ class Sample:
 
 def scenario(load: str = "light", **changes: Any) -> Scenario:
     """The scenario of a record."""
-    return read(TEXT, None, {"mechanism.mass": f"{LOADS[load]} kg"} | changes)
+    return read_scenario(TEXT, None, {"mechanism.mass": f"{LOADS[load]} kg"} | changes)
 
 
 def truth(load: str, noise: float = NOISE, zero: float = 0.0) -> dict[str, list[float]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base import units
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 
@@ -98,7 +98,7 @@ def measured(
 
     `noise` is that of every output as a share of its range.
     """
-    one = read(scenario, None, truth, log=drive)
+    one = read_scenario(scenario, None, truth, log=drive)
     run = simulate(one.system, one.waveform, drive.times[-1], step=0.01, samples=len(drive))
     chance = random.Random(seed)
     columns, spelt = dict(drive.columns), dict(drive.units)

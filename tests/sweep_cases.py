@@ -18,7 +18,7 @@ from martensite.design.sweep.api import How, begin
 from martensite.design.sweep.job import Wanted
 from martensite.design.sweep.plan import Piece
 from martensite.design.sweep.running import Progress, run_chunks
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 
 WIRE = (
     THIN_WIRE
@@ -39,7 +39,7 @@ AXES = tuple(word for axis in OVER for word in ("--over", axis))
 
 def wire(text: str = WIRE, **changed: Any) -> Scenario:
     """The wire, with values by path (`__` for a dot) replaced."""
-    return read(text, overrides={k.replace("__", "."): v for k, v in changed.items()})
+    return read_scenario(text, overrides={k.replace("__", "."): v for k, v in changed.items()})
 
 
 def wanted(*over: str, **more: Any) -> Wanted:

@@ -16,7 +16,7 @@ from martensite.control.sensors.position import PositionSensor
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.plant import plant
+from martensite.identify.chains.plant import build_plant
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
@@ -32,7 +32,7 @@ def linear_bench(gain: float = 2.0) -> Bench:
     chain = Chain(blocks, np.array([0.0, *line.line(gain, 0.5)]), DT)
     pid = Pid(measured=chain.output_names[0], reference=Constant(level=1.0), Kp=1.0)
     return Bench(
-        plant=plant(chain), period=DT, controllers=Controllers(**{chain.input_names[0]: pid})
+        plant=build_plant(chain), period=DT, controllers=Controllers(**{chain.input_names[0]: pid})
     )
 
 

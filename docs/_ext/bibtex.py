@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from martensite.scenario import citations
-from martensite.scenario.citations import fields
+from martensite.scenario.citations import read_fields
 
 _ORDER = ("journal", "booktitle", "school", "organization", "edition")
 
 
 def bibliography() -> str:
     """All works, sorted by key, each with a target that other pages link to."""
-    known = citations.bibliography()
+    known = citations.read_bibliography()
     return "\n".join(_entry(key, known[key]) for key in sorted(known))
 
 
 def _entry(key: str, text: str) -> str:
-    return f"(bib-{key})=\n**{key}**\n: {_sentence(fields(text))}\n"
+    return f"(bib-{key})=\n**{key}**\n: {_sentence(read_fields(text))}\n"
 
 
 def _sentence(found: dict[str, str]) -> str:

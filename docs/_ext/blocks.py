@@ -20,7 +20,7 @@ def all_blocks() -> str:
     found = [BLOCKS[name] for name in BLOCKS.names()]
     rows = [
         (f"[{cls.registered_name}](#block-{cls.registered_name})", parts.code(_written(cls)),
-         _kind(cls), catalogue.summary(cls))
+         _kind(cls), catalogue.summarise_class(cls))
         for cls in found
     ]  # fmt: skip
     overview = parts.table(("block", "written, for example", "kind", "what it is"), rows)
@@ -29,7 +29,7 @@ def all_blocks() -> str:
 
 def section(cls: type[AbstractBlock]) -> str:
     """Description, text, parameters and free numbers of a block."""
-    example, found = cls(), catalogue.described("block", cls)
+    example, found = cls(), catalogue.describe_class("block", cls)
     sources = ", ".join(parts.cited(key) for key in cls.cites)
     count = example.states()
     states = f"{count} state{'s' * (count > 1)}" if count else "no memory"

@@ -75,7 +75,7 @@ def all_parts() -> str:
     return "\n".join(
         f"## {PLURALS.get(kind, kind)}\n\n"
         + "\n".join(part(describe.one(registry, name)) for name in registry.names())
-        for kind, registry in catalogue.registries().items()
+        for kind, registry in catalogue.list_registries().items()
     )
 
 
@@ -103,7 +103,7 @@ def _parameters(declared: Sequence[dict[str, Any]]) -> str:
 
 def parameters_of(cls: type[Parametrised]) -> str:
     """The parameters of a class that is in no registry."""
-    return _parameters(catalogue.described("", cls)["parameters"])
+    return _parameters(catalogue.describe_class("", cls)["parameters"])
 
 
 def public_names() -> str:
@@ -204,7 +204,7 @@ def sweeps() -> str:
 
 
 def _listed(registry: Registry[Any]) -> str:
-    rows = [(code(name), catalogue.summary(registry[name])) for name in registry.names()]
+    rows = [(code(name), catalogue.summarise_class(registry[name])) for name in registry.names()]
     return table((registry.kind, "what it is"), rows)
 
 

@@ -12,7 +12,7 @@ from app_server import Bench
 from typer.testing import CliRunner
 
 from martensite.cli.app import app
-from martensite.scenario.csv_files import heading, write_csv
+from martensite.scenario.csv_files import format_heading, write_csv
 from martensite.scenario.netcdf import open_result
 from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
@@ -85,11 +85,11 @@ def test_the_csv_can_be_read_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["=1+1", "+a", "-a", "@a", "\ta"])
 def test_no_heading_is_a_formula(name: str) -> None:
-    assert heading(name, "K") == f"'{name} [K]"
+    assert format_heading(name, "K") == f"'{name} [K]"
 
 
 def test_other_headings_stay() -> None:
-    assert heading("temperature", "K") == "temperature [K]"
+    assert format_heading("temperature", "K") == "temperature [K]"
 
 
 @pytest.mark.parametrize("what", ["exe", "../x", ""])

@@ -26,7 +26,7 @@ from martensite.fit.api import fit_logs as library_fit
 from martensite.fit.losses import LOSSES
 from martensite.fit.material_files import write_material
 from martensite.fit.solve import METHODS
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.scenario.tables import read_table
 
 COLUMNS = [
@@ -63,7 +63,7 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
     request = asked(desk, each=[{"name": "offset.strain"}])
     found = fit(request, desk)
     log = Drawer(desk.folder).path(request["key"])
-    scenario = read(ISOBARIC, log=read_table(log))
+    scenario = read_scenario(ISOBARIC, log=read_table(log))
     same = library_fit(scenario, log, SAME, each="offset.strain")
     assert numbers(found) == pytest.approx(same.numbers, rel=1e-9)
     assert found["cost"] == pytest.approx(same.cost, rel=1e-9)

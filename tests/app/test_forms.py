@@ -19,7 +19,7 @@ from martensite.base.parameters import Declared, param
 from martensite.kernels.namespace import Scalar
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 
 TEXT = scenarios()["constant_power"]
 DESK = Desk(Path())
@@ -86,7 +86,10 @@ def test_writing_what_a_form_shows_changes_nothing(name: str) -> None:
     shown = [one for one in numbers(found) if one["value"] is not None]
     written = {one["path"]: _written(one) for one in shown if math.isfinite(one["value"])}
     assert len({one["path"] for one in shown}) == len(shown)
-    before, after = read(text, FOLDER / "x.toml"), read(text, FOLDER / "x.toml", written)
+    before, after = (
+        read_scenario(text, FOLDER / "x.toml"),
+        read_scenario(text, FOLDER / "x.toml", written),
+    )
     pairs = zip(before.leaves(), after.leaves(), strict=True)
     for one, other in pairs:
         assert one.path == other.path
@@ -101,7 +104,7 @@ def _written(one: dict[str, Any]) -> Any:
 
 def test_every_number_of_the_system_has_a_control() -> None:
     for name in ("constant_power", "clamped_wire", "platform_spring", "finger", "closed_loop"):
-        scenario = read(scenarios()[name], FOLDER / "x.toml")
+        scenario = read_scenario(scenarios()[name], FOLDER / "x.toml")
         paths = {one["path"] for one in numbers(form(scenarios()[name]))}
         known = {scenario.places.path(leaf.path) for leaf in scenario.leaves()}
         assert known <= paths, known - paths
@@ -263,4 +266,4 @@ def test_what_is_wrong_is_a_sentence(request_: dict[str, Any], words_: str) -> N
 def test_an_empty_text_is_a_new_scenario() -> None:
     found = form("")
     assert found["title"] == "Wire and dead weight"
-    assert read(found["text"], FOLDER / "x.toml").run(runtime="floats").status.name == "OK"
+    assert read_scenario(found["text"], FOLDER / "x.toml").run(runtime="floats").status.name == "OK"

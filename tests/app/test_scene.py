@@ -14,14 +14,14 @@ from martensite.actuators.mechanisms.drawing import KINDS
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.views.scene import LEAST, MOST, drawn, scene
 from martensite.app.views.scene import assembled as lengths_of
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def run(name: str, **changes: Any) -> tuple[Scenario, Result]:
-    scenario = read(scenarios()[name], FOLDER / "scenario.toml", changes or None)
+    scenario = read_scenario(scenarios()[name], FOLDER / "scenario.toml", changes or None)
     return scenario, scenario.run(runtime="floats")
 
 
@@ -111,7 +111,7 @@ def test_the_run_brings_it(bench: Bench) -> None:
 
 @pytest.mark.parametrize("name", sorted(set(scenarios()) - {"finger", "hand", "closed_loop_beam"}))
 def test_every_example_has_one(name: str) -> None:
-    scenario = read(scenarios()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
+    scenario = read_scenario(scenarios()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
     found = scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
     assert found["shapes"]
     assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

@@ -14,8 +14,8 @@ from martensite.base.errors import InputError
 from martensite.design.sizing.candidates import judge, size_wire
 from martensite.design.sizing.margins import margins, tightest
 from martensite.design.sizing.request import WireRequest
-from martensite.scenario.plain import plain
-from martensite.scenario.scenario import read
+from martensite.scenario.plain import convert_to_plain
+from martensite.scenario.scenario import read_scenario
 
 SMALL = {"force": "0.5 N", "stroke": "3 mm", "rate": "0.2 Hz", "supply": "5 V", "alloy": "90"}
 
@@ -33,7 +33,7 @@ def notes() -> list[dict[str, Any]]:
 @pytest.fixture(scope="module")
 def found(desk: Desk, notes: list[dict[str, Any]]) -> dict[str, Any]:
     telling = Desk(desk.folder, lambda note: notes.append(dict(note)))
-    return plain(size.answer({"fields": SMALL}, telling))
+    return convert_to_plain(size.answer({"fields": SMALL}, telling))
 
 
 def formed(desk: Desk, **fields: str) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def test_a_stopped_sizing_answers_with_what_it_has(desk: Desk) -> None:
 
 
 def test_scenarios_run_at_the_stroke_asked_for(found: dict[str, Any], tmp_path: Path) -> None:
-    result = read(found["candidates"][0]["scenario"], tmp_path / "wire.toml").run()
+    result = read_scenario(found["candidates"][0]["scenario"], tmp_path / "wire.toml").run()
     assert result.stroke == pytest.approx(3e-3, rel=0.05)
     for one in found["candidates"]:
         assert (one["scenario"] is None) == bool(one["no_scenario"])

@@ -9,7 +9,7 @@ from app_server import Bench
 from martensite.app.calls import _studies, study, study_page
 from martensite.app.worker import Desk
 from martensite.base.errors import UnknownNameError
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
 
 QUICK = "wire-heating"
@@ -96,7 +96,7 @@ def test_scenarios_stand_by_themselves(bench: Bench, tmp_path: Path) -> None:
     texts = [text for name in study_names() for text in load_study(name).scenarios().values()]
     assert len(texts) == 8
     for text in texts:
-        assert read(text, tmp_path / "scenario.toml").samples <= 200_001
+        assert read_scenario(text, tmp_path / "scenario.toml").samples <= 200_001
     page = bench.call("study_page", {"name": "migaone"})
     (only,) = page["scenarios"]
     assert bench.call("run", {"text": only["text"]})["title"] == only["title"]

@@ -99,11 +99,11 @@ def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
 def test_a_run_is_opened_with_exactly_its_numbers(
     made: tuple[Desk, str, list[dict[str, Any]]],
 ) -> None:
-    from martensite.scenario.scenario import read
+    from martensite.scenario.scenario import read_scenario
 
     desk, key, _ = made
     found = row({"key": key, "row": 27}, desk)
-    scenario = read(found["text"])
+    scenario = read_scenario(found["text"])
     table = read_sweep(Shelf(desk.folder).path(key))
     leaves = {leaf.path: leaf.value for leaf in scenario.whole.leaves()}
     assert leaves["element.diameter"] == table.varied["element.diameter"].values[27]

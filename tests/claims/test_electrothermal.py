@@ -15,7 +15,7 @@ from claim_checks import check_complete, check_decides, with_verdict
 
 from martensite.base.errors import DataError
 from martensite.scenario import datasets
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
 from martensite.studies.base import Claim, load_study, study_names
@@ -63,7 +63,7 @@ def test_every_claim_is_complete() -> None:
     listed = load_study(NAME).claims()
     check_complete(listed, all_computed=False)
     assert NAME in study_names()
-    assert set(load_study(NAME).cites) <= set(bibliography())
+    assert set(load_study(NAME).cites) <= set(read_bibliography())
 
 
 @needs_record

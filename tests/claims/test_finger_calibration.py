@@ -15,7 +15,7 @@ import pytest
 from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
 
 from martensite.kernels.c99 import find_compiler
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
 from martensite.studies.finger_calibration import (
     bench,
@@ -297,7 +297,7 @@ class TestWhole:
 
 
 def test_sources_are_known():
-    assert set(FingerCalibration.cites) <= set(bibliography())
+    assert set(FingerCalibration.cites) <= set(read_bibliography())
     assert set(FEW) < set(ALL)
 
 

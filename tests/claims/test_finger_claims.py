@@ -13,7 +13,7 @@ import pytest
 from claim_checks import check_decides, settle_some
 
 from martensite.kernels.c99 import find_compiler
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim, load_study
 from martensite.studies.finger import (
     bench,
@@ -169,7 +169,7 @@ class TestWhole:
         assert all(claim.why and claim.source.startswith("finger-paper") for claim in
                    listed.values())  # fmt: skip
         assert len({claim.id for claim in FingerStudy().claims()}) == len(listed)
-        assert set(FingerStudy.cites) <= set(bibliography())
+        assert set(FingerStudy.cites) <= set(read_bibliography())
 
 
 def test_redundant_parameters_change_nothing():

@@ -12,7 +12,7 @@ from martensite.fit.api import fit_logs
 from martensite.kernels.c99 import find_compiler
 from martensite.physics.materials.base import load_material
 from martensite.scenario import datasets
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.scenario.tables import read_table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -58,7 +58,7 @@ def record(data: str, stress: int) -> str:
 def errors(material: str, data: str, stress: int) -> np.ndarray:
     """Predicted less measured strain [-] at the rows of a cycle."""
     log = read_table(record(data, stress), interval=1.0)
-    scenario = read(SCENARIO.format(material=material, stress=stress), log=log)
+    scenario = read_scenario(SCENARIO.format(material=material, stress=stress), log=log)
     run = scenario.run(runtime="c" if find_compiler() else "floats")
     return np.interp(np.array(log.times) + 60.0, run.times, run["strain"]) - np.array(log["strain"])
 
@@ -76,7 +76,7 @@ def test_every_cycle_of_flexinol_is_predicted(stress: int) -> None:
 
 def test_another_stress_would_not_be_predicted() -> None:
     log = read_table(record("flexinol-isobaric", 172), interval=1.0)
-    scenario = read(SCENARIO.format(material=FLEXINOL, stress=120), log=log)
+    scenario = read_scenario(SCENARIO.format(material=FLEXINOL, stress=120), log=log)
     run = scenario.run(runtime="c" if find_compiler() else "floats")
     found = np.interp(np.array(log.times) + 60.0, run.times, run["strain"]) - np.array(
         log["strain"]

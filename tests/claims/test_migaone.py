@@ -14,7 +14,7 @@ from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.film_coefficient import film_r_squared, fit_film
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.migaone import bench, film_numbers, motion_numbers, wire_numbers
@@ -248,7 +248,7 @@ def test_study_is_found_by_name() -> None:
     assert "migaone" in study_names()
     study = load_study("migaone")
     assert study.key == "migaone"
-    assert set(study.cites) <= set(bibliography())
+    assert set(study.cites) <= set(read_bibliography())
     with pytest.raises(UnknownNameError, match="Did you mean `migaone`"):
         load_study("migaon")
 

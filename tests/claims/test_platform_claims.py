@@ -18,7 +18,7 @@ from platform_reference import Platform as Reference
 from platform_reference import bisected
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies import readings
 from martensite.studies.base import Claim, load_study, study_names
@@ -286,7 +286,7 @@ def test_study_is_found_by_name() -> None:
     assert "platform" in study_names()
     study = load_study("platform")
     assert study.key == "platform"
-    assert set(study.cites) <= set(bibliography())
+    assert set(study.cites) <= set(read_bibliography())
 
 
 def test_figure(tmp_path) -> None:

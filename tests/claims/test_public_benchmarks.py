@@ -11,8 +11,8 @@ from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import best_linear
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Options, estimate, refine
-from martensite.identify.chains.scores import rms
+from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
+from martensite.identify.chains.scores import compute_rms
 from martensite.scenario import datasets
 from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 from martensite.signals.sampling.sampled import Sampled
@@ -42,13 +42,13 @@ def silverbox() -> dict[str, Sampled]:
 @pytest.fixture(scope="module")
 def linear(silverbox: dict[str, Sampled], c_compiler: str) -> Chain:
     options = Options(starts=12, skip=SKIP)
-    return estimate("oe(3,2,0) | poly1", silverbox["estimation"], options).chain
+    return estimate_chain("oe(3,2,0) | poly1", silverbox["estimation"], options).chain
 
 
 def errors(chain: Chain, records: dict[str, Sampled]) -> list[float]:
     """Root mean squares [mV] on the three tests."""
     tests = [records[name] for name in TESTS]
-    return [1e3 * float(rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests]
+    return [1e3 * float(compute_rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests]
 
 
 @needs_silverbox
@@ -75,7 +75,7 @@ def test_feedback_from_the_linear_model(silverbox, linear):
     begun = first.like(before, poles, record.interval)
     chain = replace(linear, blocks=(first, line), theta=np.concatenate([begun, own]))
     assert errors(chain, silverbox) == pytest.approx(errors(linear, silverbox), rel=1e-6)
-    found = refine(chain, [record], Options(skip=SKIP))
+    found = refine_chain(chain, [record], Options(skip=SKIP))
     better = errors(chain.with_theta(found.theta), silverbox)
     assert all(ours <= bound for ours, bound in zip(better, FEEDBACK, strict=True)), better
 
@@ -84,7 +84,7 @@ def test_feedback_from_the_linear_model(silverbox, linear):
 @pytest.mark.parametrize("text", ["fb(2,3) | poly1", "nlss(2,3,1,0)"])
 def test_the_oscillator_is_found_without_help(silverbox, c_compiler, text):
     options = Options(starts=4, refined=1, skip=SKIP)
-    found = errors(estimate(text, silverbox["estimation"], options).chain, silverbox)
+    found = errors(estimate_chain(text, silverbox["estimation"], options).chain, silverbox)
     assert all(ours <= bound for ours, bound in zip(found, FEEDBACK, strict=True)), found
 
 
@@ -96,7 +96,7 @@ def wiener_hammerstein() -> dict[str, Sampled]:
 def error_on_test(chain: Chain, records: dict[str, Sampled]) -> float:
     """Root mean square [mV]."""
     test = records["test"]
-    return 1e3 * float(rms(test.outputs, chain.simulate(test), SKIP)[0])
+    return 1e3 * float(compute_rms(test.outputs, chain.simulate(test), SKIP)[0])
 
 
 @needs_wiener_hammerstein
@@ -118,5 +118,5 @@ def test_a_linear_model_of_two_filters_around_a_diode(wiener_hammerstein, c_comp
 def test_two_filters_around_a_network(wiener_hammerstein, c_compiler):
     options = Options(starts=9, refined=2, iterations=60, skip=SKIP)
     text = "oe(4,3,0) | sigmoid16 | oe(4,3,0)"
-    chain = estimate(text, wiener_hammerstein["estimation"], options).chain
+    chain = estimate_chain(text, wiener_hammerstein["estimation"], options).chain
     assert error_on_test(chain, wiener_hammerstein) <= WIENER_HAMMERSTEIN

@@ -22,7 +22,7 @@ from martensite.actuators.assembly import Machine
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import DataError
 from martensite.kernels.c99 import find_compiler
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
@@ -396,7 +396,7 @@ def test_sommerfeld_is_found_by_name() -> None:
     assert "sommerfeld" in study_names()
     study = load_study("sommerfeld")
     assert isinstance(study, Sommerfeld)
-    assert set(study.cites) <= set(bibliography())
+    assert set(study.cites) <= set(read_bibliography())
 
 
 @pytest.mark.slow

@@ -47,7 +47,7 @@ def nitihf() -> TangentFit:
 
 def half_of_stroke(name: str, factor: float = 1.0) -> list[tuple[float, float, float]]:
     """Of both branches: where half of the stroke is passed, the nearest row, the rows' distance."""
-    T, strain, _ = np.loadtxt(datasets.locate(name)).T
+    T, strain, _ = np.loadtxt(datasets.locate_file(name)).T
     strain = factor * strain
     hottest = int(T.argmax())
     middle = 0.5 * (strain.max() + strain.min())

@@ -15,7 +15,7 @@ from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 from scipy import optimize
 
 from martensite.base.errors import DataError
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.tables import Printed, printed_numbers
@@ -227,7 +227,7 @@ def test_wire_heating_is_found_by_name() -> None:
     assert "wire-heating" in study_names()
     study = load_study("wire-heating")
     assert isinstance(study, WireHeating)
-    assert set(study.cites) <= set(bibliography())
+    assert set(study.cites) <= set(read_bibliography())
 
 
 def test_figure(tmp_path) -> None:

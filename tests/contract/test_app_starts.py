@@ -11,11 +11,11 @@ from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
 from martensite.physics.materials.base import material_names
-from martensite.scenario.catalogue import registries
-from martensite.scenario.overrides import as_toml, changed
-from martensite.scenario.scenario import read
+from martensite.scenario.catalogue import list_registries
+from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.scenario import read_scenario
 
-ALL = registries()
+ALL = list_registries()
 SCENARIOS = {**scenarios(), "new": NEW.read_text("utf-8")}
 PLACES = {
     "element": ("new", "element.kind"),
@@ -75,7 +75,7 @@ def begun(registry: str, kind: str) -> str:
         document.setdefault("sensors", {})["spare"] = SPARE
     if "drive.kind" in changes:
         return answer({"text": as_toml(document), "changes": changes}, Desk(Path()))["text"]
-    document = changed(document, changes)
+    document = change_document(document, changes)
     return as_toml({key: value for key, value in document.items() if value is not None})
 
 
@@ -89,7 +89,7 @@ def test_every_kind_can_be_chosen(registry: str, kind: str, tmp_path: Path) -> N
     document = toml_document(found["text"])
     place = documents.table(document, path.removesuffix(".kind"))
     assert place.get("kind", kind) == kind
-    read(found["text"], FOLDER / "scenario.toml")
+    read_scenario(found["text"], FOLDER / "scenario.toml")
     for assumed in found["assumed"]:
         assert documents.entry(document, assumed) is not None, assumed
 
@@ -101,7 +101,7 @@ def test_every_material_can_be_chosen(name: str, scenario: str, tmp_path: Path) 
     found = answer(request, desk(tmp_path))
     assert found["missing"] == []
     assert toml_document(found["text"])["element"]["material"] == name
-    read(found["text"], FOLDER / "scenario.toml")
+    read_scenario(found["text"], FOLDER / "scenario.toml")
 
 
 def test_every_registry_has_a_place() -> None:

@@ -125,7 +125,7 @@ def check_rest(one: Any) -> None:
         guess, memory = one.update(floats, memory, readings, signals, PERIOD, 1)
     last = dict(zip(one.estimates(), guess, strict=True))
     share = AT_AN_END.get(one.registered_name, 0.0)
-    for name in hidden.names(one.model):
+    for name in hidden.list_names(one.model):
         allowed = share * last.get(f"{name}_std", 0.0) + 1e-9
         assert abs(last[name] - first[name]) <= allowed, name
 

@@ -38,12 +38,12 @@ from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.controllers.two_level import TwoLevel
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.control.loop.run import opened, simulate_bench
+from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
@@ -158,7 +158,7 @@ def run(name: str, runtime: str) -> dict[str, np.ndarray]:
     """
     whole, duration = bench(made(name)), CASES[name].samples * PERIOD
     if runtime == "outside":
-        rest, controller = opened(whole, "drive")
+        rest, controller = open_loop(whole, "drive")
         found = simulate_bench(rest, duration, outside={"drive": controller})
     else:
         found = simulate_bench(whole, duration, runtime=runtime)
@@ -277,7 +277,7 @@ def test_it_is_documented(name: str) -> None:
     cls = CONTROLLERS[name]
     assert (cls.__doc__ or "").strip()
     assert all(declared.doc.strip() for declared in cls.declarations.values())
-    assert set(cls.cites) <= set(bibliography())
+    assert set(cls.cites) <= set(read_bibliography())
 
 
 def test_what_is_no_kernel_stays_off_the_bench() -> None:
@@ -310,7 +310,7 @@ class Growing(Pid):
 def test_broken_controllers_are_noticed() -> None:
     pid = made("pid")
     given = {name: getattr(pid, name) for name in pid.declarations}
-    rest, broken = opened(bench(Timed(**given)), "drive")
+    rest, broken = open_loop(bench(Timed(**given)), "drive")
     found = simulate_bench(rest, SAMPLES * PERIOD, outside={"drive": broken})
     columns = {column: np.array(found[column])[:-1] for column in run("pid", "floats")}
     with pytest.raises(AssertionError, match="Not equal to tolerance"):

@@ -18,12 +18,12 @@ from martensite.design.backends.base import BACKENDS
 from martensite.design.sampling.base import DESIGNS
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS
-from martensite.scenario.catalogue import registries
+from martensite.scenario.catalogue import list_registries
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import STUDIES
 
 EVERY: dict[str, Registry[Any]] = {
-    **registries(blocks=True),
+    **list_registries(blocks=True),
     **{registry.kind: registry for registry in (MEASURES, STUDIES, BACKENDS, DESIGNS)},
 }
 NOTHING_ASKED = {"fault"}

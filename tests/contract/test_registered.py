@@ -12,7 +12,7 @@ from martensite.base import units
 from martensite.base.errors import UnitError
 from martensite.base.parameters import Parametrised, param
 from martensite.physics.thermal.base import Environment
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 from martensite.signals.base import DRIVE
 
 CLASSES = [*registered(), System, Environment, Limits]
@@ -45,7 +45,7 @@ class TestDeclarations:
                 assert declared.convert(cls.__name__, name, declared.default) == declared.default
 
     def test_sources_are_in_the_bibliography(self, cls):
-        assert set(cls.cites) <= set(bibliography())
+        assert set(cls.cites) <= set(read_bibliography())
 
 
 @pytest.mark.parametrize("kind", REGISTRIES)

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from kernels import TRUTHS
 
 from martensite.base import units
-from martensite.control.sensors.base import SENSORS, readings
+from martensite.control.sensors.base import SENSORS, simulate_readings
 from martensite.control.sensors.current import CurrentSensor
 from martensite.kernels import floats
 
@@ -74,7 +74,7 @@ def usual(sensor: Any, share: float = 0.6) -> list[float]:
 
 
 def record(sensor: Any, truth: list[float], count: int, dt: float = 0.01) -> np.ndarray:
-    return readings(sensor, np.tile(truth, (count, 1)), dt, np.random.default_rng(7))
+    return simulate_readings(sensor, np.tile(truth, (count, 1)), dt, np.random.default_rng(7))
 
 
 def size(sensor: Any, truth: list[float]) -> float:

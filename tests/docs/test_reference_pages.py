@@ -35,7 +35,7 @@ def extension() -> ModuleType:
 
 def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
     text = extension.SECTIONS["parts"]()
-    for kind, registry in catalogue.registries().items():
+    for kind, registry in catalogue.list_registries().items():
         for name in registry.names():
             section = text.partition(f"(part-{kind}-{name})=")[2].partition("(part-")[0]
             assert section, f"{kind} {name}"
@@ -76,7 +76,7 @@ def test_every_number_of_every_material_is_there(extension: ModuleType) -> None:
 def test_every_work_is_there_without_markup(extension: ModuleType) -> None:
     text = extension.SECTIONS["bibliography"]()
     targets = re.findall(r"^\(bib-(.+)\)=$", text, re.MULTILINE)
-    assert sorted(targets) == sorted(citations.bibliography())
+    assert sorted(targets) == sorted(citations.read_bibliography())
     assert not re.search(r"[\\{}]", text)
 
 
@@ -87,7 +87,7 @@ def test_every_citation_leads_to_a_work(extension: ModuleType) -> None:
     texts += [page.read_text(encoding="utf-8") for page in pages()]
     named = {key for text in texts for key in re.findall(r"\(\S*#bib-([\w-]+)\)", text)}
     assert named
-    assert named <= set(citations.bibliography())
+    assert named <= set(citations.read_bibliography())
 
 
 def test_every_command_is_there(extension: ModuleType) -> None:

@@ -32,7 +32,7 @@ from martensite.physics.electrical.voltage import VoltageSource
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.constant import ConstantCooling
 from martensite.physics.thermal.ends import ClampedEnds
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
@@ -214,7 +214,7 @@ samples = 51
 def element(text: str = SCENARIO, **changes: Any) -> Any:
     """The element that a scenario builds."""
     named = {key.replace("__", "."): value for key, value in changes.items()}
-    return read(text, overrides=named or None).system.element
+    return read_scenario(text, overrides=named or None).system.element
 
 
 def sentence(**changes: Any) -> str:
@@ -230,8 +230,8 @@ def test_a_bundle_is_built_from_a_scenario() -> None:
     assert (type(found), found.count, found.wiring) == (Bundle, 3.0, "series")
     assert found.strand.density == pytest.approx(6450.0)
     assert found.strand.diameter == pytest.approx(0.25e-3)
-    assert read(SCENARIO).origins["element.strand.diameter"] == "scenario"
-    assert "flexinol-90" in read(SCENARIO).origins["element.strand.density"]
+    assert read_scenario(SCENARIO).origins["element.strand.diameter"] == "scenario"
+    assert "flexinol-90" in read_scenario(SCENARIO).origins["element.strand.density"]
     assert math.isclose(found.heat_capacity_total(), 3 * found.strand.heat_capacity_total())
 
 

@@ -20,7 +20,7 @@ from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
 from martensite.physics.thermal.base import Cylinder
 from martensite.physics.thermal.ends import LEAST, AdiabaticEnds, ClampedEnds
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 
@@ -164,23 +164,23 @@ AXIAL = (
 
 
 def test_ends_draw_the_conductivity_of_the_material() -> None:
-    found = read(SCENARIO.replace("ENDS", '{ kind = "clamped" }'))
+    found = read_scenario(SCENARIO.replace("ENDS", '{ kind = "clamped" }'))
     wire: Any = found.system.element
     assert wire.ends == ClampedEnds(thermal_conductivity=18.0)
     assert found.origins["element.ends.thermal_conductivity"] == "datasheet, flexinol-90"
-    assert read(SCENARIO.replace("ENDS", '"clamped"')).system.element == wire
+    assert read_scenario(SCENARIO.replace("ENDS", '"clamped"')).system.element == wire
 
 
 def test_ends_can_be_written_out() -> None:
     text = '{ kind = "clamped", thermal_conductivity = "10 W/m/K", contact = "2 mW/K" }'
-    wire: Any = read(SCENARIO.replace("ENDS", text)).system.element
+    wire: Any = read_scenario(SCENARIO.replace("ENDS", text)).system.element
     assert wire.ends == ClampedEnds(thermal_conductivity=10.0, contact=2e-3)
-    plain: Any = read(SCENARIO.replace("ends = ENDS\n", "")).system.element
+    plain: Any = read_scenario(SCENARIO.replace("ends = ENDS\n", "")).system.element
     assert plain.ends == AdiabaticEnds()
 
 
 def test_axial_wire_draws_the_conductivity_of_the_material() -> None:
-    found = read(AXIAL)
+    found = read_scenario(AXIAL)
     cut: Any = found.system.element
     assert isinstance(cut, AxialWire)
     assert cut.thermal_conductivity == 18.0
@@ -202,5 +202,5 @@ def test_axial_wire_draws_the_conductivity_of_the_material() -> None:
 )
 def test_what_cannot_be_meant_is_refused(text: str, words: str) -> None:
     with pytest.raises(Exception, match=words) as caught:
-        read(text)
+        read_scenario(text)
     assert type(caught.value).__module__ == "martensite.base.errors"

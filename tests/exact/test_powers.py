@@ -10,7 +10,7 @@ from kernels import RUNTIMES, Kernel, on_lanes, traced
 
 from martensite.base.parameters import Parametrised
 from martensite.export.c_kernels import precision_of
-from martensite.export.c_operations import operations
+from martensite.export.c_operations import count_operations
 from martensite.kernels import floats
 from martensite.kernels.adjoint import compute_gradient
 from martensite.kernels.dual import compute_jacobian, value_and_slope
@@ -191,7 +191,7 @@ def test_slopes_of_whole_powers() -> None:
 def test_a_power_is_one_operation_and_a_constant_one_none() -> None:
     program = traced(Parametrised(), KERNEL)
     assert program.graph.operations.count("power") == 1
-    counted = operations(program.graph, program.functions["kernel"].outputs)
+    counted = count_operations(program.graph, program.functions["kernel"].outputs)
     assert counted == {"power": 1, "compare": 2, "select": 2}
     folded = Program()
     folded.add("k", (), lambda xp: (xp.power(xp.store(2.0), 0.5), xp.power(3.0, 2)))

@@ -23,7 +23,7 @@ from martensite.design.sizing.strand import Strand
 from martensite.design.sizing.wiring import best_wiring
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.wires import load_wires
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 
@@ -38,7 +38,7 @@ def asked(**changes: Any) -> WireRequest:
 
 
 def run_of(request: WireRequest, candidate: Candidate) -> Any:
-    return read(scenario_text(request, candidate, WIRES)).run(tolerance=1e-3)
+    return read_scenario(scenario_text(request, candidate, WIRES)).run(tolerance=1e-3)
 
 
 # ---------------------------------------------------------------- statics
@@ -275,7 +275,7 @@ def test_too_slow_a_wire_is_written_at_its_own_rate() -> None:
     found = judge(request, THICK, "90")
     assert not found.feasible and found.cycle is not None
     text = scenario_text(request, found, WIRES)
-    scenario = read(text)
+    scenario = read_scenario(text)
     assert "# Not met: too slow" in text
     assert "1 Hz are not reached" in text
     assert scenario.duration == pytest.approx(3.0 / found.cycle.fastest)  # type: ignore[operator]

@@ -37,7 +37,7 @@ from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.constant import ConstantCooling
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.moments import Tone
@@ -407,7 +407,7 @@ samples = 9
 @pytest.mark.parametrize("control", ["stress", "strain"])
 def test_the_columns_of_a_report_make_a_scenario(control: str, tmp_path: Path) -> None:
     (tmp_path / "report.csv").write_text(REPORT, encoding="utf-8")
-    scenario = read(SCENARIO.format(control=control), tmp_path / "pull.toml")
+    scenario = read_scenario(SCENARIO.format(control=control), tmp_path / "pull.toml")
     run = scenario.run()
     rows = [[float(x) for x in line.split(",")] for line in REPORT.splitlines()[1:]]
     given = np.array([row[2] * 1e6 if control == "stress" else row[3] * 1e-2 for row in rows])

@@ -14,7 +14,7 @@ from martensite.fit.free import Wish
 from martensite.fit.posterior import SPLIT, Posterior, posterior
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 
@@ -43,7 +43,7 @@ NOISE = 2e-4
 
 @pytest.fixture(scope="module")
 def fit(c_compiler: str) -> Fit:
-    scenario = read(SCENARIO)
+    scenario = read_scenario(SCENARIO)
     run = simulate(scenario.system, scenario.waveform, 100.0, step=2.0, samples=51)
     noise = NOISE * np.random.default_rng(1).standard_normal(51)
     strain = (np.array(run["strain"]) + noise).tolist()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError
-from martensite.identify.chains.chain import Chain, untrained
-from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.wiener_hammerstein import wiener_hammerstein_starts
 from martensite.identify.chains.written import parse_chain
@@ -43,7 +43,7 @@ def _levels(rng: np.random.Generator, samples: int) -> np.ndarray:
 
 def _truth(text: str, parts: Sequence[Sequence[float]]) -> Chain:
     ends = np.array([[-1.0], [1.0]])
-    chain = untrained(parse_chain(text), Sampled("ends", DT, ends, ends, ("u",), ("y",)))
+    chain = build_untrained(parse_chain(text), Sampled("ends", DT, ends, ends, ("u",), ("y",)))
     return chain.with_theta(np.concatenate([np.array(part) for part in parts]))
 
 
@@ -72,13 +72,13 @@ def _validated(truth: Chain, found: Chain) -> float:
 )
 def test_structure_is_recovered_with_samples_missing(name: str) -> None:
     truth = _truth(*TRUTHS[name])
-    found = estimate(TRUTHS[name][0], _record(truth, 1, missing=0.1), QUICK)
+    found = estimate_chain(TRUTHS[name][0], _record(truth, 1, missing=0.1), QUICK)
     assert _validated(truth, found.chain) >= 99.0
 
 
 def test_a_structure_without_the_nonlinearity_does_not_reach_it() -> None:
     truth = _truth(*TRUTHS["hammerstein"])
-    found = estimate("poly1 | oe(2,2,1)", _record(truth, 1), QUICK)
+    found = estimate_chain("poly1 | oe(2,2,1)", _record(truth, 1), QUICK)
     assert _validated(truth, found.chain) < 90.0
 
 
@@ -87,7 +87,7 @@ def test_a_structure_without_the_nonlinearity_does_not_reach_it() -> None:
 def test_several_records_are_fitted_together(name: str) -> None:
     truth = _truth(*TRUTHS[name])
     records = [_record(truth, seed, 1000) for seed in (2, 3, 4)]
-    assert _validated(truth, estimate(TRUTHS[name][0], records, QUICK).chain) >= 99.0
+    assert _validated(truth, estimate_chain(TRUTHS[name][0], records, QUICK).chain) >= 99.0
 
 
 @pytest.mark.slow
@@ -96,7 +96,7 @@ def test_record_that_begins_on_the_move_estimates_its_first_state(name: str) -> 
     truth = _truth(*TRUTHS[name])
     record = _record(truth, 5, 3000).rows(700)
     options = Options(starts=6, refined=1, iterations=40, start="estimate")
-    assert _validated(truth, estimate(TRUTHS[name][0], record, options).chain) >= 99.0
+    assert _validated(truth, estimate_chain(TRUTHS[name][0], record, options).chain) >= 99.0
 
 
 @pytest.mark.slow
@@ -111,7 +111,7 @@ def test_prediction_error_beats_simulation_error_under_coloured_noise() -> None:
     y = y + 0.2 * np.std(y) / np.std(noise) * noise[:, None]
     record = Sampled("coloured", DT, u, y, ("u",), ("y",))
     ends = [
-        estimate("poly3 | oe(2,2,1)", record, Options(starts=4, refined=1, noise=order))
+        estimate_chain("poly3 | oe(2,2,1)", record, Options(starts=4, refined=1, noise=order))
         for order in (0, 1)
     ]
     fits = [_validated(truth, end.chain) for end in ends]
@@ -125,7 +125,7 @@ def test_poles_are_shared_out_as_they_belong() -> None:
     text, parts = TRUTHS["wiener-hammerstein"]
     truth = _truth(text, parts)
     record = _record(truth, 6)
-    start = wiener_hammerstein_starts(untrained(parse_chain(text), record), record, 2)[0]
+    start = wiener_hammerstein_starts(build_untrained(parse_chain(text), record), record, 2)[0]
     np.testing.assert_allclose(start.split()[0], parts[0], atol=0.2)
     np.testing.assert_allclose(start.split()[2][:2], parts[2][:2], atol=0.2)
 
@@ -133,10 +133,10 @@ def test_poles_are_shared_out_as_they_belong() -> None:
 def test_a_search_begins_with_a_simpler_chain() -> None:
     truth = _truth(*TRUTHS["hammerstein"])
     record = _record(truth, 1)
-    simple = estimate("poly1 | oe(1,1,1)", record, Options(starts=1, iterations=20)).chain
+    simple = estimate_chain("poly1 | oe(1,1,1)", record, Options(starts=1, iterations=20)).chain
     options = Options(starts=0, refined=1, iterations=60, begin=(simple,))
-    assert _validated(truth, estimate("poly3 | oe(2,2,1)", record, options).chain) >= 99.0
+    assert _validated(truth, estimate_chain("poly3 | oe(2,2,1)", record, options).chain) >= 99.0
     own = Options(starts=0, refined=1, iterations=1, begin=(truth,))
-    assert _validated(truth, estimate("poly3 | oe(2,2,1)", record, own).chain) >= 99.5
+    assert _validated(truth, estimate_chain("poly3 | oe(2,2,1)", record, own).chain) >= 99.5
     with pytest.raises(InputError, match="cannot begin with"):
-        estimate("oe(2,2,1)", record, own)
+        estimate_chain("oe(2,2,1)", record, own)

@@ -8,7 +8,7 @@ from martensite.identify.blocks.duhem import Duhem
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.heated_duhem import HeatedDuhem
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1
@@ -48,7 +48,7 @@ def true_numbers() -> np.ndarray:
 def found(c_compiler: str) -> Estimate:
     """From a start that knows nothing of the truth but the room."""
     data = [record(true_numbers(), 1, 8)]
-    return estimate("heated", data, Options(starts=2, refined=1, sigma=SIGMA))
+    return estimate_chain("heated", data, Options(starts=2, refined=1, sigma=SIGMA))
 
 
 def errors(chain: Chain, data: Sampled) -> np.ndarray:
@@ -97,7 +97,7 @@ def test_operators_are_found_again(c_compiler: str, kind: str) -> None:
     y = 5.0 * Chain((block,), truth, DT).simulate(record) + 1.0
     spread = 0.01 * float(np.std(y))
     noisy = record.with_outputs(y + spread * rng.normal(size=y.shape))
-    fitted = estimate([block, Gain()], noisy, Options(starts=4, refined=1, threads=1))
+    fitted = estimate_chain([block, Gain()], noisy, Options(starts=4, refined=1, threads=1))
     assert np.std(fitted.chain.simulate(noisy) - y) < 0.3 * spread
     own = fitted.chain.theta[: len(truth)]
     assert own == pytest.approx(truth, abs=0.1)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.identify.chains.chain import Chain, untrained
-from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
@@ -52,13 +52,13 @@ def blank(seed: int) -> Sampled:
 
 def truth_of(blocks: str | tuple[AbstractBlock, ...], parts: list[list[float]]) -> Chain:
     made = parse_chain(blocks) if isinstance(blocks, str) else blocks
-    chain = untrained(made, blank(1))
+    chain = build_untrained(made, blank(1))
     return chain.with_theta(np.concatenate(parts))
 
 
 def found_again(truth: Chain, text: str, options: Options) -> tuple[Estimate, float]:
     """What is estimated, and its fit [%] to the truth on a record that it has not seen."""
-    made = estimate(text, record(truth, 1, NOISE), options)
+    made = estimate_chain(text, record(truth, 1, NOISE), options)
     other = record(truth, 2, 0.0)
     fit = fit_percent(other.outputs, made.chain.simulate(other))
     return made, float(fit[0])
@@ -98,7 +98,7 @@ def test_a_straight_line_does_not_do(c_compiler: str) -> None:
 @pytest.mark.parametrize("seed", [3, 4])
 def test_preisach_after_a_linear_system(c_compiler: str, seed: int) -> None:
     text = "oe(1,1,1) | preisach(4,6)"
-    chain = untrained(parse_chain(text), blank(1))
+    chain = build_untrained(parse_chain(text), blank(1))
     preisach = chain.blocks[1]
     own = preisach.drawn(np.random.default_rng(seed), 150.0, DT)
     truth = chain.with_theta(np.concatenate([[np.log(2.0)], own]))
@@ -128,7 +128,7 @@ def test_backlash(c_compiler: str) -> None:
 @pytest.mark.slow
 def test_generalised_plays_before_a_linear_system(c_compiler: str) -> None:
     text = "gpi(3,6) | oe(1,1,1)"
-    chain = untrained(parse_chain(text), blank(1))
+    chain = build_untrained(parse_chain(text), blank(1))
     own = chain.blocks[0].drawn(np.random.default_rng(5), 150.0, DT)
     truth = chain.with_theta(np.concatenate([own, [np.log(2.0)]]))
     made, fit = found_again(truth, text, Options(starts=8, refined=3))
@@ -139,7 +139,7 @@ def test_generalised_plays_before_a_linear_system(c_compiler: str) -> None:
 @pytest.mark.slow
 def test_plays_stand_in_for_preisach(c_compiler: str) -> None:
     """Another hysteresis, of even density: plays and a curve come close."""
-    chain = untrained(parse_chain("preisach(8,8) | oe(1,1,1)"), blank(1))
+    chain = build_untrained(parse_chain("preisach(8,8) | oe(1,1,1)"), blank(1))
     first: Any = chain.blocks[0]
     truth = chain.with_theta(np.concatenate([first.line(0.1, 0.0), [np.log(0.5)]]))
     assert found_again(truth, "pi12 | poly3 | oe(1,1,1)", Options(starts=4, refined=2))[1] > 98.0

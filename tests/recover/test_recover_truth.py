@@ -15,7 +15,7 @@ from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.runner import Runner
 from martensite.fit.solve import solve_problem
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.records import Record
 
 REPETITIONS = 200
@@ -120,7 +120,7 @@ NOISES = (0.001, 0.01)
 
 @cache
 def scenario(cell: Cell) -> Scenario:
-    return read(cell.text)
+    return read_scenario(cell.text)
 
 
 @cache

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from sensing_cases import SINE, STEPS, STROKE, rms, run, sensing_bench, sensing_plant, shaken
 
-from martensite.control.loop.consistency import Consistency, consistency
+from martensite.control.loop.consistency import Consistency, check_consistency
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.observers.unscented import UnscentedKalman
@@ -98,7 +98,7 @@ def judged(cls: type, wave: Sine, trust: float = 1.0) -> Consistency:
     """50 runs on a plant with the noise a filter reckons with, or 1/trust of it."""
     noise = {"temperature_noise": 0.5 / trust, "fraction_noise": 0.02 / trust}
     bench = sensing_bench(shaken(PLANT), cls(model=PLANT, **noise))
-    return consistency(bench, 30.0, waveforms={"drive": wave}, runs=50)
+    return check_consistency(bench, 30.0, waveforms={"drive": wave}, runs=50)
 
 
 def check_consistent(found: Consistency) -> None:

@@ -19,7 +19,7 @@ from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.mounted import Mounted
 from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
-from martensite.control.loop.run import opened, simulate_bench
+from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
@@ -84,7 +84,7 @@ class TestSameEverywhere:
 
     def test_controller_inside_as_outside(self) -> None:
         inside = simulate_bench(bench(), DURATION, runtime="floats")
-        opening, controller = opened(bench(), "drive")
+        opening, controller = open_loop(bench(), "drive")
         outside = simulate_bench(opening, DURATION, outside={"drive": controller})
         assert apart(inside, outside, "position") <= 1e-10
         assert apart(inside, outside, "measured.position") <= 1e-10
@@ -92,7 +92,7 @@ class TestSameEverywhere:
 
     def test_columns_of_a_controller_outside_are_those_of_one_inside(self) -> None:
         inside = simulate_bench(bench(), 1.0, runtime="floats")
-        opening, controller = opened(bench(), "drive")
+        opening, controller = open_loop(bench(), "drive")
         outside = simulate_bench(opening, 1.0, outside={"drive": controller})
         assert set(outside.columns) == set(inside.columns)
         assert outside.outputs == inside.outputs
@@ -110,7 +110,7 @@ class TestSameEverywhere:
 
     def test_a_run_outside_tells_how_far_it_is(self) -> None:
         told: list[float] = []
-        opening, controller = opened(bench(), "drive")
+        opening, controller = open_loop(bench(), "drive")
         simulate_bench(opening, 0.5, outside={"drive": controller}, watch=told.append)
         assert told == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 

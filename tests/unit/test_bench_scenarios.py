@@ -20,8 +20,8 @@ from martensite.control.controllers.scheduled_pid import ScheduledPid
 from martensite.control.loop.mounted import Mounted
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.position import PositionSensor
-from martensite.scenario.overrides import as_toml, changed
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -67,7 +67,9 @@ def without(text: str, *lines: str) -> str:
 
 def controlled(controller: str, reference: str = REFERENCE, driver: str = DRIVER) -> Scenario:
     """The plant under another controller, everything known."""
-    return read(PLANT + driver + "[controller]\nperiod = '20 ms'\n" + controller + reference)
+    return read_scenario(
+        PLANT + driver + "[controller]\nperiod = '20 ms'\n" + controller + reference
+    )
 
 
 def placed(scenario: Scenario) -> dict[str, Any]:
@@ -79,7 +81,7 @@ def placed(scenario: Scenario) -> dict[str, Any]:
 
 
 def test_loop_is_that_of_its_parts() -> None:
-    bench = read(LOOP).bench
+    bench = read_scenario(LOOP).bench
     assert bench is not None
     assert bench.period == pytest.approx(0.02)
     assert bench.sensors.members() == {"position": Mounted(sensor=PositionSensor(), delay=0.04)}
@@ -92,41 +94,41 @@ def test_loop_is_that_of_its_parts() -> None:
 
 
 def test_run_of_a_scenario_is_that_of_its_bench() -> None:
-    scenario = read(LOOP)
+    scenario = read_scenario(LOOP)
     assert scenario.bench is not None
     result = scenario.run(runtime="floats")
     same = simulate_bench(scenario.bench, 0.4, seed=0, runtime="floats")
     assert result.columns == same.columns
     assert len(result.times) == 21
     assert {"position", "measured.position", "reference", "wanted"} <= set(result.columns)
-    other = read(LOOP + "[bench]\nseed = 1\n").run(runtime="floats")
+    other = read_scenario(LOOP + "[bench]\nseed = 1\n").run(runtime="floats")
     assert other.columns["measured.position"] != result.columns["measured.position"]
 
 
 def test_noise_can_be_left_out() -> None:
-    quiet = read(LOOP + "[bench]\nnoise = 'none'\n").run(runtime="floats")
+    quiet = read_scenario(LOOP + "[bench]\nnoise = 'none'\n").run(runtime="floats")
     assert set(quiet["measured.position"][:3]) == {0.0}
 
 
 def test_scenario_without_sensor_or_controller_has_no_bench() -> None:
     text = PLANT + DRIVER + "waveform = { kind = 'constant', level = 0.1 }\n"
-    assert read(text).bench is None
-    watched = read(text + SENSOR + "[bench]\nperiod = '20 ms'\n")
+    assert read_scenario(text).bench is None
+    watched = read_scenario(text + SENSOR + "[bench]\nperiod = '20 ms'\n")
     assert watched.bench is not None
     assert "measured.position" in watched.run(runtime="floats").columns
 
 
 def test_drive_is_another_word_for_driver() -> None:
-    named = read(LOOP.replace("[driver]", "[drive]"))
-    assert named.bench == read(LOOP).bench
+    named = read_scenario(LOOP.replace("[driver]", "[drive]"))
+    assert named.bench == read_scenario(LOOP).bench
     assert "drive.supply" in placed(named)
-    assert "driver.supply" in placed(read(LOOP))
+    assert "driver.supply" in placed(read_scenario(LOOP))
 
 
 @pytest.mark.parametrize("section", ["controller", "bench", "run"])
 def test_period_may_stand_in_one_of_three_sections(section: str) -> None:
     text = without(LOOP, 'period = "20 ms"\n')
-    scenario = read(text, None, {f"{section}.period": "10 ms"})
+    scenario = read_scenario(text, None, {f"{section}.period": "10 ms"})
     assert scenario.bench is not None
     assert scenario.bench.period == pytest.approx(0.01)
     assert f"{section}.period" in placed(scenario)
@@ -160,14 +162,14 @@ def test_every_number_is_reached_by_its_path() -> None:
         "controller.law.filter": 2, "reference.high": "5 mm", "driver.supply": "6 V",
         "controller.high": 0.5,
     }  # fmt: skip
-    leaves = placed(read(LOOP, None, settings))
+    leaves = placed(read_scenario(LOOP, None, settings))
     shown = {path: leaves[path].value for path in settings}
     assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 2.0, 5e-3, 6.0, 0.5])
 
 
 def test_changed_scenario_is_written_out_and_read_again() -> None:
-    scenario = read(LOOP, None, {"controller.Kp": 99})
-    assert read(scenario.text).bench == scenario.bench
+    scenario = read_scenario(LOOP, None, {"controller.Kp": 99})
+    assert read_scenario(scenario.text).bench == scenario.bench
     assert "Kp = 99" in scenario.text
 
 
@@ -183,7 +185,9 @@ def test_changed_scenario_is_written_out_and_read_again() -> None:
 )
 def test_sensor_is_called_like_what_it_measures(section: str, name: str) -> None:
     wave = "waveform = { kind = 'constant', level = 0.1 }\n"
-    bench = read(PLANT + DRIVER + wave + f"[sensor]\n{section}\n[bench]\nperiod = '20 ms'").bench
+    bench = read_scenario(
+        PLANT + DRIVER + wave + f"[sensor]\n{section}\n[bench]\nperiod = '20 ms'"
+    ).bench
     assert bench is not None
     assert list(bench.sensors.members()) == [name]
 
@@ -194,15 +198,15 @@ def test_model_of_an_observer_is_the_system_or_differs_where_it_says() -> None:
         text.replace('"position"', '"estimated.position"')
         + "[observer]\nkind = 'extended-kalman'\n"
     )
-    right = read(text)
-    wrong = read(text + 'model = { "element.diameter" = "0.14 mm" }\n')
+    right = read_scenario(text)
+    wrong = read_scenario(text + 'model = { "element.diameter" = "0.14 mm" }\n')
     assert right.bench is not None
     assert wrong.bench is not None
     (own,) = right.bench.observers.members().values()
     (other,) = wrong.bench.observers.members().values()
     assert own.model == right.system
     assert other.model == right.system.with_values({"element.diameter": "0.14 mm"})
-    again = read(wrong.text, None, {"observer.model.element.length": "240 mm"})
+    again = read_scenario(wrong.text, None, {"observer.model.element.length": "240 mm"})
     assert placed(again)["observer.model.element.length"].value == pytest.approx(0.24)
 
 
@@ -251,15 +255,15 @@ def test_guard_cuts_and_faults_act() -> None:
         + "[sensors.temperature]\nkind = 'ideal'\nof = 'temperature'\n"
     )
     text = text.replace("Kp = 150", "Kp = 3000")
-    free = read(text).run(runtime="floats")
-    cut = read(text + GUARD).run(runtime="floats")
+    free = read_scenario(text).run(runtime="floats")
+    cut = read_scenario(text + GUARD).run(runtime="floats")
     assert max(free["temperature"]) > 308.0
     assert max(cut["temperature"]) < 306.0
     assert cut["alarm"][0] == 0.0
     assert cut["alarm"][-1] == 1.0
     assert cut["drive"][-1] == 0.0 < cut["wanted"][-1]
     sag = "[faults.sag]\nkind = 'supply-sag'\nshare = 0.5\nstart = '0.2 s'\n"
-    weak = read(text + sag).run(runtime="floats")
+    weak = read_scenario(text + sag).run(runtime="floats")
     half = 10
     assert weak.columns["temperature"][:half] == free.columns["temperature"][:half]
     assert weak["temperature"][-1] < free["temperature"][-1] - 1.0
@@ -267,7 +271,7 @@ def test_guard_cuts_and_faults_act() -> None:
 
 def test_machine_has_controllers_by_port() -> None:
     document = (EXAMPLES / "closed_loop_platform.toml").read_text(encoding="utf-8")
-    scenario = read(document, None, {"run.duration": "0.1 s"})
+    scenario = read_scenario(document, None, {"run.duration": "0.1 s"})
     assert scenario.bench is not None
     assert list(scenario.bench.controllers.members()) == ["first"]
     result = scenario.run(runtime="floats")
@@ -276,7 +280,7 @@ def test_machine_has_controllers_by_port() -> None:
     single = document.replace("[controllers.first]", "[controller]")
     single = single.replace("[references.first]", "[reference]")
     with pytest.raises(ParameterError, match=r"which of the drives first, second, third"):
-        read(single)
+        read_scenario(single)
 
 
 def test_model_of_blocks_is_controlled_too() -> None:
@@ -295,7 +299,7 @@ level = "3 mm"
 [run]
 duration = "20 s"
 """
-    scenario = read(text, EXAMPLES / "loop.toml")
+    scenario = read_scenario(text, EXAMPLES / "loop.toml")
     assert placed(scenario)["controller.high"].value == pytest.approx(0.16)
     result = scenario.run(runtime="floats")
     assert result.columns["wanted"][0] == pytest.approx(min(0.16, 100 * 0.003), rel=0.01)
@@ -333,7 +337,7 @@ def test_what_does_not_fit_is_refused_with_a_sentence(
     changes: dict[str, Any], sentence: str
 ) -> None:
     with pytest.raises(InputError) as raised:
-        read(LOOP, None, changes)
+        read_scenario(LOOP, None, changes)
     assert sentence in str(raised.value)
 
 
@@ -351,18 +355,18 @@ def test_what_does_not_fit_is_refused_with_a_sentence(
 )
 def test_what_is_missing_is_named(gone: tuple[str, ...], sentence: str) -> None:
     with pytest.raises(ParameterError) as raised:
-        read(without(LOOP, *gone))
+        read_scenario(without(LOOP, *gone))
     assert sentence in str(raised.value)
 
 
 def test_reference_of_another_unit_is_refused() -> None:
     with pytest.raises(UnitError, match=r"\[reference\] .*`degC` cannot be converted to `m`"):
-        read(LOOP, None, {"reference.high": "40 degC"})
+        read_scenario(LOOP, None, {"reference.high": "40 degC"})
 
 
 def test_switched_off_sections_are_no_bench_of_their_own() -> None:
     """The sound scenario is read: a refusal above is about what was changed."""
-    assert read(as_toml(changed({}, {})) + LOOP).bench is not None
+    assert read_scenario(as_toml(change_document({}, {})) + LOOP).bench is not None
 
 
 def test_examples_of_closed_loops_are_sound() -> None:
@@ -377,8 +381,8 @@ def test_examples_of_closed_loops_are_sound() -> None:
 def test_reference_without_its_controller_is_refused() -> None:
     several = LOOP.replace("[controller]", "[controllers.drive]").replace('period = "20 ms"\n', "")
     several = several.replace("[reference]", "[references.drive]") + "[bench]\nperiod = '20 ms'\n"
-    assert read(several).bench == read(LOOP).bench
+    assert read_scenario(several).bench == read_scenario(LOOP).bench
     with pytest.raises(ParameterError, match=r"\[references.drve\] has no effect"):
-        read(several, None, {"references.drve": {"kind": "constant", "level": "1 mm"}})
+        read_scenario(several, None, {"references.drve": {"kind": "constant", "level": "1 mm"}})
     with pytest.raises(ParameterError, match=r"\[controllers.drve\] There is no drive `drve`"):
-        read(several, None, {"controllers.drve": {"kind": "pid"}})
+        read_scenario(several, None, {"controllers.drve": {"kind": "pid"}})

@@ -14,7 +14,7 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.cli import app
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.physics.electrical.voltage import VoltageSource
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.signals.carrier import Carrier, limit_duty
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
@@ -113,7 +113,7 @@ def nested() -> str:
 
 
 def test_a_waveform_may_hold_another() -> None:
-    scenario = read(nested())
+    scenario = read_scenario(nested())
     assert scenario.waveform == Carrier(duty=Ramp(high=0.3, end=4.0), frequency=50.0)
     assert scenario.origins["drive.waveform.duty.high"] == "scenario"
     assert scenario.run().stroke >= 0.0
@@ -122,7 +122,7 @@ def test_a_waveform_may_hold_another() -> None:
 def test_a_carrier_on_another_drive_is_refused_with_its_section() -> None:
     text = nested().replace('kind = "pwm-voltage"', 'kind = "power-pwm"')
     with pytest.raises(InputError, match=r"\[drive.waveform\] The signal of waveform `carrier`"):
-        read(text)
+        read_scenario(text)
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import ParameterError
-from martensite.identify.chains.chain import Chain, untrained
-from martensite.identify.chains.levenberg import Normal, minimise
+from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.levenberg import Normal, minimise_cost
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
@@ -22,7 +22,7 @@ def record(outputs: np.ndarray | None = None) -> Sampled:
 
 @pytest.fixture(scope="module")
 def chain() -> Chain:
-    made = untrained(parse_chain("poly2 | oe(3,3,1) | poly3"), record())
+    made = build_untrained(parse_chain("poly2 | oe(3,3,1) | poly3"), record())
     return made.with_theta(made.theta + 0.1 * RNG.normal(size=len(made.theta)))
 
 
@@ -77,7 +77,7 @@ def test_records_add_up_and_estimate_states_of_their_own(chain: Chain, noisy: Sa
     halves = noisy.rows(0, 250), noisy.rows(250)
     both = squares(chain, *(Aim(h, weights=np.ones(1), start="estimate") for h in halves))
     assert both.size == len(chain.theta) + 2 * chain.engine.plan.states
-    found = minimise(both, both.extended(chain.theta))
+    found = minimise_cost(both, both.extended(chain.theta))
     truth = noisy.outputs[250:]
     assert np.sqrt(found.value / both.count) < 0.025
     run = chain.with_theta(found.theta[: len(chain.theta)])
@@ -112,12 +112,12 @@ class Valley:
 
 
 def test_the_search_follows_a_bent_valley() -> None:
-    found = minimise(Valley(), np.array([-1.2, 1.0, 7.0]))
+    found = minimise_cost(Valley(), np.array([-1.2, 1.0, 7.0]))
     np.testing.assert_allclose(found.theta, [1.0, 1.0, 7.0], atol=1e-6)
     assert found.converged
 
 
 def test_held_numbers_stay_and_a_limit_is_told() -> None:
-    held = minimise(Valley(), np.array([-1.2, 1.0, 0.0]), free=np.array([False, True, True]))
+    held = minimise_cost(Valley(), np.array([-1.2, 1.0, 0.0]), free=np.array([False, True, True]))
     np.testing.assert_allclose(held.theta, [-1.2, 1.44, 0.0], atol=1e-9)
-    assert not minimise(Valley(), np.array([-1.2, 1.0, 0.0]), iterations=2).converged
+    assert not minimise_cost(Valley(), np.array([-1.2, 1.0, 0.0]), iterations=2).converged

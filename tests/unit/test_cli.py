@@ -110,11 +110,11 @@ def test_run_json_holds_numbers_in_si(folder: Path) -> None:
 
 def test_saved_data_hold_the_scenario_that_was_run(folder: Path) -> None:
     from martensite.scenario.netcdf import open_result
-    from martensite.scenario.scenario import read
+    from martensite.scenario.scenario import read_scenario
 
     fine("run", "wire.toml", "--no-figure", "--set", "element.length=100 mm", "--out", "a.nc")
     text = open_result("a.nc").attrs["scenario"]
-    assert read(text).system.element.__dict__["length"] == pytest.approx(0.1)
+    assert read_scenario(text).system.element.__dict__["length"] == pytest.approx(0.1)
 
 
 def test_settings_tolerance_and_runtime_change_the_run(folder: Path) -> None:

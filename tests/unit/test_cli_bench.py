@@ -17,9 +17,9 @@ import pytest
 from command import Command
 
 from martensite.cli import waiting
-from martensite.scenario.catalogue import registries
+from martensite.scenario.catalogue import list_registries
 from martensite.scenario.netcdf import open_result
-from martensite.scenario.scenario import load, read
+from martensite.scenario.scenario import load, read_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SHORT = ("--runtime", "floats", "--set", "run.duration=0.5 s")
@@ -52,7 +52,7 @@ def test_run_writes_every_column_and_the_scenario(folder: Path) -> None:
     for name in ("measured.position", "reference", "wanted", "drive"):
         assert saved[name].values.tolist() == same[name].tolist()
     assert saved["measured.position"].attrs["units"] == "m"
-    again = read(saved.attrs["scenario"])
+    again = read_scenario(saved.attrs["scenario"])
     assert again.bench is not None
     assert again.bench.value_of("controllers.drive.Kp") == 90.0
     assert "astrom1995" in saved.attrs["citations"]
@@ -175,7 +175,7 @@ def test_cite_names_the_works_behind_the_controller(folder: Path) -> None:
 
 @pytest.mark.parametrize("kind", LISTS)
 def test_lists_hold_the_registry(kind: str) -> None:
-    registry = registries()[kind.removesuffix("s")]
+    registry = list_registries()[kind.removesuffix("s")]
     found = json.loads(fine("list", kind, "--json"))
     assert [row["name"] for row in found] == registry.names()
     assert all(row["summary"] for row in found)

@@ -17,7 +17,7 @@ from martensite.actuators.assembly import System
 from martensite.characterise.film_coefficient import FORMS
 from martensite.characterise.film_points import FilmPoints
 from martensite.characterise.film_report import judge_film
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 from martensite.show.figures.film_fit import plot_film
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -127,7 +127,7 @@ def test_the_model_written_is_the_fit_and_can_be_simulated_with(form: str) -> No
         + '[mechanism]\nkind = "dead-weight"\nmass = "400 g"\n[drive]\nkind = "power"\n'
         'waveform = { kind = "constant", level = "1 W" }\n[run]\nduration = "10 s"\n'
     )
-    system = read(scenario).system
+    system = read_scenario(scenario).system
     assert isinstance(system, System)
     fit = judge_film(FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55))).fits[form]
     leaves = {leaf.path.rpartition(".")[2]: leaf.value for leaf in system.leaves()}

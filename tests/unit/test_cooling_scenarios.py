@@ -9,9 +9,9 @@ import pytest
 import martensite as ms
 from martensite.base.errors import InputError
 from martensite.physics.thermal.base import AbstractCooling
-from martensite.scenario.citations import citations
-from martensite.scenario.overrides import changed
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.citations import list_citations
+from martensite.scenario.overrides import change_document
+from martensite.scenario.scenario import Scenario, read_scenario
 
 SCENARIO = """\
 [element]
@@ -40,7 +40,7 @@ tolerance = 1e-3
 
 
 def scenario(cooling: str) -> Scenario:
-    return read(SCENARIO.replace("COOLING", cooling))
+    return read_scenario(SCENARIO.replace("COOLING", cooling))
 
 
 def cooling_of(text: str) -> AbstractCooling:
@@ -100,11 +100,11 @@ def test_a_subsection_means_the_same_as_an_inline_table() -> None:
         'emissivity = 0.5 }\n\n[environment.cooling.convection]\nkind = "lefevre-ede"\n'
         'fluid = "water"\n'
     )
-    assert read(split).system == scenario(COMBINED).system
+    assert read_scenario(split).system == scenario(COMBINED).system
 
 
 def test_a_fluid_that_is_not_named_can_be_changed() -> None:
-    found: Any = changed(
+    found: Any = change_document(
         {"environment": {"cooling": {"kind": "churchill-chu"}}},
         {"environment.cooling.fluid.pressure": "50 kPa"},
     )
@@ -160,5 +160,5 @@ def test_a_cold_ambient_in_water_is_cautioned() -> None:
 
 
 def test_the_sources_are_cited() -> None:
-    keys = citations(scenario(COMBINED).system)
+    keys = list_citations(scenario(COMBINED).system)
     assert {"lefevre-ede", "kossoski2018", "iapws-sr6-08"} <= set(keys)

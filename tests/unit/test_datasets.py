@@ -13,7 +13,7 @@ import pytest
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import cache_folder
 from martensite.scenario import datasets
-from martensite.scenario.citations import entries
+from martensite.scenario.citations import list_entries
 from martensite.scenario.layout import read_headings
 from martensite.scenario.tables import read_table
 
@@ -97,7 +97,7 @@ def files_below(folder):
 def test_fetch_over_http_then_read(listed, server, own_cache):
     listed(base=server)
     steps = []
-    folder = datasets.fetch("two-cycles", progress=lambda *step: steps.append(step))
+    folder = datasets.fetch_dataset("two-cycles", progress=lambda *step: steps.append(step))
     assert folder == own_cache / "two-cycles"
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == CONTENT
     assert steps == [("cycle_a.txt", 1, 2), ("cycle_b.txt", 2, 2)]
@@ -109,29 +109,29 @@ def test_fetch_over_http_then_read(listed, server, own_cache):
 
 
 def test_fetch_keeps_what_is_there(listed, upstream):
-    datasets.fetch("two-cycles")
+    datasets.fetch_dataset("two-cycles")
     for path in upstream.iterdir():
         path.unlink()
-    datasets.fetch("two-cycles")
+    datasets.fetch_dataset("two-cycles")
     with pytest.raises(DataError, match="Cannot download"):
-        datasets.fetch("two-cycles", force=True)
-    assert datasets.locate("two-cycles/cycle_a.txt").read_bytes() == CONTENT["cycle_a.txt"]
+        datasets.fetch_dataset("two-cycles", force=True)
+    assert datasets.locate_file("two-cycles/cycle_a.txt").read_bytes() == CONTENT["cycle_a.txt"]
 
 
 def test_a_corrupted_download_leaves_nothing_behind(listed, upstream, own_cache):
     (upstream / "raw_cycle_a.txt").write_bytes(b"<html>sorry</html>")
     with pytest.raises(DataError, match=r"raw_cycle_a.txt holds is not the file.*nothing was kept"):
-        datasets.fetch("two-cycles")
+        datasets.fetch_dataset("two-cycles")
     assert files_below(own_cache) == []
 
 
 def test_a_corrupted_download_does_not_replace_a_good_file(listed, upstream, own_cache):
-    datasets.fetch("two-cycles")
+    datasets.fetch_dataset("two-cycles")
     (upstream / "raw_cycle_a.txt").write_bytes(b"20 0.04\n80 0.09\n")
     with pytest.raises(DataError, match="nothing was kept"):
-        datasets.fetch("two-cycles", force=True)
+        datasets.fetch_dataset("two-cycles", force=True)
     assert files_below(own_cache) == sorted(CONTENT)
-    assert datasets.locate("two-cycles/cycle_a.txt").read_bytes() == CONTENT["cycle_a.txt"]
+    assert datasets.locate_file("two-cycles/cycle_a.txt").read_bytes() == CONTENT["cycle_a.txt"]
 
 
 def test_a_truncated_answer_leaves_nothing_behind(listed, own_cache, upstream):
@@ -151,7 +151,7 @@ def test_a_truncated_answer_leaves_nothing_behind(listed, own_cache, upstream):
         listed(base=f"http://127.0.0.1:{running.server_port}/")
         try:
             with pytest.raises(DataError, match=r"Cannot download .*MARTENSITE_DATA to that"):
-                datasets.fetch("two-cycles")
+                datasets.fetch_dataset("two-cycles")
         finally:
             running.shutdown()
             thread.join()
@@ -162,47 +162,47 @@ def test_a_missing_page_is_named(listed, server, upstream):
     listed(base=server)
     (upstream / "raw_cycle_a.txt").unlink()
     with pytest.raises(DataError, match=r"raw_cycle_a.txt \(answer 404\)"):
-        datasets.fetch("two-cycles")
+        datasets.fetch_dataset("two-cycles")
 
 
 def test_offline_tells_how_to_use_a_folder(listed):
     listed(base="http://127.0.0.1:9/")  # the discard port: nothing listens
     with pytest.raises(DataError, match=r"no network.*`two-cycles/cycle_a.txt`.*MARTENSITE_D"):
-        datasets.fetch("two-cycles")
+        datasets.fetch_dataset("two-cycles")
 
 
 def test_a_changed_local_file_is_refused(listed):
-    path = datasets.fetch("two-cycles") / "cycle_a.txt"
+    path = datasets.fetch_dataset("two-cycles") / "cycle_a.txt"
     path.write_bytes(b"20 0.04\n80 0.02\n")
     with pytest.raises(DataError, match=r"is not the file that data set `two-cycles` lists"):
         read_table("data:two-cycles/cycle_a.txt")
     with pytest.raises(DataError, match=r"martensite data fetch two-cycles --force"):
-        datasets.fetch("two-cycles")
-    datasets.fetch("two-cycles", force=True)
+        datasets.fetch_dataset("two-cycles")
+    datasets.fetch_dataset("two-cycles", force=True)
     assert path.read_bytes() == CONTENT["cycle_a.txt"]
 
 
 def test_what_is_not_there_is_said_with_the_command(listed):
     with pytest.raises(DataError, match=r"not on this machine; run `martensite data fetch two-cy"):
-        datasets.locate("two-cycles/cycle_a.txt")
+        datasets.locate_file("two-cycles/cycle_a.txt")
 
 
 @pytest.mark.parametrize("folder", ["two-cycles", "two_cycles"])
 def test_an_own_folder_comes_first(listed, tmp_path, monkeypatch, folder):
-    datasets.fetch("two-cycles")
+    datasets.fetch_dataset("two-cycles")
     own = tmp_path / "own"
     (own / folder).mkdir(parents=True)
     (own / folder / "cycle_a.txt").write_bytes(CONTENT["cycle_a.txt"])
     monkeypatch.setenv(datasets.VARIABLE, str(own))
-    assert datasets.locate("two-cycles/cycle_a.txt") == own / folder / "cycle_a.txt"
-    assert datasets.locate("two-cycles/cycle_b.txt").parent.parent == cache_folder()
-    assert datasets.fetch("two-cycles") == own / folder
+    assert datasets.locate_file("two-cycles/cycle_a.txt") == own / folder / "cycle_a.txt"
+    assert datasets.locate_file("two-cycles/cycle_b.txt").parent.parent == cache_folder()
+    assert datasets.fetch_dataset("two-cycles") == own / folder
     assert files_below(own) == sorted(CONTENT)
 
 
 def test_fetching_into_an_own_folder_that_is_empty(listed, tmp_path, monkeypatch, own_cache):
     monkeypatch.setenv(datasets.VARIABLE, str(tmp_path / "own"))
-    assert datasets.fetch("two-cycles") == tmp_path / "own" / "two-cycles"
+    assert datasets.fetch_dataset("two-cycles") == tmp_path / "own" / "two-cycles"
     assert files_below(own_cache) == []
 
 
@@ -210,32 +210,32 @@ def test_a_folder_that_cannot_be_written(listed, tmp_path, monkeypatch):
     (tmp_path / "own").write_text("a file, not a folder")
     monkeypatch.setenv(datasets.VARIABLE, str(tmp_path / "own"))
     with pytest.raises(DataError, match=r"Cannot make the folder `.*two-cycles`: "):
-        datasets.fetch("two-cycles")
+        datasets.fetch_dataset("two-cycles")
 
 
 def test_an_address_that_is_not_on_record(listed, tmp_path, monkeypatch):
     listed(entry=ENTRY.replace('upstream = "raw_{name}"\n', ""))
     sentence = r"not on record: look for it at https://example.invalid/page, save it as `two-cycles"
     with pytest.raises(DataError, match=sentence):
-        datasets.fetch("two-cycles")
+        datasets.fetch_dataset("two-cycles")
     with pytest.raises(DataError, match=sentence):
-        datasets.locate("two-cycles/cycle_a.txt")
+        datasets.locate_file("two-cycles/cycle_a.txt")
 
 
 def test_unknown_names_are_answered_with_the_nearest(listed):
     with pytest.raises(UnknownNameError, match=r"data set named `two-cycle`. Did you mean `two-cy"):
-        datasets.fetch("two-cycle")
+        datasets.fetch_dataset("two-cycle")
     with pytest.raises(UnknownNameError, match=r"file of data set .* Did you mean `cycle_a.txt`"):
         read_table("data:two-cycles/cycl_a.txt")
     with pytest.raises(UnknownNameError, match=r"No file of data set `two-cycles` named ``"):
-        datasets.locate("two-cycles")
+        datasets.locate_file("two-cycles")
 
 
 def test_a_name_cannot_lead_out_of_its_folder(listed):
     with pytest.raises(UnknownNameError, match="No data set"):
-        datasets.describe("../listed/two-cycles")
+        datasets.describe_dataset("../listed/two-cycles")
     with pytest.raises(UnknownNameError, match="No file"):
-        datasets.locate("two-cycles/../two-cycles/cycle_a.txt")
+        datasets.locate_file("two-cycles/../two-cycles/cycle_a.txt")
 
 
 def test_the_cache_follows_the_platform(monkeypatch, tmp_path):
@@ -252,9 +252,9 @@ def test_the_cache_follows_the_platform(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("name", datasets.dataset_names())
 def test_every_listed_set_is_complete(name):
-    dataset = datasets.describe(name)
+    dataset = datasets.describe_dataset(name)
     assert dataset.files
-    assert entries([dataset.cite])
+    assert list_entries([dataset.cite])
     assert dataset.licence in ("MIT", "BSD-3-Clause") or dataset.licence.startswith("none stated")
     assert dataset.notice.startswith("Copyright")
     assert all((dataset.title, dataset.summary, dataset.caution))
@@ -275,9 +275,9 @@ OWN = os.environ.get(datasets.VARIABLE, "")
 def test_every_listed_file_that_is_here_can_be_read(name, monkeypatch):
     monkeypatch.setenv(datasets.VARIABLE, OWN)
     found = 0
-    for file in datasets.describe(name).files:
+    for file in datasets.describe_dataset(name).files:
         try:
-            datasets.locate(f"{name}/{file}")
+            datasets.locate_file(f"{name}/{file}")
         except DataError as error:
             if "not on this machine" not in str(error):
                 raise

@@ -36,8 +36,8 @@ from martensite.export.c_core import CCore, build_c_core
 from martensite.export.c_example import example_text
 from martensite.export.c_kernels import PRECISIONS
 from martensite.export.c_loop import build_c_loop
-from martensite.export.c_names import identifier
-from martensite.export.c_operations import operations
+from martensite.export.c_names import make_identifier
+from martensite.export.c_operations import count_operations
 from martensite.export.c_played import played_by_system
 from martensite.kernels.program import Program
 from martensite.physics.electrical.pwm import PwmVoltage
@@ -381,11 +381,11 @@ def test_operations_are_those_counted_by_hand() -> None:
 
     program.add("f", ["x", "y"], kernel)
     outputs = program.functions["f"].outputs
-    assert operations(program.graph, outputs, program.hoisted) == {
+    assert count_operations(program.graph, outputs, program.hoisted) == {
         "add": 1 + 3 + 5 + 2, "mul": 1 + 5, "div": 3, "sqrt": 3,
         "compare": 1 + 3, "select": 1 + 3,
     }  # fmt: skip
-    assert operations(program.graph, program.hoisted) == {
+    assert count_operations(program.graph, program.hoisted) == {
         "mul": 1, "exp": 1, "compare": 1, "select": 1,
     }  # fmt: skip
 
@@ -409,5 +409,5 @@ def test_a_loop_needs_a_controller() -> None:
 
 
 def test_identifiers() -> None:
-    assert identifier("wire (brinson) on bias-spring") == "wire_brinson_on_bias_spring"
-    assert [identifier(name) for name in ("", "for", "3d")] == ["m", "m_for", "m_3d"]
+    assert make_identifier("wire (brinson) on bias-spring") == "wire_brinson_on_bias_spring"
+    assert [make_identifier(name) for name in ("", "for", "3d")] == ["m", "m_for", "m_3d"]

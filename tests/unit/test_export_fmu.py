@@ -23,7 +23,7 @@ from martensite.base.units import find_dimensions
 from martensite.control.loop.run import simulate_bench
 from martensite.export.fmu import Fmu, binaries, to_fmu
 from martensite.export.fmu.units import base_units
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.held import Held
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
@@ -78,16 +78,16 @@ VERSIONS = ("2.0", "3.0")
 
 @pytest.fixture(scope="module")
 def scenario() -> Scenario:
-    return read(SCENARIO)
+    return read_scenario(SCENARIO)
 
 
 @pytest.fixture(scope="module")
 def made(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
     """A wire as an FMU of every version, and a loop."""
-    folder, here = tmp_path_factory.mktemp("fmu"), [binaries.here()]
+    folder, here = tmp_path_factory.mktemp("fmu"), [binaries.find_target()]
     found = {v: to_fmu(scenario, folder / f"wire{v[0]}.fmu", fmi=v, platforms=here)
              for v in VERSIONS}  # fmt: skip
-    return found | {"loop": to_fmu(read(LOOP), folder / "loop.fmu", platforms=here)}
+    return found | {"loop": to_fmu(read_scenario(LOOP), folder / "loop.fmu", platforms=here)}
 
 
 @pytest.fixture(params=VERSIONS)
@@ -170,7 +170,7 @@ def test_inputs_with_slopes_are_followed_within_a_step(
 def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
     """A step over three periods, and one over half of one, which holds what was sampled."""
     outputs = [one.name for one in made["loop"].named("output")]
-    wanted = simulate_bench(read(LOOP).whole, 3.0, seed=None)
+    wanted = simulate_bench(read_scenario(LOOP).whole, 3.0, seed=None)
     assert wanted.range("position") > 2e-3
     instance, period = Instance(made["loop"].path).begin(), 0.02
     sample, time = 0, 0.0
@@ -278,9 +278,11 @@ def test_an_archive_is_reproducible_and_its_token_follows_its_content(
     made: dict[str, Fmu], tmp_path: Path
 ) -> None:
     """The same bytes from the same scenario; another token from another number."""
-    again = to_fmu(read(SCENARIO), tmp_path / "wire2.fmu", platforms=[binaries.here()])
+    again = to_fmu(
+        read_scenario(SCENARIO), tmp_path / "wire2.fmu", platforms=[binaries.find_target()]
+    )
     assert again.path.read_bytes() == made["2.0"].path.read_bytes()
-    other = read(SCENARIO, overrides={"mechanism.preload": "1.4 N"})
+    other = read_scenario(SCENARIO, overrides={"mechanism.preload": "1.4 N"})
     changed = to_fmu(other, tmp_path / "wire2.fmu", platforms=[])
     assert changed.token != again.token
     names = set(zipfile.ZipFile(changed.path).namelist())
@@ -365,7 +367,7 @@ def test_zig_is_used_for_platforms_that_are_named(
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     assert "aarch64-darwin" not in binaries.checked_targets(None)
     assert binaries.checked_targets(["aarch64-darwin"]) == ["aarch64-darwin"]
-    assert binaries.command("aarch64-darwin") == ["zig", "cc", "-target", "aarch64-macos"]
+    assert binaries.find_command("aarch64-darwin") == ["zig", "cc", "-target", "aarch64-macos"]
 
 
 def test_wrong_arguments_are_refused(scenario: Scenario, tmp_path: Path) -> None:
@@ -378,7 +380,7 @@ def test_wrong_arguments_are_refused(scenario: Scenario, tmp_path: Path) -> None
     with pytest.raises(ParameterError, match="`step` must be above 0"):
         to_fmu(scenario, path, step=0.0)
     with pytest.raises(ParameterError, match=r"samples of 0\.02 s"):
-        to_fmu(read(LOOP), path, step=0.01)
+        to_fmu(read_scenario(LOOP), path, step=0.01)
     with pytest.raises(ParameterError, match="identifier"):
         to_fmu(scenario, path, name="2 wires")
     assert not path.exists()
@@ -386,7 +388,7 @@ def test_wrong_arguments_are_refused(scenario: Scenario, tmp_path: Path) -> None
 
 def test_the_step_is_that_of_a_run(tmp_path: Path) -> None:
     """Where the scenario leaves it to its tolerance; for a system alone a sensible one."""
-    free = read(SCENARIO.replace('step = "10 ms"', "tolerance = 1e-2"))
+    free = read_scenario(SCENARIO.replace('step = "10 ms"', "tolerance = 1e-2"))
     found = to_fmu(free, tmp_path / "a.fmu", platforms=[]).step
     rough = simulate(free.system, free.waveform, free.duration, step=found, samples=free.samples)
     fine = free.run(tolerance=1e-6)

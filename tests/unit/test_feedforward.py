@@ -29,7 +29,7 @@ from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options
-from martensite.identify.chains.plant import plant as plant_of
+from martensite.identify.chains.plant import build_plant as plant_of
 from martensite.identify.operators.play import PlaySum
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope

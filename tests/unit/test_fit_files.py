@@ -23,7 +23,7 @@ from martensite.fit.hold_out import ALL, held_out
 from martensite.fit.steps import halved, with_step
 from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
 from martensite.scenario.compare import compare_with_record
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
 
@@ -553,6 +553,6 @@ def test_missing_fit_file_and_a_scenario_alone_are_refused() -> None:
         fit_logs("fitt.toml")
     with pytest.raises(UnitError, match="delay"):
         read_wishes(["delay=1..2 K"], systems(), own=True)
-    scenario: Scenario = read(ISOBARIC, log=cycle())
+    scenario: Scenario = read_scenario(ISOBARIC, log=cycle())
     with pytest.raises(InputError, match="only a fit file stands alone"):
         fit_logs(scenario)

@@ -29,7 +29,7 @@ from martensite.control.supervisors.from_sensors import (
 )
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.scenario import Scenario, load, read_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SENSOR: Any = SENSORS
@@ -61,7 +61,7 @@ def sensed(lost: str = OFF, stuck: str = OFF, **changes: Any) -> Scenario:
         "faults.lost": {"kind": "drop-out", "sensor": "position", "start": lost},
         "faults.stuck": {"kind": "stuck", "sensor": "heat", "start": stuck},
     }
-    return read(text, None, {**WITH, "run.duration": "12 s", **faults, **changes})
+    return read_scenario(text, None, {**WITH, "run.duration": "12 s", **faults, **changes})
 
 
 def guard(scenario: Scenario) -> Guard:
@@ -159,7 +159,7 @@ def test_guard_of_a_scenario_is_that_of_its_plant() -> None:
         scenario.system, hottest=313.15, least_cooling=0.8, checks=checks_for(scenario.bench)
     )
     assert guard(scenario) == made
-    assert guard(read(scenario.text)) == made
+    assert guard(read_scenario(scenario.text)) == made
     assert scenario.origins["supervisor.checks.bound_drive.power"] == "plant"
 
 

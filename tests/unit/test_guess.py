@@ -2,7 +2,7 @@
 
 import pytest
 
-from martensite.scenario.guess import SPELLINGS, guess, guesses, usual_units
+from martensite.scenario.guess import SPELLINGS, guess_heading, guess_headings, usual_units
 from martensite.scenario.layout import CANONICAL, read_headings
 
 HEADINGS = {
@@ -31,29 +31,31 @@ HEADINGS = {
 
 @pytest.mark.parametrize("heading", HEADINGS)
 def test_headings_are_guessed(heading: str) -> None:
-    found = guess(heading)
+    found = guess_heading(heading)
     assert (found.name, found.unit) == HEADINGS[heading]
 
 
 @pytest.mark.parametrize("heading", [h for h, (name, unit) in HEADINGS.items() if name and unit])
 def test_a_guess_is_read_by_the_reader_of_logs(heading: str) -> None:
-    found = guess(heading)
+    found = guess_heading(heading)
     (column,) = read_headings([f"{found.name} [{found.unit}]"], "the log")
     assert column.name == found.name
 
 
 def test_a_name_gives_way_to_a_unit_that_contradicts_it() -> None:
-    assert guess("temperature [V]").name == "temperature"  # as it is called: the reader refuses it
-    assert guess("temp drive [V]").name == "voltage"
+    assert (
+        guess_heading("temperature [V]").name == "temperature"
+    )  # as it is called: the reader refuses it
+    assert guess_heading("temp drive [V]").name == "voltage"
 
 
 def test_a_time_of_day_is_told_by_its_cells() -> None:
-    assert guess("stamp", "17:27:33") == guess("time [clock]", "17:27:33")
-    assert guess("stamp", "17").name == ""
+    assert guess_heading("stamp", "17:27:33") == guess_heading("time [clock]", "17:27:33")
+    assert guess_heading("stamp", "17").name == ""
 
 
 def test_no_two_columns_are_guessed_alike() -> None:
-    found = guesses(["T1 [C]", "T2 [C]", "t [s]"], ["20", "21", "0"])
+    found = guess_headings(["T1 [C]", "T2 [C]", "t [s]"], ["20", "21", "0"])
     assert [one.name for one in found] == ["temperature", "", "time"]
 
 

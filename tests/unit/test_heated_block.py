@@ -7,11 +7,11 @@ from scipy.special import expit, logit
 
 from martensite.base.errors import InputError
 from martensite.identify.blocks.heated_duhem import MIDDLE, HeatedDuhem
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.estimate import Options, estimate
-from martensite.identify.chains.goals import aims, expected
-from martensite.identify.chains.starts import aligned
+from martensite.identify.chains.estimate import Options, estimate_chain
+from martensite.identify.chains.goals import build_aims, find_expected
+from martensite.identify.chains.starts import align_chain
 from martensite.identify.chains.written import parse_block
 from martensite.signals.sampling.sampled import Sampled
 
@@ -135,7 +135,7 @@ def test_no_record_tells_the_scale_of_temperature(c_compiler: str) -> None:
     first = run(theta, PULSES, 0.1)
     assert run(rescaled(theta, 1.3), PULSES, 0.1) == pytest.approx(first, abs=1e-8)
     chain = Chain((BLOCK,), rescaled(theta, 1.3), 0.1)
-    centres, weights = expected(chain, Options())
+    centres, weights = find_expected(chain, Options())
     assert weights @ np.abs(chain.theta - centres) > weights @ np.abs(theta - centres)
 
 
@@ -160,11 +160,11 @@ def test_start_suits_the_record(c_compiler: str) -> None:
     """The mean input makes the gain, the outputs the stroke."""
     y = run(BLOCK.start(), PULSES, 0.1)
     y[5, 1] = np.nan
-    chain = untrained([HeatedDuhem(latent=20.0)], record(y))
+    chain = build_untrained([HeatedDuhem(latent=20.0)], record(y))
     shown = {name: value for name, value, _ in chain.blocks[0].shown(chain.theta)}
     assert shown["gain"] == pytest.approx(50.0 / PULSES.mean())
     assert shown["rising_centre1"] == pytest.approx(65.0 + 23.0)
-    found = aligned(chain, [record(y)])
+    found = align_chain(chain, [record(y)])
     own = found.simulate(record(y))[:, 1]
     left = (y[:, 1] - own)[np.isfinite(y[:, 1])]
     assert left @ own[np.isfinite(y[:, 1])] == pytest.approx(0.0, abs=1e-6)
@@ -173,30 +173,30 @@ def test_start_suits_the_record(c_compiler: str) -> None:
 
 def test_sizes_of_residuals() -> None:
     y = np.column_stack([20.0 + PULSES, 0.1 * PULSES])
-    (aim,) = aims([record(y)], Options(sigma=(2.0, 0.1)))
+    (aim,) = build_aims([record(y)], Options(sigma=(2.0, 0.1)))
     assert aim.scale() == pytest.approx([0.5, 10.0])
-    (aim,) = aims([record(y)], Options())
+    (aim,) = build_aims([record(y)], Options())
     assert aim.scale() == pytest.approx(1.0 / y.std(axis=0))
     for wrong in ((1.0,), (1.0, 0.0)):
         with pytest.raises(InputError, match="above 0 for each of the 2 outputs"):
-            aims([record(y)], Options(sigma=wrong))
+            build_aims([record(y)], Options(sigma=wrong))
 
 
 def test_records_must_have_its_signals() -> None:
     y = np.column_stack([20.0 + PULSES, 0.1 * PULSES])
     with pytest.raises(InputError, match="`heated` gives 2 outputs, but record `pulses` has 1: T"):
-        estimate("heated", record(y[:, :1]))
+        estimate_chain("heated", record(y[:, :1]))
     two = Sampled("both", 0.1, y, y, ("u", "v"), ("T", "y"))
     with pytest.raises(InputError, match="takes 1 inputs, but record `both` has 2: u, v"):
-        estimate("heated", two)
+        estimate_chain("heated", two)
 
 
 def test_priors_can_be_left_out() -> None:
     theta = BLOCK.start() + 1.0
     chain = Chain((BLOCK,), theta, 0.1)
-    centres, weights = expected(chain, Options())
+    centres, weights = find_expected(chain, Options())
     stroke = NAMES.index("stroke")
     assert weights[stroke] == 0.0 and centres[stroke] == theta[stroke]
     assert centres[0] == BLOCK.start()[0] and weights[0] == 1.0
-    centres, weights = expected(chain, Options(priors=False))
+    centres, weights = find_expected(chain, Options(priors=False))
     assert not weights.any() and np.array_equal(centres, theta)

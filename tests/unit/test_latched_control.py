@@ -11,7 +11,7 @@ import pytest
 from martensite.actuators.assembly import Machine
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import ParameterError
-from martensite.control.controllers.latched import LatchedOnOff, replayed
+from martensite.control.controllers.latched import LatchedOnOff, replay_controller
 from martensite.signals.constant import Constant
 from martensite.simulate.controlled import simulate_controlled
 
@@ -39,7 +39,7 @@ def switched(signals: list[float]) -> list[float]:
 
 def test_on_from_the_threshold_and_off_when_the_oscillation_dies() -> None:
     """The amplitude passes 30 % of its peak at 5 + ln(1/0.3) = 6.2 s, judged every 0.25 s."""
-    signals = replayed(controller(), TIMES, record(lambda t: min(math.exp(5.0 - t), 1.0)))
+    signals = replay_controller(controller(), TIMES, record(lambda t: min(math.exp(5.0 - t), 1.0)))
     on, off = switched(signals)
     assert on == pytest.approx(2.0, abs=0.006)
     assert 6.2 < off < 6.76
@@ -47,27 +47,31 @@ def test_on_from_the_threshold_and_off_when_the_oscillation_dies() -> None:
 
 
 def test_it_stays_off() -> None:
-    signals = replayed(controller(), TIMES, record(lambda t: 0.1 if 4.0 < t < 6.0 else 1.0))
+    signals = replay_controller(
+        controller(), TIMES, record(lambda t: 0.1 if 4.0 < t < 6.0 else 1.0)
+    )
     assert len(switched(signals)) == 2
     assert signals[-1] == 0.0
 
 
 def test_what_was_before_the_threshold_does_not_count() -> None:
-    signals = replayed(controller(), TIMES, record(lambda t: 5.0 if t < 1.0 else 1.0))
+    signals = replay_controller(controller(), TIMES, record(lambda t: 5.0 if t < 1.0 else 1.0))
     assert len(switched(signals)) == 1
     assert signals[-1] == 1.1
 
 
 def test_a_larger_share_switches_off_earlier() -> None:
     fading = record(lambda t: min(math.exp(5.0 - t), 1.0))
-    offs = [switched(replayed(controller(share=s), TIMES, fading))[1] for s in (0.1, 0.3, 0.8)]
+    offs = [
+        switched(replay_controller(controller(share=s), TIMES, fading))[1] for s in (0.1, 0.3, 0.8)
+    ]
     assert offs == sorted(offs, reverse=True)
     assert offs[0] > offs[2]
 
 
 def test_unknown_outputs_are_refused() -> None:
     with pytest.raises(ParameterError, match="Did you mean `speed`"):
-        replayed(controller(measured="sped"), TIMES, record(lambda t: 1.0))
+        replay_controller(controller(measured="sped"), TIMES, record(lambda t: 1.0))
 
 
 class Brake(LatchedOnOff):
@@ -95,14 +99,14 @@ def test_in_the_loop() -> None:
     volts = np.array(run["motor"])
     changes = np.flatnonzero(np.diff(volts))
     assert volts[[0, changes[0] + 1, -1]].tolist() == [4.0, 0.25, 4.0]
-    again = replayed(brake, run.times, run.columns)
+    again = replay_controller(brake, run.times, run.columns)
     assert np.array(again)[:-1] == pytest.approx(volts[:-1])
 
 
 def test_a_wrong_threshold_would_be_noticed() -> None:
-    signals = replayed(controller(threshold=3.0), TIMES, record(lambda t: 1.0))
+    signals = replay_controller(controller(threshold=3.0), TIMES, record(lambda t: 1.0))
     assert switched(signals)[0] != pytest.approx(2.0, abs=0.1)
 
 
 def test_constant_drives_replay_themselves() -> None:
-    assert replayed(Constant(level=2.0), [0.0, 1.0], {}) == [2.0, 2.0]
+    assert replay_controller(Constant(level=2.0), [0.0, 1.0], {}) == [2.0, 2.0]

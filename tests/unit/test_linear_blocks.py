@@ -18,12 +18,12 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.impulse_response import impulse_response
 from martensite.identify.chains.linear_parts import (
-    poles,
-    transfer,
-    zeros,
+    build_state_space,
+    find_poles,
+    find_zeros,
 )
 from martensite.identify.chains.noise_model import noise_model
-from martensite.identify.chains.realisation import matched, realised
+from martensite.identify.chains.realisation import match_poles, realise_responses
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.operators import sections
 from martensite.kernels import floats
@@ -51,16 +51,16 @@ def _record(u: np.ndarray, y: np.ndarray, dt: float = DT) -> Sampled:
 @given(st.lists(WILD, min_size=5, max_size=5), st.sampled_from([1e-5, 2e-3, 1.0]))
 def test_no_numbers_make_an_unstable_model(theta: list[float], dt: float) -> None:
     for order in (1, 2, 3, 4, 5):
-        z = sections.poles(order, np.array(theta[:order]), dt)
+        z = sections.find_poles(order, np.array(theta[:order]), dt)
         assert len(z) == order and np.all(np.abs(z) < 1.0)
 
 
 @settings(max_examples=30)
 @given(st.lists(st.floats(-20.0, 20.0), min_size=3, max_size=3))
 def test_a_step_through_any_sections_stays_bounded(theta: list[float]) -> None:
-    state = sections.resting(3, 0.0)
+    state = sections.rest_cascade(3, 0.0)
     for _ in range(200):
-        state = sections.cascade(floats, 3, theta, state, 1.0, 2e-3).state
+        state = sections.step_cascade(floats, 3, theta, state, 1.0, 2e-3).state
     # a damping ratio of e^-9 rings to at most twice the step, in its change by as much again
     assert np.all(np.isfinite(state)) and max(map(abs, state)) < 10.0
 
@@ -72,7 +72,7 @@ def test_matrices_run_like_the_kernel(block: TransferFunction | StateSpace) -> N
     u = rng.normal(size=(40, block.inputs))
     u[0] = 0.0
     y = Engine([block], DT, compiled=False).simulate(theta, u)
-    system, s = transfer(block, theta, DT), np.zeros(block.states())
+    system, s = build_state_space(block, theta, DT), np.zeros(block.states())
     free = theta[len(theta) - block.outputs :] if getattr(block, "offset", "no") == "yes" else 0.0
     for x, expected in zip(u, y, strict=True):
         np.testing.assert_allclose(system.c @ s + system.d @ x + free, expected, atol=1e-10)
@@ -89,26 +89,28 @@ def test_rest_is_rest(block: TransferFunction | StateSpace) -> None:
 def test_poles_are_those_of_the_matrices() -> None:
     block = TransferFunction(nb=3, nf=3, nk=1)
     theta = np.array([np.log(2.0), np.log(3.0), np.log(0.4), 0.2, -0.1])
-    of_matrix = np.linalg.eigvals(transfer(block, theta, DT).a)
-    for z in poles(block, theta, DT):
+    of_matrix = np.linalg.eigvals(build_state_space(block, theta, DT).a)
+    for z in find_poles(block, theta, DT):
         assert np.abs(of_matrix - z).min() < 1e-9
 
 
 def test_frequency_response_has_unit_gain_at_rest_and_vanishes_at_zeros() -> None:
     block = TransferFunction(nb=3, nf=3, nk=1)
     theta = _numbers(block)
-    assert transfer(block, theta, DT).frequency_response(0.0)[0, 0, 0] == pytest.approx(1.0)
-    for z in zeros(block, theta, DT):
-        made = transfer(block, theta, DT)
+    assert build_state_space(block, theta, DT).frequency_response(0.0)[0, 0, 0] == pytest.approx(
+        1.0
+    )
+    for z in find_zeros(block, theta, DT):
+        made = build_state_space(block, theta, DT)
         left = made.c @ np.linalg.solve(z * np.eye(len(made.a)) - made.a, made.b + 0j) + made.d
         assert np.abs(left).max() < 1e-6
 
 
 def test_blocks_that_are_not_linear_have_no_poles() -> None:
     with pytest.raises(ParameterError, match="not linear"):
-        transfer(Polynomial(), np.zeros(3), DT)
+        build_state_space(Polynomial(), np.zeros(3), DT)
     with pytest.raises(ParameterError, match="several inputs"):
-        zeros(StateSpace(ins=2), np.zeros(6), DT)
+        find_zeros(StateSpace(ins=2), np.zeros(6), DT)
     with pytest.raises(InputError, match="no start"):
         linear_start(Polynomial(), np.zeros(3), np.zeros(3), DT)
 
@@ -120,7 +122,7 @@ def test_single_precision_keeps_the_step_response() -> None:
     d = [np.float32(x) for x in sections.second_order(floats, numbers[1], numbers[2], dt)]
     away = 0.0
     for _ in range(60_000):
-        exact = sections.cascade(floats, 3, numbers, exact, 1.0, dt).state
+        exact = sections.step_cascade(floats, 3, numbers, exact, 1.0, dt).state
         v = state[0] + p * (np.float32(1.0) - state[0])
         change = state[2] + d[1] * (v - (state[1] - state[2])) - d[0] * state[2]
         state = [v, state[1] + change, change]
@@ -146,34 +148,34 @@ def test_derivatives_stay_well_conditioned_for_slow_systems(tau: float) -> None:
 def test_poles_next_to_one_are_recovered_from_fast_data() -> None:
     dt, slow = 2e-3, 0.9999
     block = TransferFunction(nb=2, nf=2, nk=1)
-    wanted = matched(np.array([slow, 0.995]), dt).numbers
+    wanted = match_poles(np.array([slow, 0.995]), dt).numbers
     theta = np.append(wanted, 0.3)
     rng = np.random.default_rng(3)
     u = np.repeat(rng.uniform(-1.0, 1.0, 20), 1000)[:, None]
     y = Engine([block], dt).simulate(theta, u)
     y += 0.002 * rng.normal(size=y.shape)
     chain = best_linear(_record(u, y, dt), 2)
-    found: Any = poles(chain.blocks[0], chain.split()[0], dt)
+    found: Any = find_poles(chain.blocks[0], chain.split()[0], dt)
     np.testing.assert_allclose(np.log(np.sort(found.real)), np.log([0.995, slow]), rtol=0.02)
     assert np.all(found.imag == 0.0)
 
 
 def test_poles_that_no_section_has_become_the_nearest_it_has() -> None:
-    kept = matched(np.array([0.9, 0.5 + 0.3j, 0.5 - 0.3j]), DT)
-    back = sections.poles(3, kept.numbers, DT)
+    kept = match_poles(np.array([0.9, 0.5 + 0.3j, 0.5 - 0.3j]), DT)
+    back = sections.find_poles(3, kept.numbers, DT)
     np.testing.assert_allclose(back, np.array([0.9, 0.5 + 0.3j, 0.5 - 0.3j])[kept.places])
-    mirrored = sections.poles(1, matched(np.array([1.25]), DT).numbers, DT)
+    mirrored = sections.find_poles(1, match_poles(np.array([1.25]), DT).numbers, DT)
     assert mirrored[0] == pytest.approx(0.8)
-    together = sections.poles(2, matched(np.array([-0.5, -0.5]), DT).numbers, DT)
+    together = sections.find_poles(2, match_poles(np.array([-0.5, -0.5]), DT).numbers, DT)
     np.testing.assert_allclose(together, [-0.5, -0.5], atol=1e-8)
-    alone = sections.poles(1, matched(np.array([-0.5]), DT).numbers, DT)
+    alone = sections.find_poles(1, match_poles(np.array([-0.5]), DT).numbers, DT)
     assert 0.0 < alone[0].real < 1e-3
 
 
 def test_realisation_of_an_impulse_response_is_exact() -> None:
     a, b, c = np.diag([0.9, 0.5]), np.array([[1.0, 0.3], [0.2, 1.0]]), np.array([[1.0, -0.4]])
     g = np.array([c @ np.linalg.matrix_power(a, k) @ b for k in range(20)])
-    found = realised(g, 2)
+    found = realise_responses(g, 2)
     np.testing.assert_allclose(np.sort(np.linalg.eigvals(found.a)), [0.5, 0.9], rtol=1e-8)
     np.testing.assert_allclose(found.c @ found.b, c @ b, atol=1e-10)
 
@@ -228,8 +230,8 @@ def test_drawn_zeros_lead_and_lag() -> None:
 def test_weights_give_the_zeros_that_they_are_for() -> None:
     numbers, leads, dt = np.log([2.0, 3.0, 0.4]), np.array([5.0, 0.7, -0.3]), 1e-4
     block = TransferFunction(nb=4, nf=3, nk=0)
-    theta = np.concatenate([numbers, sections.weights(3, numbers, leads)])
-    found = np.log(zeros(block, theta, dt)) / dt
+    theta = np.concatenate([numbers, sections.compute_weights(3, numbers, leads)])
+    found = np.log(find_zeros(block, theta, dt)) / dt
     np.testing.assert_allclose(np.sort(-1.0 / found.real), np.sort(leads), rtol=2e-3)
 
 

@@ -7,11 +7,11 @@ import pytest
 
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.identify.blocks.base import BLOCKS
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.linear_system import Linear
 from martensite.identify.chains.linearise import (
-    linearise,
+    linearise_chain,
     operating_point,
     static_curve,
     static_loop,
@@ -41,7 +41,7 @@ def chain():
 
 
 def test_a_linear_system_is_what_small_steps_of_the_chain_do(chain):
-    point, linear = operating_point(chain, 0.3), linearise(chain, 0.3)
+    point, linear = operating_point(chain, 0.3), linearise_chain(chain, 0.3)
     _, predicted = linear.step_response(3.0)
     u, small = np.full((len(predicted), 1), 0.3), 1e-6
     high, low = (chain.simulate(u + s * small, point.state) for s in (1.0, -1.0))
@@ -49,7 +49,7 @@ def test_a_linear_system_is_what_small_steps_of_the_chain_do(chain):
 
 
 def test_gain_and_frequency_response_are_the_slope_of_the_static_curve_and_a_driven_sine(chain):
-    linear = linearise(chain, 0.3)
+    linear = linearise_chain(chain, 0.3)
     levels, outputs = static_curve(chain, 0.3 - 1e-5, 0.3 + 1e-5, 3)
     slope = (outputs[2, 0] - outputs[0, 0]) / (levels[2] - levels[0])
     assert linear.gain()[0, 0] == pytest.approx(slope, rel=1e-6)
@@ -62,7 +62,7 @@ def test_gain_and_frequency_response_are_the_slope_of_the_static_curve_and_a_dri
 
 def test_poles_are_those_of_the_linear_block(chain):
     shown = {name: value for name, value, _ in chain.blocks[1].shown(chain.split()[1])}
-    constants = linearise(chain, 0.0).time_constants()
+    constants = linearise_chain(chain, 0.0).time_constants()
     assert np.min(np.abs(constants - shown["tau"])) < 1e-9
 
 
@@ -74,7 +74,7 @@ BRANCHED = ("bouc-wen", "duhem", "heated-duhem")
 def test_a_block_is_linearised_exactly(name):
     """At rest: one sample under a small change, and the sample after it."""
     made, u, small = *_example(name), 1e-6
-    linear = linearise(made, u)
+    linear = linearise_chain(made, u)
     for i, step in enumerate(small * np.eye(len(u))):
         rows = [np.array([u + s * step, u]) for s in (1.0, -1.0)]
         high, low = (made.simulate(one, linear.state.copy()) for one in rows)
@@ -87,7 +87,7 @@ def test_a_block_is_linearised_exactly(name):
 def test_a_block_of_two_branches_is_linearised_along_the_push(name, sign):
     made, u = _example(name)
     small = sign * 1e-6 * np.eye(len(u))[0]
-    linear = linearise(made, u, push=small)
+    linear = linearise_chain(made, u, push=small)
     rows = np.array([u + small, u + small])
     change = made.simulate(rows, linear.state.copy()) - linear.outputs
     expected = linear.simulate(np.tile(small, (2, 1)))
@@ -101,17 +101,17 @@ def _example(name):
 
 def test_plays_stand_still_at_rest_and_follow_a_push_after_a_rise():
     ramp = Sampled("ramp", DT, np.linspace(0.0, 1.0, 50), np.zeros(50), ("u",), ("y",))
-    blocks = untrained(parse_chain("pi(3) | poly1"), ramp).blocks
+    blocks = build_untrained(parse_chain("pi(3) | poly1"), ramp).blocks
     made, rise = plain(blocks), np.linspace(0.0, 0.6, 31)
     at_rest, up, down = (
-        linearise(made, 0.6, history, push).gain()[0, 0]
+        linearise_chain(made, 0.6, history, push).gain()[0, 0]
         for history, push in ((None, 1e-6), (rise, 1e-6), (rise, -1e-6))
     )
     path, y = static_loop(made, 0.0, 1.0, DT, 11)
     steepest = (y[10, 0] - y[9, 0]) / (path[10] - path[9])
     assert up == pytest.approx(steepest) and up > 1.5 * at_rest
     assert down == pytest.approx(at_rest)
-    assert linearise(made, 0.6).standing == 3
+    assert linearise_chain(made, 0.6).standing == 3
     assert np.max(y[10:, 0] - y[10::-1, 0]) > 0.05, "the loop must be open"
 
 
@@ -129,10 +129,10 @@ def test_states_that_take_no_part_do_not_spoil_the_gain():
 
 def test_what_does_not_fit_is_refused(chain, c_compiler):
     with pytest.raises(InputError, match="takes 1 finite inputs"):
-        linearise(chain, [0.1, 0.2])
+        linearise_chain(chain, [0.1, 0.2])
     with pytest.raises(InputError, match="at least 2 points"):
         static_curve(chain, 0.0, 1.0, 1)
     slow = plain(parse_chain("oe(1,1,1)"), np.array([14.0]))
     slow.__dict__["engine"] = Engine(slow.blocks, DT)
     with pytest.raises(SolveError, match="does not come to rest"):
-        linearise(slow, 1.0, np.zeros(2))
+        linearise_chain(slow, 1.0, np.zeros(2))

@@ -30,11 +30,11 @@ from martensite.fit.material_files import write_material
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.names import NAMES
-from martensite.scenario.citations import bibliography
-from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.citations import read_bibliography
+from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.law_match import law_words
 from martensite.scenario.laws import dressed_laws
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def test_the_file_gives_the_fitted_numbers_to_the_last_digit(plain: Sample) -> N
 def differing(one: Sample, path: Path) -> list[str]:
     """Numbers of a scenario with the material of a file that are not those of the fit."""
     text = TEXT.replace('"flexinol-90"', f'"{path}"').replace(LAW, "")
-    used = {leaf.path: leaf.value for leaf in read(text).system.leaves()}
+    used = {leaf.path: leaf.value for leaf in read_scenario(text).system.leaves()}
     fitted = {leaf.path: leaf.value for leaf in one.fit.system().leaves()}
     return [key for key in used if key != "mechanism.mass" and used[key] != fitted[key]]
 
@@ -117,9 +117,9 @@ def test_exact_text_is_no_longer_than_it_must_be(value: float, unit: str, words:
 
 
 def test_a_few_digits_are_read_in_a_familiar_unit() -> None:
-    assert shown(29.929e9, "Pa") == "29.93 GPa"
-    assert shown(336.3445, "K") == "63.19 degC"
-    assert shown(0.0374864, "1") == "0.03749"
+    assert format_quantity(29.929e9, "Pa") == "29.93 GPa"
+    assert format_quantity(336.3445, "K") == "63.19 degC"
+    assert format_quantity(0.0374864, "1") == "0.03749"
     assert shown_range((50e6, 200e6), "Pa") == "50 to 200 MPa"
     assert shown_range((-5e8, 2e9), "Pa") == "-0.5 to 2 GPa"
     assert shown_range((150e6, 150e6), "Pa") == "150 MPa"
@@ -163,7 +163,7 @@ def test_every_source_is_used_and_in_the_bibliography(plain: Sample, poor: Sampl
         found = document(one)
         used = {number["source"] for number in found["values"].values()}
         assert used == set(found["sources"])
-        assert {source["cite"] for source in found["sources"].values()} <= set(bibliography())
+        assert {source["cite"] for source in found["sources"].values()} <= set(read_bibliography())
     assert document(plain, cite="leal2016")["sources"]["fit"]["cite"] == "leal2016"
     with pytest.raises(InputError, match="nobody2020"):
         document(plain, cite="nobody2020")
@@ -172,7 +172,7 @@ def test_every_source_is_used_and_in_the_bibliography(plain: Sample, poor: Sampl
 def test_a_fit_of_a_fitted_material_keeps_both_sources_apart(plain: Sample) -> None:
     document(plain, "first.toml")
     text = TEXT.replace('"flexinol-90"', f'"{plain.folder / "first.toml"}"')
-    again = replace(plain, scenario=read(text))
+    again = replace(plain, scenario=read_scenario(text))
     found = document(again, "second.toml")
     assert found["values"]["A_s"]["source"] == "fit"
     assert found["sources"]["fit"]["text"] != ""
@@ -319,15 +319,15 @@ def test_the_law_is_written_with_all_its_options(plain: Sample) -> None:
 def test_a_scenario_takes_the_law_of_its_material_and_may_change_it(plain: Sample) -> None:
     document(plain)
     text = TEXT.replace('"flexinol-90"', f'"{plain.folder / "mine.toml"}"').replace(LAW, "")
-    whole = read(text)
+    whole = read_scenario(text)
     assert whole.system.element.law.modulus == "mixture"
     assert whole.remarks == []
-    assert read(text, None, {"element.law.A_s": "60 degC"}).remarks == []
-    changed = read(text, None, {"element.law.modulus": "austenite"})
+    assert read_scenario(text, None, {"element.law.A_s": "60 degC"}).remarks == []
+    changed = read_scenario(text, None, {"element.law.modulus": "austenite"})
     assert changed.system.element.law.modulus == "austenite"
     (remark,) = changed.remarks
     assert "`modulus = austenite`" in remark and "`liang-rogers`" in remark
-    (remark,) = read(text, None, {"element.law": "elahinia"}).cautions[:1]
+    (remark,) = read_scenario(text, None, {"element.law": "elahinia"}).cautions[:1]
     assert "`mine` hold for law `liang-rogers`" in remark and "`elahinia`" in remark
 
 
@@ -366,7 +366,7 @@ def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) ->
     text = TEXT.replace('"flexinol-90"', f'"{path}"').replace(LAW, "")
     text = text.replace('kind = "wire"', 'kind = "wire"\nresistance = { kind = "per-length", '
                         'r_A = "8 ohm/m", r_M = "9 ohm/m" }')  # fmt: skip
-    found = read(text)
+    found = read_scenario(text)
     law = found.system.element.law
     assert law.registered_name == "mas-polycrystal" and law.spread == 33e6
     assert found.origins["element.law.spread"] == "law, mine"

@@ -13,12 +13,12 @@ from martensite.export.control_systems import to_control, to_state_space
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Options, estimate
-from martensite.identify.chains.linearise import linearise, operating_point
-from martensite.identify.chains.plant import ModelMechanism, plant
+from martensite.identify.chains.estimate import Options, estimate_chain
+from martensite.identify.chains.linearise import linearise_chain, operating_point
+from martensite.identify.chains.plant import ModelMechanism, build_plant
 from martensite.identify.chains.written import parse_chain
 from martensite.scenario.model_files import (
-    digest,
+    hash_record,
     model_provenance,
     model_text,
     read_model,
@@ -88,13 +88,13 @@ def test_every_block_reads_back_exactly(name, tmp_path):
 def test_provenance_of_an_estimate_holds_records_fits_and_options(tmp_path):
     u = np.repeat(np.random.default_rng(0).uniform(-1.0, 1.0, 20), 10)
     record = Sampled("r", DT, u, 2.0 * u + 1.0, ("u",), ("y",))
-    found = estimate("poly1", record, Options(starts=1, iterations=10))
+    found = estimate_chain("poly1", record, Options(starts=1, iterations=10))
     about = model_provenance(found)
     write_model(found.chain, tmp_path / "m.json", about)
     (row,) = read_provenance(tmp_path / "m.json")["records"]
-    assert row["sha256_of_numbers"] == digest(record)
+    assert row["sha256_of_numbers"] == hash_record(record)
     assert row["fit_percent"]["y"] > 99.9 and about["options"]["starts"] == 1
-    assert digest(record) != digest(record.with_outputs(record.outputs + 1e-15 + 1e-9))
+    assert hash_record(record) != hash_record(record.with_outputs(record.outputs + 1e-15 + 1e-9))
 
 
 def damaged(text):
@@ -154,15 +154,15 @@ def held(chain, high, at, count):
 
 @pytest.mark.parametrize("runtime", ["floats", "c"])
 def test_a_model_runs_under_a_waveform_sample_by_sample(chain, runtime):
-    found = simulate(plant(chain), Step(high=0.4, at=0.7), 3.0, samples=61, runtime=runtime)
+    found = simulate(build_plant(chain), Step(high=0.4, at=0.7), 3.0, samples=61, runtime=runtime)
     assert found.steps == 60 and found.accuracy is None and found.unit("position") == "m"
     assert np.allclose(1e3 * np.array(found["position"]), held(chain, 40.0, 14, 61), atol=1e-12)
-    thin = simulate(plant(chain), Step(high=0.4, at=0.7), 3.0, samples=21, runtime=runtime)
+    thin = simulate(build_plant(chain), Step(high=0.4, at=0.7), 3.0, samples=21, runtime=runtime)
     assert thin.columns["position"] == found.columns["position"][::3] and thin.steps == 60
 
 
 def test_numbers_of_a_plant_are_those_of_its_chain(chain):
-    other = plant(chain).with_values({"b1_c1": 2.5 * chain.theta[0]})
+    other = build_plant(chain).with_values({"b1_c1": 2.5 * chain.theta[0]})
     assert isinstance(other.mechanism, ModelMechanism)
     assert other.mechanism.model.theta[0] == 2.5 * chain.theta[0]
     wave = Sine(high=0.4, frequency=0.5)
@@ -188,7 +188,7 @@ class Proportional(AbstractDrive):
 def test_a_model_closes_a_loop_with_a_controller(chain):
     period, count = 2 * DT, 40
     found = simulate_controlled(
-        plant(chain), Proportional(measured="position"), count * period, period
+        build_plant(chain), Proportional(measured="position"), count * period, period
     )
     state, y, u = operating_point(chain, 0.0).state, [], 0.0
     for _ in range(count):
@@ -197,12 +197,12 @@ def test_a_model_closes_a_loop_with_a_controller(chain):
         y.append(chain.engine.simulate(chain.theta, np.full((2, 1), u), state)[0, 0])
     assert np.allclose(1e3 * np.array(found["position"][:-1]), y, atol=1e-10)
     with pytest.raises(ParameterError, match=r"whole number of samples of 0\.05 s"):
-        simulate_controlled(plant(chain), Proportional(measured="position"), 1.0, 0.125)
+        simulate_controlled(build_plant(chain), Proportional(measured="position"), 1.0, 0.125)
 
 
 def test_signals_of_one_name_are_refused(chain):
     with pytest.raises(InputError, match="inputs and outputs of the same name: duty"):
-        plant(replace(chain, output_names=("duty",)))
+        build_plant(replace(chain, output_names=("duty",)))
 
 
 def test_a_scenario_takes_a_model_file(chain, tmp_path, monkeypatch):
@@ -247,7 +247,7 @@ def test_python_control_runs_the_same_model(chain):
 
 def test_python_control_gets_the_linear_system(chain):
     control = pytest.importorskip("control")
-    linear = linearise(chain, 20.0)
+    linear = linearise_chain(chain, 20.0)
     system = to_state_space(chain, 20.0)
     assert control.dcgain(system) == pytest.approx(linear.gain()[0, 0])
     assert np.allclose(np.sort_complex(system.poles()), np.sort_complex(linear.poles()))

@@ -6,14 +6,14 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.correlations import crossed
-from martensite.identify.chains.directions import rising, split
-from martensite.identify.chains.flat import inverse
-from martensite.identify.chains.levenberg import minimise
+from martensite.identify.chains.correlations import correlate_residuals
+from martensite.identify.chains.directions import find_rising, split_by_direction
+from martensite.identify.chains.flat import invert_normal
+from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.sandwich import sums
-from martensite.identify.chains.uncertainty import coverage, uncertainty
-from martensite.identify.chains.validation import compared, validate
+from martensite.identify.chains.sandwich import sum_blocks
+from martensite.identify.chains.uncertainty import estimate_chain_uncertainty, measure_coverage
+from martensite.identify.chains.validation import compare_validations, validate_chain
 from martensite.identify.chains.written import parse_chain
 from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_axes import thinned
@@ -53,7 +53,7 @@ def test_scores_are_those_of_the_definition_and_leave_out_what_is_missing(truth)
     record = recorded(truth, np.random.default_rng(0))
     record.outputs[500:700] = np.nan
     record.outputs[3] += 50.0
-    found = validate(truth, record, skip=10)
+    found = validate_chain(truth, record, skip=10)
     kept = np.r_[10:500, 700 : len(record)]
     y, e = record.outputs[kept, 0], (found.computed - record.outputs)[kept, 0]
     one = found.score()
@@ -68,23 +68,23 @@ def test_scores_are_those_of_the_definition_and_leave_out_what_is_missing(truth)
 
 
 def test_an_input_rises_until_it_comes_back_by_more_than_its_noise():
-    assert rising([0, 0, 5, 5, 5, 0, 0, 5, 5, 0.0]).astype(int).tolist() == [
+    assert find_rising([0, 0, 5, 5, 5, 0, 0, 5, 5, 0.0]).astype(int).tolist() == [
         0, 0, 1, 1, 1, 0, 0, 1, 1, 0,
     ]  # fmt: skip
     t = np.linspace(0.0, 1.0, 201)
     noisy = np.where(t < 0.5, t, 1.0 - t) + 0.005 * np.random.default_rng(0).normal(size=201)
-    assert np.mean(rising(noisy, 0.1) == (t < 0.5)) > 0.97
-    assert np.mean(rising(noisy, 1e-6) == (t < 0.5)) < 0.9, "without a threshold noise turns"
+    assert np.mean(find_rising(noisy, 0.1) == (t < 0.5)) > 0.97
+    assert np.mean(find_rising(noisy, 1e-6) == (t < 0.5)) < 0.9, "without a threshold noise turns"
 
 
 def test_masks_replace_the_direction_of_the_input(truth):
     record = recorded(truth, np.random.default_rng(1))
     hot = record.inputs[:, 0] > 0.0
-    assert validate(truth, record, masks={"hot": hot}).score(part="hot").samples == hot.sum()
+    assert validate_chain(truth, record, masks={"hot": hot}).score(part="hot").samples == hot.sum()
     with pytest.raises(DataError, match="Mask `hot` needs"):
-        split(record, {"hot": hot[:5]})
+        split_by_direction(record, {"hot": hot[:5]})
     with pytest.raises(ParameterError, match="between 0 and 1"):
-        split(record, reversal=2.0)
+        split_by_direction(record, reversal=2.0)
 
 
 # ---------------------------------------------------------------- tests of residuals
@@ -94,7 +94,7 @@ def test_bands_of_correlation_hold_for_coloured_inputs_and_residuals():
     rng, inside, plain = np.random.default_rng(2), [], []
     for _ in range(60):
         u = np.repeat(rng.uniform(-1.0, 1.0, 60), 40)
-        found = crossed(coloured(rng, len(u)), u, DT)
+        found = correlate_residuals(coloured(rng, len(u)), u, DT)
         assert found is not None
         inside.append(np.mean(np.abs(found.values) <= found.band(0.95)))
         plain.append(np.mean(np.abs(found.values) <= 1.96 / np.sqrt(len(u))))
@@ -107,26 +107,26 @@ def test_a_model_of_the_right_order_passes_and_one_that_lacks_a_pole_does_not(tr
     short = Chain(parse_chain("oe(1,1,1) | poly2"), np.array([0.3, 0.1, 1.0, 0.15]), DT)
     for _ in range(20):
         record = recorded(truth, rng)
-        passed += validate(truth, record).explained
-        failed += not validate(short, record).explained
+        passed += validate_chain(truth, record).explained
+        failed += not validate_chain(short, record).explained
     assert passed >= 18 and failed == 20
 
 
 def test_it_says_in_words_what_fails(truth):
     record = recorded(truth, np.random.default_rng(4))
     shifted = record.with_outputs(record.outputs + 3.0)
-    assert any("off by a constant -3 mm" in s for s in validate(truth, shifted).failures)
+    assert any("off by a constant -3 mm" in s for s in validate_chain(truth, shifted).failures)
     bent = truth.with_theta(truth.theta + np.array([0, 0, 0, 0, 0, 1.0]))
     long = recorded(truth, np.random.default_rng(5), levels=300)
-    assert any("bend of a static block" in s for s in validate(bent, long).failures)
-    uneven = record.outputs[:, 0] + np.where(rising(record.inputs[:, 0]), 0.4, 0.0)
-    words = validate(truth, record.with_outputs(uneven)).failures
+    assert any("bend of a static block" in s for s in validate_chain(bent, long).failures)
+    uneven = record.outputs[:, 0] + np.where(find_rising(record.inputs[:, 0]), 0.4, 0.0)
+    words = validate_chain(truth, record.with_outputs(uneven)).failures
     assert any("uneven" in s and "while rising" in s for s in words)
-    fine = validate(truth, record)
+    fine = validate_chain(truth, record)
     assert not fine.failures and "find nothing" in " ".join(fine.sentences)
-    assert "best and worst" in compared([fine, validate(truth, shifted)])
+    assert "best and worst" in compare_validations([fine, validate_chain(truth, shifted)])
     with pytest.raises(DataError, match="at least 10"):
-        validate(truth, record, skip=len(record) - 3)
+        validate_chain(truth, record, skip=len(record) - 3)
 
 
 # ---------------------------------------------------------------- uncertainty
@@ -135,7 +135,7 @@ def test_it_says_in_words_what_fails(truth):
 def fitted(truth, rng):
     record = recorded(truth, rng, levels=75)
     squares = Squares(truth.engine, [Aim(record)])
-    return truth.with_theta(minimise(squares, truth.theta, 30).theta), squares
+    return truth.with_theta(minimise_cost(squares, truth.theta, 30).theta), squares
 
 
 def test_bands_of_blocks_hold_under_coloured_noise_and_those_of_white_noise_do_not(truth):
@@ -144,13 +144,16 @@ def test_bands_of_blocks_hold_under_coloured_noise_and_those_of_white_noise_do_n
     samples, model, white, errors = [], [], [], []
     for _ in range(30):
         chain, squares = fitted(truth, rng)
-        whole, plain = uncertainty(chain, squares), uncertainty(chain, squares, 1)
+        whole, plain = (
+            estimate_chain_uncertainty(chain, squares),
+            estimate_chain_uncertainty(chain, squares, 1),
+        )
         band = whole.band(clean)
         away = np.abs(band.outputs - clean.outputs)
         model.append(np.mean(away <= band.model))
         white.append(np.mean(away <= plain.band(clean).model))
         noisy = clean.with_outputs(clean.outputs + coloured(rng, len(clean))[:, None])
-        samples.append(coverage(band, noisy)[0])
+        samples.append(measure_coverage(band, noisy)[0])
         errors.append((chain.theta - truth.theta) / whole.errors)
     assert 0.93 <= np.mean(samples) <= 0.97
     assert 0.88 <= np.mean(model) <= 0.99
@@ -162,7 +165,7 @@ def test_bands_of_blocks_hold_under_coloured_noise_and_those_of_white_noise_do_n
 def test_sums_do_not_depend_on_how_the_record_is_cut(truth):
     record = recorded(truth, np.random.default_rng(6), levels=110, hold=41)  # over one chunk
     squares = Squares(truth.engine, [Aim(record, skip=7)])
-    found = sums(squares, truth.theta, [64])
+    found = sum_blocks(squares, truth.theta, [64])
     y, slopes = truth.engine.jacobian(truth.theta, record.inputs)
     scale = squares.aims[0].scale()[0]
     errors, rows = scale * (record.outputs - y)[:, 0], scale * slopes[:, 0]
@@ -179,7 +182,7 @@ def test_directions_that_the_records_leave_open_are_named_and_not_drawn():
     u = np.random.default_rng(7).uniform(-1.0, 1.0, 400)
     noise = 0.1 * np.random.default_rng(8).normal(size=(400, 1))
     record = Sampled("r", DT, u, chain.simulate(u) + noise, ("u",), ("y",))
-    found = uncertainty(chain, Squares(chain.engine, [Aim(record)]))
+    found = estimate_chain_uncertainty(chain, Squares(chain.engine, [Aim(record)]))
     (flat,) = found.flat
     assert set(flat.names) == {"1.c1", "2.c1", "2.c2"}
     assert "not determined separately" in flat.sentence
@@ -192,7 +195,7 @@ def test_directions_that_the_records_leave_open_are_named_and_not_drawn():
 
 
 def test_a_number_without_effect_is_named_alone():
-    found = inverse(np.diag([4.0, 0.0, 9.0]), ("a", "b", "c"))
+    found = invert_normal(np.diag([4.0, 0.0, 9.0]), ("a", "b", "c"))
     assert [one.names for one in found.flat] == [("b",)]
     assert "no effect" in found.flat[0].sentence
     assert np.allclose(found.matrix, np.diag([0.25, 0.0, 1.0 / 9.0]))
@@ -202,7 +205,7 @@ def test_directions_of_many_numbers_are_parted():
     """Of 30 numbers two pairs enter as sums alone."""
     rows = np.random.default_rng(13).normal(size=(200, 30))
     rows[:, 4], rows[:, 9] = rows[:, 20], 2.0 * rows[:, 21]
-    found = inverse(rows.T @ rows, [f"n{i}" for i in range(30)])
+    found = invert_normal(rows.T @ rows, [f"n{i}" for i in range(30)])
     assert {frozenset(one.names) for one in found.flat} == {
         frozenset({"n4", "n20"}), frozenset({"n9", "n21"}),
     }  # fmt: skip
@@ -211,13 +214,13 @@ def test_directions_of_many_numbers_are_parted():
 
 def test_errors_are_told_in_the_units_of_what_is_shown(truth):
     chain, squares = fitted(truth, np.random.default_rng(9))
-    found = uncertainty(chain, squares)
+    found = estimate_chain_uncertainty(chain, squares)
     omega = next(row for row in found.shown() if row.name == "omega1")
     assert omega.unit == "rad/s"
     assert omega.error == pytest.approx(omega.value * found.errors[0], rel=1e-6)
     assert any("coloured" in s for s in found.sentences)
     with pytest.raises(ParameterError, match="at least 1 sample"):
-        uncertainty(chain, squares, 0)
+        estimate_chain_uncertainty(chain, squares, 0)
 
 
 # ---------------------------------------------------------------- figures
@@ -226,8 +229,8 @@ def test_errors_are_told_in_the_units_of_what_is_shown(truth):
 def test_figures_show_what_they_say(truth):
     record = recorded(truth, np.random.default_rng(10))
     chain, squares = fitted(truth, np.random.default_rng(11))
-    found = validate(chain, record)
-    band = uncertainty(chain, squares).band(record)
+    found = validate_chain(chain, record)
+    band = estimate_chain_uncertainty(chain, squares).band(record)
     figure = plot_model(found, band)
     measured, computed = figure.axes[1].lines[:2]
     assert np.array_equal(computed.get_ydata(), found.computed[thinned(found.computed[:, 0]), 0])
@@ -248,8 +251,8 @@ def test_a_report_tells_scores_faults_and_numbers(truth, tmp_path):
     record = recorded(truth, np.random.default_rng(10), levels=20)
     chain, squares = fitted(truth, np.random.default_rng(11))
     shifted = record.with_outputs(record.outputs + 3.0)
-    found = validate(chain, shifted)
-    write_model_report([found], tmp_path / "m.md", uncertainty(chain, squares))
+    found = validate_chain(chain, shifted)
+    write_model_report([found], tmp_path / "m.md", estimate_chain_uncertainty(chain, squares))
     text = (tmp_path / "m.md").read_text()
     assert f"{found.fit:.2f}" in text and "off by a constant" in text and "omega1" in text
     assert {"record0.png", "loop0.png", "tests0.png", "static.png", "linear.png"} == {

@@ -19,13 +19,20 @@ from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.mpc import Mpc, Planned
 from martensite.control.controllers.pid import Pid
-from martensite.control.controllers.planning import Limits, Moment, Planner, Price, Search, moved
-from martensite.control.controllers.reach import reach
+from martensite.control.controllers.planning import (
+    Limits,
+    Moment,
+    Planner,
+    Price,
+    Search,
+    shift_plan,
+)
+from martensite.control.controllers.reach import measure_reach
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.mounted import Mounted
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.observers.hidden import names
+from martensite.control.observers.hidden import list_names
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.c99 import find_compiler
 from martensite.physics.electrical.pwm import PwmVoltage
@@ -118,14 +125,14 @@ def test_the_best_plan_is_better_than_what_it_began_with() -> None:
     [(0.0, [1, 3, 7]), (0.25, [1.5, 4, 7]), (1.0, [3, 7, 7]), (1.5, [5, 7, 7]), (4.0, [7, 7, 7])],
 )
 def test_a_plan_moves_on_and_keeps_what_is_left(share: float, expected: list[float]) -> None:
-    assert moved(np.array([1.0, 3.0, 7.0]), share) == pytest.approx(expected)
+    assert shift_plan(np.array([1.0, 3.0, 7.0]), share) == pytest.approx(expected)
 
 
 # ---------------------------------------------------------------- the horizon
 
 
 def test_reach_is_what_runs_of_the_model_show() -> None:
-    found = reach(SYSTEM, "position", 0.0, 0.4)
+    found = measure_reach(SYSTEM, "position", 0.0, 0.4)
     lanes = Lanes(SYSTEM, 1)
     for time, low, high in ((found.start, 0.02, 0.2), (found.up, 0.4, 0.6)):
         lanes.reset()
@@ -149,7 +156,7 @@ def test_a_short_horizon_stays_off_and_is_warned_about() -> None:
 
 def test_a_signal_that_moves_nothing_is_refused() -> None:
     with pytest.raises(ParameterError, match="does not move"):
-        reach(SYSTEM, "position", 0.0, 0.0)
+        measure_reach(SYSTEM, "position", 0.0, 0.0)
 
 
 # ---------------------------------------------------------------- memory
@@ -225,7 +232,7 @@ def test_the_state_may_come_from_an_observer() -> None:
     lanes = Lanes(SYSTEM, 1)
     lanes.state = memory.state
     seen = dict(zip(lanes.names, lanes.observe(0.0)[:, 0], strict=False))
-    assert [seen[name] for name in names(SYSTEM)] == pytest.approx([333.0, 0.8])
+    assert [seen[name] for name in list_names(SYSTEM)] == pytest.approx([333.0, 0.8])
 
 
 # ---------------------------------------------------------------- against a PID

@@ -33,7 +33,7 @@ from martensite.base.errors import (
 )
 from martensite.base.status import Status
 from martensite.export import balance, mujoco_render
-from martensite.export.balance import Answer, settle
+from martensite.export.balance import Answer, settle_lines
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator, read_model
 from martensite.export.mujoco_render import draw_poses, render_mujoco
 from martensite.export.mujoco_rest import holding_tensions
@@ -246,7 +246,9 @@ def test_balance_of_many_springs_that_yield_to_each_other() -> None:
     levers = rng.normal(size=(12, 2))
     give, compliances = 50.0 * levers @ levers.T, rng.uniform(0.5, 2.0, 12)
     reach = rng.uniform(-0.5, 1.0, 12)
-    found = settle(springs(list(compliances)), list(reach), give.tolist(), [0.0] * 12, [1e-3] * 12)
+    found = settle_lines(
+        springs(list(compliances)), list(reach), give.tolist(), [0.0] * 12, [1e-3] * 12
+    )
     forces = np.array([answer.force for answer in found.answers])
     gap = reach - give @ forces - compliances * forces  # 0 where taut, below where slack
     assert found.error < 1e-8
@@ -258,9 +260,9 @@ def test_balance_of_many_springs_that_yield_to_each_other() -> None:
 def test_newton_is_what_makes_it_fast(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two stiff wires on a light lever: plain sweeps alone are not done after 60."""
     give, reach = [[100.0, -100.0], [-100.0, 100.0]], [3.0, 2.0]
-    fast = settle(springs([1.0, 1.0]), reach, give, [0.0, 0.0], [1e-3, 1e-3])
+    fast = settle_lines(springs([1.0, 1.0]), reach, give, [0.0, 0.0], [1e-3, 1e-3])
     monkeypatch.setattr(balance, "PLAIN", 1)
-    slow = settle(springs([1.0, 1.0]), reach, give, [0.0, 0.0], [1e-3, 1e-3])
+    slow = settle_lines(springs([1.0, 1.0]), reach, give, [0.0, 0.0], [1e-3, 1e-3])
     assert fast.error < 1e-9
     assert fast.asked < 8
     assert (slow.asked, slow.error > 1e-3) == (60, True)
@@ -438,7 +440,7 @@ def test_a_film(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
 
 
 def test_an_mp4(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
-    if mujoco_render._ffmpeg() is None:
+    if mujoco_render._find_ffmpeg() is None:
         pytest.skip("no ffmpeg on this machine (pip install imageio-ffmpeg)")
     path = render_mujoco(*drawn, tmp_path / "arm.mp4", size=(97, 65), fps=20.0)
     assert path.read_bytes()[4:8] == b"ftyp"
@@ -447,7 +449,7 @@ def test_an_mp4(drawn: tuple[Any, MujocoResult], tmp_path: Path) -> None:
 def test_a_film_without_ffmpeg_is_a_gif(
     drawn: tuple[Any, MujocoResult], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mujoco_render, "_ffmpeg", lambda: None)
+    monkeypatch.setattr(mujoco_render, "_find_ffmpeg", lambda: None)
     with pytest.warns(UserWarning, match="No ffmpeg was found"):
         path = render_mujoco(*drawn, tmp_path / "arm.mp4", size=(32, 24), fps=10.0)
     assert path == tmp_path / "arm.gif"

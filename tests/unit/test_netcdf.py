@@ -19,7 +19,7 @@ from builders import plain_system
 
 from martensite.base.errors import DataError
 from martensite.base.status import Status
-from martensite.scenario.netcdf import open_result, save, to_dataset
+from martensite.scenario.netcdf import open_result, save_result, to_dataset
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 
@@ -58,7 +58,7 @@ def test_a_saved_result_is_the_dataset(tmp_path: Path, known: bool) -> None:
 
     result = make_result() if known else make_result(None, None)
     scenario, citations = (SCENARIO, CITED) if known else ("", ())
-    save(result, tmp_path / "a.nc", scenario, citations)
+    save_result(result, tmp_path / "a.nc", scenario, citations)
     read = open_result(tmp_path / "a.nc")
     made = to_dataset(result, scenario, None, citations)
     xarray.testing.assert_identical(comparable(read), comparable(made))
@@ -80,7 +80,7 @@ def test_the_dataset_holds_the_columns() -> None:
 def test_every_variable_is_labelled_in_the_file(tmp_path: Path) -> None:
     import pint
 
-    save(make_result(), tmp_path / "a.nc")
+    save_result(make_result(), tmp_path / "a.nc")
     with h5netcdf.File(tmp_path / "a.nc", "r") as file:
         found = {name: dict(variable.attrs) for name, variable in file.variables.items()}
     assert found["time"]["units"] == "s"
@@ -93,12 +93,12 @@ def test_every_variable_is_labelled_in_the_file(tmp_path: Path) -> None:
 
 
 def test_times_stay_numbers(tmp_path: Path) -> None:
-    save(make_result(), tmp_path / "a.nc")
+    save_result(make_result(), tmp_path / "a.nc")
     assert open_result(tmp_path / "a.nc")["time"].dtype == np.float64
 
 
 def test_provenance_is_in_the_file(tmp_path: Path) -> None:
-    save(make_result(), tmp_path / "a.nc", SCENARIO, CITED)
+    save_result(make_result(), tmp_path / "a.nc", SCENARIO, CITED)
     attributes = open_result(tmp_path / "a.nc").attrs
     assert attributes["Conventions"] == "CF-1.10"
     assert attributes["scenario"] == SCENARIO
@@ -120,7 +120,7 @@ def test_what_was_not_estimated_is_no_number() -> None:
 
 def test_a_long_scenario_is_kept_whole(tmp_path: Path) -> None:
     text = "# σ\n" * 40_000  # more than the 64 KiB that HDF5 keeps in an object header
-    save(make_result(), tmp_path / "a.nc", text)
+    save_result(make_result(), tmp_path / "a.nc", text)
     assert open_result(tmp_path / "a.nc").attrs["scenario"] == text
 
 
@@ -128,7 +128,7 @@ def test_a_failed_replacement_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     target = tmp_path / "a.nc"
-    save(make_result(), target)
+    save_result(make_result(), target)
     before = target.read_bytes()
 
     def full(*_: object) -> None:
@@ -136,7 +136,7 @@ def test_a_failed_replacement_leaves_the_old_file(
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(DataError, match=r"a\.nc.*could not be written: No space left"):
-        save(make_result(None), target, SCENARIO)
+        save_result(make_result(None), target, SCENARIO)
     assert target.read_bytes() == before
     assert list(tmp_path.iterdir()) == [target]
 
@@ -154,7 +154,7 @@ def test_a_failure_in_the_middle_leaves_nothing(
 
     monkeypatch.setattr(h5netcdf.File, "create_variable", fail_at_third)
     with pytest.raises(DataError, match="Input/output error"):
-        save(make_result(), tmp_path / "a.nc")
+        save_result(make_result(), tmp_path / "a.nc")
     assert len(calls[-1]) == 1  # a file was begun
     assert not list(tmp_path.iterdir())
 
@@ -162,14 +162,14 @@ def test_a_failure_in_the_middle_leaves_nothing(
 def test_saving_replaces_an_older_file(tmp_path: Path) -> None:
     target = tmp_path / "a.nc"
     target.write_text("old")
-    save(make_result(), target)
+    save_result(make_result(), target)
     assert open_result(target).sizes["time"] == len(TIMES)
     assert list(tmp_path.iterdir()) == [target]
 
 
 def test_a_missing_folder_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="folder"):
-        save(make_result(), tmp_path / "none" / "a.nc")
+        save_result(make_result(), tmp_path / "none" / "a.nc")
 
 
 def test_reading_what_is_no_result_is_a_sentence(tmp_path: Path) -> None:

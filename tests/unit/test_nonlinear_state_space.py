@@ -12,7 +12,7 @@ from martensite.identify.blocks.nonlinear_state_space import FARTHEST, Nonlinear
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.chains.best_linear import linear_start
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
 from martensite.identify.operators import sections
@@ -121,7 +121,9 @@ def test_an_oscillator_is_found_by_itself(text: str) -> None:
     record = Sampled("oscillator", DT, levels[:1200], noisy, ("u",), ("y",))
     options = Options(starts=3, refined=1, iterations=40)
     fits = [
-        fit_percent(y[1200:, None], estimate(t, record, options).chain.simulate(levels)[1200:])[0]
+        fit_percent(
+            y[1200:, None], estimate_chain(t, record, options).chain.simulate(levels)[1200:]
+        )[0]
         for t in (text, "oe(3,2,0) | poly1")
     ]
     assert fits[0] > 97.0 > fits[1] + 8.0

@@ -15,7 +15,7 @@ from sensing_cases import PERIOD, run, sensing_bench, sensing_plant, shaken
 
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.base.errors import InputError, ParameterError
-from martensite.control.loop.consistency import consistency
+from martensite.control.loop.consistency import check_consistency
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.covariance import Reading
@@ -123,7 +123,7 @@ def test_readings_one_by_one_are_the_textbook_update() -> None:
     s = h @ c @ h.T + r
     gain, short = c @ h.T @ np.linalg.inv(s), z - h @ mean
     rows = [Reading(1, -1.0, 0.3, 1.0), Reading(3, 2.0, 0.7, 1.0)]
-    found, matrix, nis = covariance.conditioned(floats, mean.tolist(), c.tolist(), rows)
+    found, matrix, nis = covariance.condition_on_readings(floats, mean.tolist(), c.tolist(), rows)
     assert found == pytest.approx(mean + gain @ short, rel=1e-12)
     assert np.allclose(matrix, c - gain @ s @ gain.T, rtol=1e-12)
     assert nis == pytest.approx(short @ np.linalg.solve(s, short), rel=1e-12)
@@ -131,21 +131,26 @@ def test_readings_one_by_one_are_the_textbook_update() -> None:
 
 def test_a_reading_that_does_not_count_changes_nothing() -> None:
     c, mean = some_matrix(3).tolist(), [1.0, 2.0, 3.0]
-    found = covariance.conditioned(floats, mean, c, [Reading(0, 9.0, 0.1, 0.0)])
+    found = covariance.condition_on_readings(floats, mean, c, [Reading(0, 9.0, 0.1, 0.0)])
     assert found == (mean, c, 0.0)
 
 
 def test_factor_packing_and_spread() -> None:
     c, rows = some_matrix(3), np.random.default_rng(1).normal(size=(2, 3))
-    assert np.allclose(covariance.factor(floats, c.tolist()), np.linalg.cholesky(c))
-    assert covariance.unpacked(covariance.packed(c.tolist())) == c.tolist()
-    assert np.allclose(covariance.spread(rows.tolist(), c.tolist()), rows @ c @ rows.T)
-    nothing = covariance.factor(floats, [[0.0, 0.0], [0.0, 4.0]])
+    assert np.allclose(covariance.factor_cholesky(floats, c.tolist()), np.linalg.cholesky(c))
+    assert covariance.unpack_matrix(covariance.pack_matrix(c.tolist())) == c.tolist()
+    assert np.allclose(
+        covariance.propagate_covariance(rows.tolist(), c.tolist()), rows @ c @ rows.T
+    )
+    nothing = covariance.factor_cholesky(floats, [[0.0, 0.0], [0.0, 4.0]])
     assert nothing == [[0.0, 0.0], [0.0, 2.0]]
 
 
 def test_what_is_put_takes_the_others_along() -> None:
-    assert covariance.put(floats, [0.0, 1.0], [[1.0, 0.5], [0.5, 2.0]], 1, 3.0) == [0.5, 3.0]
+    assert covariance.put_unknown(floats, [0.0, 1.0], [[1.0, 0.5], [0.5, 2.0]], 1, 3.0) == [
+        0.5,
+        3.0,
+    ]
 
 
 # ---------------------------------------------------------------- forecasts
@@ -165,13 +170,13 @@ SIZES = (2.0, 0.03)
 
 def forecast(observer: Any, scale: float) -> Any:
     """From amid the transformation, with standard deviations of that scale."""
-    matrix = covariance.diagonal([(scale * s) ** 2 for s in SIZES])
+    matrix = covariance.build_diagonal([(scale * s) ** 2 for s in SIZES])
     return observer.forecast(floats, Believed(amid(PLANT), (), matrix), GOING)
 
 
 def ended(at: list[float]) -> np.ndarray:
     """Everything at the end of the period, from hidden values at its start."""
-    state = hidden.placed(floats, PLANT, amid(PLANT), at, GOING.signals)
+    state = hidden.place_hidden(floats, PLANT, amid(PLANT), at, GOING.signals)
     for _ in range(GOING.turns):
         state, _ = PLANT.step(floats, state, *GOING.signals, dt=GOING.step)
     return np.array(ExtendedKalman(model=PLANT).told(floats, state, (), GOING.signals))
@@ -182,7 +187,7 @@ def quiet(cls: Any) -> Any:
 
 
 def test_slopes_are_those_of_the_model() -> None:
-    start = hidden.values(floats, PLANT, amid(PLANT), GOING.signals)
+    start = hidden.read_hidden(floats, PLANT, amid(PLANT), GOING.signals)
     assert 0.2 < start[1] < 0.8
     columns = []
     for k, step in enumerate((1e-4, 1e-6)):
@@ -225,8 +230,8 @@ def test_noise_adds_its_variance(cls: Any) -> None:
 def test_an_old_reading_is_not_used(cls: Any) -> None:
     observer = cls(model=PLANT)
     names = list(observer.estimates())
-    matrix = covariance.diagonal([size**2 for size in SIZES])
-    memory = [*flatten_numbers(amid(PLANT)), *covariance.packed(matrix)]
+    matrix = covariance.build_diagonal([size**2 for size in SIZES])
+    memory = [*flatten_numbers(amid(PLANT)), *covariance.pack_matrix(matrix)]
     found, signals = {}, {"drive": 0.3}
     for age in (0.0, PERIOD):
         readings = {"resistance": 2.5, "resistance.age": age}
@@ -357,4 +362,4 @@ def test_more_refusals() -> None:
     with pytest.raises(ParameterError, match="which the plant is not"):
         ExtendedKalman(model=PLANT).rest(floats, {}, {"driv": 0.1})
     with pytest.raises(InputError, match="no Kalman filter"):
-        consistency(sensing_bench(PLANT, InverseModel(model=PLANT)), 1.0)
+        check_consistency(sensing_bench(PLANT, InverseModel(model=PLANT)), 1.0)

@@ -22,7 +22,7 @@ from martensite.design.rules.relay import (
     gains_by_relay,
     relay_test,
 )
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 
 LATE = (DELAY - 1.0) * DT
 SWING = 0.25
@@ -84,7 +84,7 @@ def test_rules_scale_with_the_cycle(rule: str) -> None:
     a, b = (gains_by_relay(which, rule, "pid") for which in (one, other))
     assert b.Kp == pytest.approx(-2.0 * a.Kp)
     assert (b.Ti, b.Td) == pytest.approx((0.5 * a.Ti, 0.5 * a.Td))
-    assert set(RELAY_CITES[rule]) <= set(bibliography())
+    assert set(RELAY_CITES[rule]) <= set(read_bibliography())
 
 
 def test_ziegler_nichols_halves_the_ultimate_gain() -> None:

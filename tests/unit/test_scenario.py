@@ -13,8 +13,8 @@ from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import InputError
 from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.scenario.overrides import as_toml, changed, read_settings
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.overrides import as_toml, change_document, read_settings
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
 
 SOUND = """\
@@ -55,7 +55,7 @@ def edited(old: str, new: str) -> str:
 def sentence(text: str, path: Path | None = None) -> str:
     """The sentence with which a scenario is refused."""
     with pytest.raises(InputError) as caught:
-        read(text, path)
+        read_scenario(text, path)
     assert caught.value.exit_code == 2
     assert "\n" not in str(caught.value)
     return str(caught.value)
@@ -71,7 +71,7 @@ def law_of(scenario: Scenario) -> LiangRogers:
 
 
 def test_values_reach_their_parts_in_si() -> None:
-    scenario = read(SOUND)
+    scenario = read_scenario(SOUND)
     wire, load_ = scenario.system.element, scenario.system.mechanism
     assert isinstance(wire, Wire)
     assert isinstance(load_, DeadWeight)
@@ -87,7 +87,7 @@ def test_values_reach_their_parts_in_si() -> None:
 
 
 def test_material_fills_element_law_resistance_and_limits() -> None:
-    scenario = read(SOUND)
+    scenario = read_scenario(SOUND)
     material, system = scenario.material, scenario.system
     assert material is not None
     values = {name: number.value for name, number in material.values.items()}
@@ -101,7 +101,7 @@ def test_material_fills_element_law_resistance_and_limits() -> None:
 
 def test_scenario_wins_over_material_and_material_over_default() -> None:
     text = edited(LAW, 'law = { kind = "liang-rogers", A_s = "70 degC", modulus = "mixture" }')
-    scenario = read(text)
+    scenario = read_scenario(text)
     law = law_of(scenario)
     assert law.A_s == pytest.approx(343.15)
     assert law.A_f == pytest.approx(349.95)  # flexinol-90
@@ -116,7 +116,7 @@ def test_subsections_mean_the_same_as_inline_tables() -> None:
     split = edited(LAW + "\n", "").replace(
         "[environment]", '[element.law]\nkind = "liang-rogers"\n\n[environment]'
     )
-    assert read(split).system == read(SOUND).system
+    assert read_scenario(split).system == read_scenario(SOUND).system
 
 
 def test_chamber_needs_neither_environment_nor_cooling() -> None:
@@ -124,13 +124,13 @@ def test_chamber_needs_neither_environment_nor_cooling() -> None:
         WAVEFORM, 'waveform = { kind = "ramp", low = "20 degC", high = "120 degC", end = "60 s" }'
     )
     start, end = text.index("[environment]"), text.index("[mechanism]")
-    scenario = read(text[:start] + text[end:])
+    scenario = read_scenario(text[:start] + text[end:])
     assert scenario.waveform.value(0.0) == pytest.approx(293.15)
 
 
 def test_listed_waveform_gives_the_duration() -> None:
     listed = 'waveform = { kind = "table", times = ["0 s", "1 min"], values = ["0 V", "3 V"] }'
-    scenario = read(edited(WAVEFORM, listed).replace('duration = "400 s"', ""))
+    scenario = read_scenario(edited(WAVEFORM, listed).replace('duration = "400 s"', ""))
     assert scenario.duration == 60.0
     assert scenario.waveform.value(30.0) == pytest.approx(1.5)
 
@@ -146,7 +146,7 @@ def test_recorded_waveform_is_found_beside_the_scenario(tmp_path: Path) -> None:
 
 
 def test_run_simulates_what_was_read() -> None:
-    result = read(SOUND).run(tolerance=1e-3)
+    result = read_scenario(SOUND).run(tolerance=1e-3)
     assert result.times[-1] == 400.0
     assert 3e-3 < result.stroke < 0.05 * 0.273
     assert max(result["temperature"]) > 350.0
@@ -289,7 +289,7 @@ def test_folder_and_binary_file_are_refused(tmp_path: Path) -> None:
 def test_settings_reach_into_components() -> None:
     settings = ['element.diameter="0.25 mm"', "mechanism.mass=1 kg", "element.law.A_s=70 degC",
                 "element.resistance.rho_A=1e-6 ohm*m", "run.samples=51"]  # fmt: skip
-    scenario = read(SOUND, None, read_settings(settings))
+    scenario = read_scenario(SOUND, None, read_settings(settings))
     wire = scenario.system.element
     assert isinstance(wire, Wire)
     assert wire.diameter == 0.25e-3
@@ -300,8 +300,8 @@ def test_settings_reach_into_components() -> None:
 
 
 def test_text_of_a_changed_scenario_builds_the_same_again() -> None:
-    first = read(SOUND, None, {"element.law.A_s": "70 degC", "run.samples": 51})
-    again = read(first.text)
+    first = read_scenario(SOUND, None, {"element.law.A_s": "70 degC", "run.samples": 51})
+    again = read_scenario(first.text)
     assert again.system == first.system
     assert (again.samples, again.title) == (51, first.title)
 
@@ -320,7 +320,7 @@ def test_text_of_a_changed_scenario_builds_the_same_again() -> None:
 )
 def test_bad_setting_is_refused(setting: str, expected: str) -> None:
     with pytest.raises(InputError) as caught:
-        read(SOUND, None, read_settings([setting]))
+        read_scenario(SOUND, None, read_settings([setting]))
     assert expected in str(caught.value)
 
 
@@ -341,7 +341,7 @@ def test_toml_is_written_as_it_is_read() -> None:
 
 def test_changing_leaves_the_original_alone() -> None:
     document = {"element": {"law": "liang-rogers"}}
-    after = changed(document, {"element.law.A_s": "1 K"})
+    after = change_document(document, {"element.law.A_s": "1 K"})
     assert after == {"element": {"law": {"kind": "liang-rogers", "A_s": "1 K"}}}
     assert document == {"element": {"law": "liang-rogers"}}
 
@@ -351,5 +351,5 @@ def test_changing_leaves_what_it_is_given_alone() -> None:
         "element": {"law": "brinson"},
         "element.law.A_s": "1 K",
     }
-    assert changed({}, settings)["element"]["law"]["A_s"] == "1 K"
+    assert change_document({}, settings)["element"]["law"]["A_s"] == "1 K"
     assert settings["element"] == {"law": "brinson"}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError, ParameterError, UnitError
-from martensite.control.sensors.base import SENSORS, AbstractSensor, Probe, readings
+from martensite.control.sensors.base import SENSORS, AbstractSensor, Probe, simulate_readings
 from martensite.control.sensors.current import CurrentSensor
 from martensite.control.sensors.encoder import EncoderSensor
 from martensite.control.sensors.force import ForceSensor
@@ -43,7 +43,7 @@ def test_a_step_of_temperature_is_followed_with_the_lag() -> None:
     sensor = InfraredSensor(noise=0.0, resolution=0.0)
     truth = np.full((500, 2), AMBIENT)
     truth[1:, 0] += 50.0
-    found = readings(sensor, truth, 0.01, rng())
+    found = simulate_readings(sensor, truth, 0.01, rng())
     times = 0.01 * np.arange(500)
     expected = AMBIENT + 0.6 * 50.0 * (1.0 - np.exp(-times / 0.25))
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-10)
@@ -52,7 +52,7 @@ def test_a_step_of_temperature_is_followed_with_the_lag() -> None:
 def test_it_starts_at_rest_and_drifts_with_time() -> None:
     sensor = InfraredSensor(noise=0.0, resolution=0.0, lag=1e-3, drift=0.01)
     truth = np.tile([AMBIENT + 100.0, AMBIENT], (11, 1))
-    found = readings(sensor, truth, 1.0, rng())
+    found = simulate_readings(sensor, truth, 1.0, rng())
     np.testing.assert_allclose(found, AMBIENT + 60.0 + np.arange(11.0), atol=1e-9)
 
 
@@ -67,7 +67,7 @@ def test_it_starts_at_rest_and_drifts_with_time() -> None:
 def test_noise_has_its_size_and_readings_are_whole_steps(
     sensor: AbstractSensor, truth: tuple[float, ...]
 ) -> None:
-    found = readings(sensor, np.tile(truth, (20_000, 1)), 0.002, rng(1))
+    found = simulate_readings(sensor, np.tile(truth, (20_000, 1)), 0.002, rng(1))
     steps = found / sensor.resolution
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
     size = math.hypot(sensor.noise, sensor.resolution / math.sqrt(12.0))
@@ -85,7 +85,7 @@ def test_a_probe_reads_what_a_whole_record_gives(sensor: AbstractSensor) -> None
     truth[:, 0] += 10.0 * np.sin(0.01 * np.arange(3000))
     probe = Probe(sensor, rng(2))
     one_by_one = [probe.read(row, 0.002) for row in truth.tolist()]
-    whole = readings(sensor, truth, 0.002, rng(2))
+    whole = simulate_readings(sensor, truth, 0.002, rng(2))
     np.testing.assert_allclose(one_by_one, whole, rtol=0.0, atol=1e-9 * abs(whole[0]))
 
 
@@ -97,14 +97,14 @@ def test_without_a_resolution_nothing_is_rounded() -> None:
 
 def test_a_truth_of_the_wrong_width_is_refused() -> None:
     with pytest.raises(InputError, match="looks at temperature and ambient"):
-        readings(InfraredSensor(), np.zeros((3, 1)), 0.1, rng())
+        simulate_readings(InfraredSensor(), np.zeros((3, 1)), 0.1, rng())
 
 
 # ---------------------------------------------------------------- one by one
 
 
 def told(sensor: AbstractSensor, truth: object, interval: float = 0.01) -> np.ndarray:
-    return readings(sensor, np.asarray(truth, float), interval, rng(5))
+    return simulate_readings(sensor, np.asarray(truth, float), interval, rng(5))
 
 
 def test_an_ideal_sensor_says_the_truth() -> None:

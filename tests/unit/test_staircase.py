@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.scenario.staircase import plateaus, supply_offset, unwrap_counter
+from martensite.scenario.staircase import reduce_to_plateaus, supply_offset, unwrap_counter
 from martensite.signals.records import Record
 
 STEPS = st.lists(st.integers(0, 100), min_size=1, max_size=60)
@@ -67,7 +67,7 @@ def test_a_drop_must_be_a_number_above_zero(drop) -> None:
 
 def test_one_row_per_plateau_from_its_settled_half() -> None:
     record = staircase([1.0, 1.1, 1.2], scatter=0.01)
-    table = plateaus(record, "level")
+    table = reduce_to_plateaus(record, "level")
     assert table["level"] == [1.0, 1.1, 1.2]
     assert table["count"] == [5.0, 5.0, 5.0]
     assert table.times == [7.0, 17.0, 27.0]
@@ -82,14 +82,17 @@ def test_one_row_per_plateau_from_its_settled_half() -> None:
 
 def test_the_whole_plateau_differs_where_it_has_not_settled() -> None:
     record = staircase([1.0, 1.1])
-    half, whole = plateaus(record, "level"), plateaus(record, "level", settled=1.0)
+    half, whole = (
+        reduce_to_plateaus(record, "level"),
+        reduce_to_plateaus(record, "level", settled=1.0),
+    )
     assert half["current"][0] == pytest.approx((1.0 - 0.23) / 1.5, rel=1e-14)
     assert whole["current"][0] == pytest.approx(half["current"][0] + 0.05, rel=1e-12)
     assert max(half["current_deviation"]) < 1e-15 < min(whole["current_deviation"])
 
 
 def test_a_level_that_returns_is_another_plateau() -> None:
-    assert plateaus(staircase([1.0, 2.0, 1.0]), "level")["level"] == [1.0, 2.0, 1.0]
+    assert reduce_to_plateaus(staircase([1.0, 2.0, 1.0]), "level")["level"] == [1.0, 2.0, 1.0]
 
 
 def test_a_noisy_level_needs_a_tolerance() -> None:
@@ -97,14 +100,14 @@ def test_a_noisy_level_needs_a_tolerance() -> None:
     noisy = [v + 0.002 * (i % 2) for i, v in enumerate(record["level"])]
     record = Record("noisy", record.columns | {"level": noisy}, UNITS)
     with pytest.raises(DataError, match="`level` of record `noisy` has no plateau of at least 2"):
-        plateaus(record, "level")
-    assert plateaus(record, "level", tolerance=0.01)["level"] == [1.0, 1.1]
+        reduce_to_plateaus(record, "level")
+    assert reduce_to_plateaus(record, "level", tolerance=0.01)["level"] == [1.0, 1.1]
 
 
 def test_short_plateaus_are_left_out_and_counted() -> None:
     record = staircase([1.0, 1.1])
     columns = {name: values[:13] for name, values in record.columns.items()}
-    table = plateaus(Record("cut", columns, UNITS), "level", shortest=5)
+    table = reduce_to_plateaus(Record("cut", columns, UNITS), "level", shortest=5)
     assert table["level"] == [1.0]
     assert table.dropped == 3
 
@@ -120,16 +123,16 @@ def test_short_plateaus_are_left_out_and_counted() -> None:
 )
 def test_bad_arguments_are_refused(arguments, sentence) -> None:
     with pytest.raises(ParameterError, match=sentence):
-        plateaus(staircase([1.0]), "level", **arguments)
+        reduce_to_plateaus(staircase([1.0]), "level", **arguments)
 
 
 def test_a_missing_column_and_a_taken_name_are_refused() -> None:
     with pytest.raises(DataError, match=r"no column `levl`. Did you mean `level`"):
-        plateaus(staircase([1.0]), "levl")
+        reduce_to_plateaus(staircase([1.0]), "levl")
     record = staircase([1.0])
     record = Record("twice", record.columns | {"count": record.times}, UNITS | {"count": "1"})
     with pytest.raises(DataError, match="has a column `count` already"):
-        plateaus(record, "level")
+        reduce_to_plateaus(record, "level")
 
 
 # ---------------------------------------------------------------- offset
@@ -137,7 +140,9 @@ def test_a_missing_column_and_a_taken_name_are_refused() -> None:
 
 def test_offset_and_resistance_are_found_again() -> None:
     levels = [1.0 + 0.1 * k for k in range(13)]
-    exact = supply_offset(plateaus(staircase(levels), "level"), "level", "current", 1.0, 2.2)
+    exact = supply_offset(
+        reduce_to_plateaus(staircase(levels), "level"), "level", "current", 1.0, 2.2
+    )
     assert exact.offset == pytest.approx(0.23, abs=1e-12)
     assert exact.resistance == pytest.approx(1.5, rel=1e-12)
     assert exact.offset_error < 1e-12
@@ -147,7 +152,7 @@ def test_offset_and_resistance_are_found_again() -> None:
 def test_errors_are_those_of_numpy() -> None:
     np = pytest.importorskip("numpy")
     levels = [1.0 + 0.1 * k for k in range(13)]
-    table = plateaus(staircase(levels, scatter=0.02), "level")
+    table = reduce_to_plateaus(staircase(levels, scatter=0.02), "level")
     found = supply_offset(table, "level", "current", 1.0, 2.2)
     (slope, offset), cov = np.polyfit(table["current"], table["level"], 1, cov=True)
     assert (found.resistance, found.offset) == pytest.approx((slope, offset), rel=1e-9)
@@ -161,12 +166,12 @@ def test_a_wire_that_resists_more_when_warm_lowers_the_offset() -> None:
     record = staircase(levels)
     warm = [i / (1.0 + 0.05 * i * i) for i in record["current"]]
     record = Record("warm", record.columns | {"current": warm}, UNITS)
-    table = plateaus(record, "level")
+    table = reduce_to_plateaus(record, "level")
     low = supply_offset(table, "level", "current", 1.0, 1.5).offset
     assert supply_offset(table, "level", "current", 1.0, 2.2).offset < low < 0.23
 
 
 def test_too_few_plateaus_are_refused() -> None:
-    table = plateaus(staircase([1.0, 1.1, 1.2]), "level")
+    table = reduce_to_plateaus(staircase([1.0, 1.1, 1.2]), "level")
     with pytest.raises(DataError, match=r"has 2 plateaus from 1.1 to 1.2 V; an offset needs"):
         supply_offset(table, "level", "current", 1.1, 1.2)

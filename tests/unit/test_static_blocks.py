@@ -26,7 +26,7 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.blocks.unit_gain import UnitGain
 from martensite.identify.blocks.wavelet_network import WaveletNetwork
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.written import parse_block, parse_chain
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
@@ -126,7 +126,7 @@ def test_a_fit_finds_limits():
     x = lfilter([0.0, 0.1], [1.0, -0.9], w)
     y = 2.0 * np.clip(x, -0.6, 1.2) + 0.3 + 0.01 * RNG.normal(size=len(u))
     record = Sampled("made up", 0.1, u, y, ("u",), ("y",))
-    found = estimate(
+    found = estimate_chain(
         "deadzone | oe(1,1,1) | sat",
         record,
         Options(starts=6, refined=1, iterations=60, start="zero"),

@@ -14,14 +14,14 @@ import pytest
 from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
 
 from martensite.base.errors import DataError, InputError, SolveError
-from martensite.identify.chains.estimate import Options, estimate
+from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import at_rest
-from martensite.identify.chains.patterns import MOST, expanded
-from martensite.identify.chains.scored import free_run, mean_fit, scored
+from martensite.identify.chains.patterns import MOST, expand_pattern
+from martensite.identify.chains.scored import free_run, mean_fit, score_chain
 from martensite.identify.chains.search import Candidate, Searched, search
 from martensite.identify.chains.search import _decided as decided
 from martensite.identify.chains.stages import Identified, Stage, identify_stages
-from martensite.identify.chains.thinning import coarse
+from martensite.identify.chains.thinning import coarsen_records
 from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
@@ -50,12 +50,12 @@ def searched() -> Searched:
 
 
 def test_patterns() -> None:
-    assert expanded("poly2 | unit") == ["poly2 | unit"]
-    assert expanded("poly{1..3}") == ["poly1", "poly2", "poly3"]
-    assert expanded("oe({2..3},3,1) | {pwl,sigmoid}{5,10}") == [
+    assert expand_pattern("poly2 | unit") == ["poly2 | unit"]
+    assert expand_pattern("poly{1..3}") == ["poly1", "poly2", "poly3"]
+    assert expand_pattern("oe({2..3},3,1) | {pwl,sigmoid}{5,10}") == [
         f"oe({k},3,1) | {kind}{n}" for k in (2, 3) for kind in ("pwl", "sigmoid") for n in (5, 10)
     ]
-    assert expanded("poly{2,2}") == ["poly2"]
+    assert expand_pattern("poly{2,2}") == ["poly2"]
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_patterns() -> None:
 )  # fmt: skip
 def test_bad_patterns(pattern: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        expanded(pattern)
+        expand_pattern(pattern)
 
 
 # ---------------------------------------------------------------- the search
@@ -178,7 +178,8 @@ def test_free_runs_begin_as_is_said(found: Identified) -> None:
     late = stage_one(log("late", ramps()[120:], noise=0.0))
     late = late.rows(5)  # in motion, neither at rest nor at zero
     fits = {
-        start: mean_fit(scored(chain, [late], "other", start)) for start in ("rest", "estimate")
+        start: mean_fit(score_chain(chain, [late], "other", start))
+        for start in ("rest", "estimate")
     }
     assert fits["estimate"] > 99.0 > fits["rest"] + 1.0
     assert free_run(chain, late, "zero")[0, 0] == 0.0
@@ -187,18 +188,18 @@ def test_free_runs_begin_as_is_said(found: Identified) -> None:
 
 def test_a_record_of_another_sample_time_is_brought_to_that_of_the_model(found: Identified) -> None:
     fine = resample_record(stage_one(SLOW), ratio=0.5)
-    (score,) = scored(found.estimates[0].chain, [fine], "other")
+    (score,) = score_chain(found.estimates[0].chain, [fine], "other")
     assert (score.role, score.fit > 98.0) == ("other", True)
 
 
 def test_records_thinned_together_have_one_sample_time() -> None:
     long, short = log("long", ramps(1200)), log("short", ramps(900), seed=5)
-    thin = coarse([long, short], most=100)
+    thin = coarsen_records([long, short], most=100)
     assert thin[0].interval == pytest.approx(thin[1].interval, rel=1e-12)
     assert thin[0].interval > long.interval
     pair = [stage_one(long), stage_one(short)]
-    made = estimate("poly2 | oe(1,1,1)", pair, replace(FEW, starts=1))
-    assert mean_fit(scored(made.chain, [stage_one(SLOW)], "other")) > 98.0
+    made = estimate_chain("poly2 | oe(1,1,1)", pair, replace(FEW, starts=1))
+    assert mean_fit(score_chain(made.chain, [stage_one(SLOW)], "other")) > 98.0
 
 
 def test_records_that_say_nothing_are_refused() -> None:
@@ -213,15 +214,15 @@ def test_records_that_say_nothing_are_refused() -> None:
     )  # fmt: skip
     for record, words in cases:
         with pytest.raises(InputError, match=words):
-            estimate("poly2 | oe(1,1,1)", record, Options(starts=1))
+            estimate_chain("poly2 | oe(1,1,1)", record, Options(starts=1))
 
 
 def test_missing_outputs_do_not_hurt() -> None:
     one = stage_one(FITTED)
     outputs = one.outputs.copy()
     outputs[::3] = np.nan
-    made = estimate("poly2 | oe(1,1,1)", one.with_outputs(outputs), replace(FEW, starts=1))
-    assert scored(made.chain, [stage_one(SLOW)], "other")[0].fit > 98.0
+    made = estimate_chain("poly2 | oe(1,1,1)", one.with_outputs(outputs), replace(FEW, starts=1))
+    assert score_chain(made.chain, [stage_one(SLOW)], "other")[0].fit > 98.0
 
 
 def test_a_wrong_structure_would_be_noticed(searched: Searched) -> None:

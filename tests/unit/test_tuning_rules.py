@@ -24,7 +24,7 @@ from martensite.design.rules.formulas import (
     series,
 )
 from martensite.design.rules.step_test import holding, step_test
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 
 LAG = FirstOrder(2.0, 5.0, 1.0)
 
@@ -109,7 +109,7 @@ def test_gains_have_the_sign_of_the_plant_and_scale_with_it(name: str, form: str
     one, other = (gains_by_rule(LAG._replace(gain=k), name, form) for k in (2.0, -4.0))
     assert one.Kp > 0.0
     assert other == pytest.approx(one._replace(Kp=-0.5 * one.Kp))
-    assert set(RULES[name].cites) <= set(bibliography())
+    assert set(RULES[name].cites) <= set(read_bibliography())
 
 
 def test_gains_per_sample() -> None:

@@ -24,11 +24,11 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.planning import Price
 from martensite.control.faults.base import FAULTS
 from martensite.scenario.build import Builder
-from martensite.scenario.catalogue import registries
+from martensite.scenario.catalogue import list_registries
 from martensite.scenario.components import component_class
 from martensite.scenario.places import Places
 from martensite.scenario.scales import Scales, named_readings
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.constant import Constant
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -63,7 +63,9 @@ def loop(controller: str, measured: str = "position", more: str = "", **changes:
     level = REFERENCES.get(measured, "2 mm")
     reference = f"\n[reference]\nkind = 'constant'\nlevel = '{level}'\n"
     document = f"{LOOP}measured = '{measured}'\n{controller}{reference}{more}{RUN}"
-    return read(document, None, {path.replace("__", "."): v for path, v in changes.items()})
+    return read_scenario(
+        document, None, {path.replace("__", "."): v for path, v in changes.items()}
+    )
 
 
 def numbers(scenario: Scenario) -> dict[str, tuple[float, str]]:
@@ -246,7 +248,7 @@ def nameless(cls: type[Parametrised], above: bool = False) -> list[str]:
 
 @pytest.mark.parametrize("kind", ["controller", "observer", "check", "fault", "supervisor"])
 def test_every_number_of_a_reading_has_a_reading(kind: str) -> None:
-    registry = registries()[kind]
+    registry = list_registries()[kind]
     assert [one for name in registry.names() for one in nameless(registry[name])] == []
 
 

@@ -17,7 +17,7 @@ import pytest
 from martensite.base.errors import InputError
 from martensite.physics.materials.base import KINDS, load_material
 from martensite.physics.materials.wires import UNITS, WireSize, load_wires, wire_catalogues
-from martensite.scenario.citations import bibliography
+from martensite.scenario.citations import read_bibliography
 
 CATALOGUE = load_wires("flexinol")
 SIZES = list(CATALOGUE.sizes.values())
@@ -55,7 +55,7 @@ class TestRow:
         assert list(size.cells()) == list(UNITS)
         for name, cell in size.cells().items():
             assert cell.kind in KINDS
-            assert CATALOGUE.sources[cell.source].cite in bibliography()
+            assert CATALOGUE.sources[cell.source].cite in read_bibliography()
             assert cell.unit == UNITS[name]
             assert cell.value > 0.0
 

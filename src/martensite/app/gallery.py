@@ -42,9 +42,9 @@ def built(
     text: str, changes: Mapping[str, Any] | None = None, log: Record | None = None
 ) -> Scenario:
     """The scenario in a text; files that it names lie beside the packaged ones."""
-    from martensite.scenario.scenario import read
+    from martensite.scenario.scenario import read_scenario
 
-    return read(text, FOLDER / "scenario.toml", changes, log=log)
+    return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)
 
 
 def _texts() -> Iterator[tuple[str, str]]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.base.errors import InputError, MartensiteError
-from martensite.scenario.plain import plain
+from martensite.scenario.plain import convert_to_plain
 
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
@@ -40,7 +40,7 @@ def dumps(message: Any) -> bytes:
     try:
         text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError):
-        text = json.dumps(plain(message), ensure_ascii=False, separators=(",", ":"))
+        text = json.dumps(convert_to_plain(message), ensure_ascii=False, separators=(",", ":"))
     return text.encode("utf-8", "replace")
 
 

@@ -112,7 +112,9 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
         shape = _search_grid(stresses, strains, [0.0])
         spare = len(strains) - 3
         if shape.high > shape.low and _is_worthwhile(shape.squares, squares, spare):
-            return _refine(stresses, strains, _try_critical(stresses, strains, shape, levels), mean)
+            return _refine_shape(
+                stresses, strains, _try_critical(stresses, strains, shape, levels), mean
+            )
     deviation = math.sqrt(squares / len(strains))
     return StrainFit("constant", mean, mean, mean, None, None, deviation)
 
@@ -175,13 +177,13 @@ def _search_grid(
 # ---------------------------------------------------------------- from the best of many to the best
 
 
-def _refine(
+def _refine_shape(
     stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: Estimate
 ) -> StrainFit:
     """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
-        solved = _solve(stresses, strains, shape)
+        solved = _solve_shape(stresses, strains, shape)
     found = solved or {n: Estimate(getattr(shape, n), math.nan, 0) for n in NAMES}
     values = [found[name].value for name in NAMES]
     pairs = zip(stresses, strains, strict=True)
@@ -192,7 +194,7 @@ def _refine(
     )
 
 
-def _solve(
+def _solve_shape(
     stresses: Sequence[float], strains: Sequence[float], shape: _Shape
 ) -> dict[str, Estimate] | None:
     """All free numbers by least squares; None if they do not settle within their range."""
@@ -215,7 +217,7 @@ def _solve(
         return None
     numbers, top = unpack(found.values), max(stresses)
     if numbers["low"] < 0.0:
-        return _solve(stresses, strains, replace(shape, low=0.0))
+        return _solve_shape(stresses, strains, replace(shape, low=0.0))
     inside = LEAST_RATE <= numbers["rate"] * top <= MOST_RATE
     if not (inside and numbers["low"] < numbers["high"] and 0.0 <= numbers["crit"] < top):
         return None

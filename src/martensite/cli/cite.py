@@ -25,7 +25,7 @@ def cite(
     from martensite.scenario import citations
 
     keys = _of_scenario(name, settings) if name.endswith(".toml") else _of_study(name)
-    texts = citations.entries(keys)
+    texts = citations.list_entries(keys)
     if json:
         show.as_json([{"key": k, "bibtex": t} for k, t in zip(keys, texts, strict=True)])
     else:
@@ -33,12 +33,12 @@ def cite(
 
 
 def _of_scenario(name: str, settings: list[str] | None) -> list[str]:
-    from martensite.scenario.citations import citations
+    from martensite.scenario.citations import list_citations
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.scenario import load
 
     scenario = load(name, read_settings(settings or []))
-    return citations(scenario, scenario.material)
+    return list_citations(scenario, scenario.material)
 
 
 def _of_study(name: str) -> list[str]:

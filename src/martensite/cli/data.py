@@ -25,9 +25,9 @@ def overview(ctx: typer.Context, json: Json = False) -> None:
 def list_all(json: Json = False) -> None:
     """List the data sets, their licences, and which are on this machine."""
     from martensite.cli import show
-    from martensite.scenario.datasets import dataset_names, describe
+    from martensite.scenario.datasets import dataset_names, describe_dataset
 
-    found = [describe(name) for name in dataset_names()]
+    found = [describe_dataset(name) for name in dataset_names()]
     if json:
         show.as_json([asdict(dataset) | {"here": _here(dataset.name)} for dataset in found])
         return
@@ -37,13 +37,13 @@ def list_all(json: Json = False) -> None:
 
 def _here(name: str) -> str:
     from martensite.base.errors import DataError
-    from martensite.scenario.datasets import describe, locate
+    from martensite.scenario.datasets import describe_dataset, locate_file
 
     found = 0
-    files = describe(name).files
+    files = describe_dataset(name).files
     for file in files:
         try:
-            locate(f"{name}/{file}")
+            locate_file(f"{name}/{file}")
         except DataError:
             continue
         found += 1
@@ -56,9 +56,9 @@ def show_one(
 ) -> None:
     """Show a data set: what it holds, what it is not, where it comes from, its files."""
     from martensite.cli import show
-    from martensite.scenario.datasets import describe
+    from martensite.scenario.datasets import describe_dataset
 
-    dataset = describe(name)
+    dataset = describe_dataset(name)
     if json:
         show.as_json(asdict(dataset))
         return
@@ -80,7 +80,7 @@ def fetch(
     from martensite.cli import show
     from martensite.scenario import datasets
 
-    folder = datasets.fetch(name, force)
+    folder = datasets.fetch_dataset(name, force)
     if json:
         show.as_json({"name": name, "folder": str(folder)})
     else:

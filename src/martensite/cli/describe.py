@@ -9,18 +9,18 @@ from martensite.base.errors import UnknownNameError
 from martensite.base.registry import Registry
 from martensite.base.units import OF_READINGS
 from martensite.cli import show
-from martensite.scenario.catalogue import described, registries, summary
+from martensite.scenario.catalogue import describe_class, list_registries, summarise_class
 from martensite.signals.base import DRIVE
 
 
 def one(registry: Registry[Any], name: str) -> dict[str, Any]:
     """The description of one entry of a registry."""
-    return described(registry.kind, registry[name])
+    return describe_class(registry.kind, registry[name])
 
 
 def anywhere(name: str) -> list[dict[str, Any]]:
     """Descriptions of all entries of that name, in whichever registry; at least one."""
-    known = registries(blocks=True).values()
+    known = list_registries(blocks=True).values()
     found = [one(registry, name) for registry in known if name in registry.names()]
     if not found:
         every = {entry for registry in known for entry in registry.names()}
@@ -38,8 +38,10 @@ def print_part(part: dict[str, Any]) -> None:
     rows = [_row(entry) for entry in part["parameters"]]
     show.table(("parameter", "unit", "meaning", "allowed", "default"), rows)
     for key in part["cites"]:
-        known = key in citations.bibliography()
-        show.text(f"Source: {citations.title(key) if known else 'not in the bibliography'} [{key}]")
+        known = key in citations.read_bibliography()
+        show.text(
+            f"Source: {citations.read_title(key) if known else 'not in the bibliography'} [{key}]"
+        )
 
 
 def _row(entry: dict[str, Any]) -> tuple[str, ...]:
@@ -60,10 +62,10 @@ def default_of(entry: dict[str, Any]) -> str:
 
 def print_list(registry: Registry[Any]) -> None:
     """Print the names of a registry with one line each."""
-    rows = [(name, summary(registry[name])) for name in registry.names()]
+    rows = [(name, summarise_class(registry[name])) for name in registry.names()]
     show.table((registry.kind, "what it is"), rows)
 
 
 def listed(registry: Registry[Any]) -> list[dict[str, str]]:
     """Names and summaries of a registry, ready for JSON."""
-    return [{"name": name, "summary": summary(registry[name])} for name in registry.names()]
+    return [{"name": name, "summary": summarise_class(registry[name])} for name in registry.names()]

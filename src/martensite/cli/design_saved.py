@@ -47,13 +47,13 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
 
 def saved(found: Designed, scenario: Scenario) -> str:
     """The scenario with the numbers found, as TOML."""
-    from martensite.scenario.overrides import as_toml, changed
+    from martensite.scenario.overrides import as_toml, change_document
 
     numbers: dict[str, Any] = {}
     for one, value in zip(found.question.free, found.numbers, strict=True):
         for choice in one.choices:
             numbers |= _settings(choice, value, scenario, whole=one.whole)
-    document = changed(tomllib.loads(scenario.text), numbers)
+    document = change_document(tomllib.loads(scenario.text), numbers)
     sense = "most" if found.question.most else "least"
     goal = f"# designed for the {sense} {found.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in found.question.subject]

@@ -242,19 +242,21 @@ def _as_far_as_run(log: Record, scenario: Scenario) -> Record:
 def _compared(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
     if record is None:
         return []
-    from martensite.scenario.compare import common, compare_with_record
+    from martensite.scenario.compare import compare_with_record, list_common
 
-    return [] if followed and not common(result, record) else compare_with_record(result, record)
+    return (
+        [] if followed and not list_common(result, record) else compare_with_record(result, record)
+    )
 
 
 def _write(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:
-    from martensite.scenario.citations import citations
+    from martensite.scenario.citations import list_citations
 
     if files.data is not None:
-        from martensite.scenario.netcdf import save
+        from martensite.scenario.netcdf import save_result
 
-        cited = citations(scenario, scenario.material)
-        save(result, files.data, scenario.text, cited, scenario.material)
+        cited = list_citations(scenario, scenario.material)
+        save_result(result, files.data, scenario.text, cited, scenario.material)
     if files.figure is not None:
         _draw(files.figure, scenario, result, [record] if record else None)
     if files.profile is not None:

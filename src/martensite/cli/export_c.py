@@ -48,13 +48,13 @@ def c(
     """
     import_modules(modules)
     from martensite.base.errors import ParameterError, suggest_name
-    from martensite.export.c_names import checked_identifier, identifier
+    from martensite.export.c_names import checked_identifier, make_identifier
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.scenario import load
 
     if part not in PARTS:
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
-    name = checked_identifier(name or identifier(scenario.stem))
+    name = checked_identifier(name or make_identifier(scenario.stem))
     files = _free(out, name, force)
     loaded = load(scenario, read_settings(settings or []))
     core, example = _made(loaded, name, part, precision)

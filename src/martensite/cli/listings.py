@@ -19,14 +19,14 @@ def complete_kind(incomplete: str) -> list[str]:
     """Kinds of parts that begin as what is typed in a shell."""
     from martensite.scenario import catalogue
 
-    return [kind for kind in catalogue.registries(blocks=True) if kind.startswith(incomplete)]
+    return [kind for kind in catalogue.list_registries(blocks=True) if kind.startswith(incomplete)]
 
 
 def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
     """Parts of the kind before it that begin as what is typed in a shell."""
     from martensite.scenario import catalogue
 
-    registry = catalogue.registries(blocks=True).get(ctx.params.get("kind") or "")
+    registry = catalogue.list_registries(blocks=True).get(ctx.params.get("kind") or "")
     names = registry.names() if registry is not None else []
     return [name for name in names if name.startswith(incomplete)]
 
@@ -72,7 +72,7 @@ def _list_kinds(json: bool) -> None:
     from martensite.cli import show
     from martensite.scenario import catalogue
 
-    found = {kind: r.names() for kind, r in catalogue.registries(blocks=True).items()}
+    found = {kind: r.names() for kind, r in catalogue.list_registries(blocks=True).items()}
     if json:
         show.as_json(found)
     else:

@@ -63,9 +63,9 @@ def table(
 
 def as_json(value: Any) -> None:
     """Print JSON; numbers that JSON does not have become null."""
-    from martensite.scenario.plain import plain
+    from martensite.scenario.plain import convert_to_plain
 
-    typer.echo(json.dumps(plain(value), indent=2, ensure_ascii=False))
+    typer.echo(json.dumps(convert_to_plain(value), indent=2, ensure_ascii=False))
 
 
 def quantity(value: float, unit: str) -> str:

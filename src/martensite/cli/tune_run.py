@@ -141,11 +141,11 @@ def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> Loop
 
 def _level(given: Given, runs: LoopRuns) -> float:
     """Where step and relay are laid."""
-    from martensite.control.loop.names import readings
+    from martensite.control.loop.names import list_readings
 
     measured = runs.bench.controllers.members()[runs.drive].measured
     if given.level is not None:
-        return quantity("level", given.level, readings(runs.bench)[measured].unit)
+        return quantity("level", given.level, list_readings(runs.bench)[measured].unit)
     nominal = runs.run(runs.table({}, 1))
     low = min(float(nominal.reference.min()), float(nominal.output[0, 0]))
     high = max(float(nominal.reference.max()), float(nominal.output[0, 0]))

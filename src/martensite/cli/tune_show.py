@@ -35,11 +35,11 @@ def saved(found: Tuning) -> str:
     """The scenario with the new numbers, as TOML."""
     import tomllib
 
-    from martensite.scenario.overrides import as_toml, changed
+    from martensite.scenario.overrides import as_toml, change_document
 
     document = tomllib.loads(found.scenario.text)
     numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
-    return f"# tuned: {found.origin}\n\n{as_toml(changed(document, numbers))}"
+    return f"# tuned: {found.origin}\n\n{as_toml(change_document(document, numbers))}"
 
 
 def as_dict(found: Tuning) -> dict[str, Any]:
@@ -77,13 +77,13 @@ def as_dict(found: Tuning) -> dict[str, Any]:
 
 def _gains(found: Tuning) -> list[tuple[str, float, str]]:
     """Path, number and unit of what was tuned."""
-    from martensite.control.loop.names import readings
+    from martensite.control.loop.names import list_readings
 
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
     controller = bench.controllers.members()[found.drive]
     drives = {drive.name: drive.unit for drive in bench.plant.drives()}
-    base = f"{drives[found.drive]}/{readings(bench)[controller.measured].unit}"
+    base = f"{drives[found.drive]}/{list_readings(bench)[controller.measured].unit}"
     seconds = getattr(controller, "gains_are", "") == "in-seconds"
     rows: list[tuple[str, float, str]] = []
     for path, value in found.found.after.items():

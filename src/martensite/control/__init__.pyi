@@ -25,7 +25,7 @@ from martensite.control.controllers.pid import PidLaw as PidLaw
 from martensite.control.controllers.pid import per_sample as per_sample
 from martensite.control.controllers.planning import Price as _PlanPrice
 from martensite.control.controllers.planning import Search as _PlanSearch
-from martensite.control.controllers.reach import reach as reach
+from martensite.control.controllers.reach import measure_reach as measure_reach
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
 from martensite.control.controllers.scheduled_pid import Schedule as Schedule
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid
@@ -41,14 +41,14 @@ from martensite.control.faults.stuck import Stuck as Stuck
 from martensite.control.faults.supply_sag import SupplySag as SupplySag
 from martensite.control.loop.bench import Bench as Bench
 from martensite.control.loop.consistency import Consistency as Consistency
-from martensite.control.loop.consistency import consistency as consistency
+from martensite.control.loop.consistency import check_consistency as check_consistency
 from martensite.control.loop.mounted import Mounted as Mounted
 from martensite.control.loop.parts import Controllers as Controllers
 from martensite.control.loop.parts import Faults as Faults
 from martensite.control.loop.parts import Observers as Observers
 from martensite.control.loop.parts import Sensors as Sensors
 from martensite.control.loop.realtime import RealtimeStep as RealtimeStep
-from martensite.control.loop.run import opened as _open_bench
+from martensite.control.loop.run import open_loop as _open_bench
 from martensite.control.loop.run import simulate_bench as simulate_bench
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.inverse import InverseModel as InverseModel

@@ -71,12 +71,12 @@ class Seen(NamedTuple):
     answer: Answer
 
 
-def share(missed: float, answer: Answer, give: float, least: float) -> float:
+def compute_share(missed: float, answer: Answer, give: float, least: float) -> float:
     """What a path that ends elsewhere by `missed` [m] does to a force, as a share of it."""
     return abs(missed) / (answer.compliance + give) / (answer.force + least)
 
 
-def settle(
+def settle_lines(
     trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
     forces: Sequence[float], least: Sequence[float],
 ) -> Balance:  # fmt: skip
@@ -94,16 +94,16 @@ def settle(
     now, before = list(forces), list[Seen]()
     for turn in range(1, TURNS + 1):
         plain = turn % PLAIN == 0
-        seen, error = _asked(trials, reach, give, now, least, in_turn=plain)
+        seen, error = _ask_elements(trials, reach, give, now, least, in_turn=plain)
         if not error > CLOSED or turn == TURNS:
             break
         found = [one.answer.force for one in seen]
-        now = found if plain else _springs(reach, give, now, seen, before)
+        now = found if plain else _solve_springs(reach, give, now, seen, before)
         before = seen
     return Balance([one.answer for one in seen], error, turn)
 
 
-def _asked(
+def _ask_elements(
     trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
     forces: Sequence[float], least: Sequence[float], *, in_turn: bool,
 ) -> tuple[list[Seen], float]:  # fmt: skip
@@ -113,38 +113,40 @@ def _asked(
     """
     met, seen = list(forces), list[Seen]()
     for i, trial in enumerate(trials):
-        left = reach[i] - _others(give[i], met, i)
+        left = reach[i] - _sum_others(give[i], met, i)
         seen.append(Seen(left, trial(left, give[i][i])))
         if in_turn:
             met[i] = seen[i].answer.force
     found = [one.answer.force for one in seen]
     errors = [
-        share(reach[i] - _others(give[i], found, i) - left, answer, give[i][i], least[i])
+        compute_share(
+            reach[i] - _sum_others(give[i], found, i) - left, answer, give[i][i], least[i]
+        )
         for i, (left, answer) in enumerate(seen)
     ]
     return seen, float(np.max(errors))
 
 
-def _others(row: Sequence[float], forces: Sequence[float], own: int) -> float:
+def _sum_others(row: Sequence[float], forces: Sequence[float], own: int) -> float:
     """What the other forces take from a path [m]."""
     return sum(s * f for j, (s, f) in enumerate(zip(row, forces, strict=True)) if j != own)
 
 
-def _springs(
+def _solve_springs(
     reach: Sequence[float], give: Sequence[Sequence[float]], forces: Sequence[float],
     seen: Sequence[Seen], before: Sequence[Seen],
 ) -> list[float]:  # fmt: skip
     """Forces [N] of the elements as springs."""
     matrix, free = np.array(give), np.zeros(len(seen))
     for i, one in enumerate(seen):
-        yields = _yields(one, before[i] if before else None, give[i][i])
+        yields = _compute_yield(one, before[i] if before else None, give[i][i])
         taut = one.answer.force > 0.0
         free[i] = one.reach - one.answer.force * yields if taut else one.answer.free
         matrix[i, i] = yields
-    return nonnegative(matrix, np.array(reach) - free, np.array(forces)).tolist()
+    return solve_nonnegative(matrix, np.array(reach) - free, np.array(forces)).tolist()
 
 
-def _yields(one: Seen, before: Seen | None, give: float) -> float:
+def _compute_yield(one: Seen, before: Seen | None, give: float) -> float:
     """Reach per force [m/N] of an element on its line: of the secant, or else of the tangent."""
     least = one.answer.compliance + give
     if before is None or min(one.answer.force, before.answer.force) <= 0.0:
@@ -155,7 +157,7 @@ def _yields(one: Seen, before: Seen | None, give: float) -> float:
     return max(drawn / pulled, least)
 
 
-def nonnegative(matrix: np.ndarray, right: np.ndarray, start: np.ndarray) -> np.ndarray:
+def solve_nonnegative(matrix: np.ndarray, right: np.ndarray, start: np.ndarray) -> np.ndarray:
     """F ≥ 0 with A F ≥ b, and equal where F > 0, for symmetric positive A.
 
     The minimum of F·AF/2 - b·F by active sets, after Lawson & Hanson, Solving Least Squares

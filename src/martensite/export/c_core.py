@@ -19,13 +19,13 @@ from martensite.export.c_kernels import Precision, precision_of, used_parameters
 from martensite.export.c_names import (
     Variable,
     checked_identifier,
-    identifier,
-    parameters,
-    variables,
+    list_parameters,
+    list_variables,
+    make_identifier,
 )
-from martensite.export.c_operations import operations
+from martensite.export.c_operations import count_operations
 from martensite.export.c_source import source_text
-from martensite.export.c_text import Layout, header_text, sized
+from martensite.export.c_text import Layout, count_elements, header_text
 from martensite.kernels.program import Program
 from martensite.simulate.compiled import compile_system
 
@@ -59,7 +59,7 @@ class CCore:
     def size(self) -> int:
         """Size of the model [bytes]."""
         counts = (len(self.parameters), self.constants, self.states)
-        return precision_of(self.precision).size * (sum(map(sized, counts)) + 2)
+        return precision_of(self.precision).size * (sum(map(count_elements, counts)) + 2)
 
     @property
     def files(self) -> dict[str, str]:
@@ -95,9 +95,15 @@ def build_c_core(
     """
     compiled = compile_system(system)
     return core_of(
-        system, compiled.program, compiled.size, _drives(system), _seen(system, compiled.outputs),
-        name=name, precision=precision_of(precision), reports=True,
-    )  # fmt: skip
+        system,
+        compiled.program,
+        compiled.size,
+        _describe_drives(system),
+        _list_outputs(system, compiled.outputs),
+        name=name,
+        precision=precision_of(precision),
+        reports=True,
+    )
 
 
 def core_of(
@@ -113,17 +119,17 @@ def core_of(
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
     used = used_parameters(program) | ({places[timed]} if timed else set[int]())
     kept = sorted(used) if pruned else list(places.values())
-    given = parameters((leaves[i] for i in kept), (i in used for i in kept))
+    given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
     sample = f"m->p[{kept.index(places[timed])}]" if timed else None
     layout = Layout(
-        name=checked_identifier(name or identifier(whole.described())),
+        name=checked_identifier(name or make_identifier(whole.described())),
         described=whole.described(),
         precision=precision,
         program=program,
         kept=kept,
         parameters=given,
-        inputs=variables("u", inputs, 0.0),
-        outputs=variables("y", outputs, math.nan),
+        inputs=list_variables("u", inputs, 0.0),
+        outputs=list_variables("y", outputs, math.nan),
         states=states,
         reports=reports,
         sample=sample,
@@ -140,7 +146,7 @@ def core_of(
         states=states,
         constants=layout.constants,
         sample_time=whole.sample_time() if sample else 0.0,
-        operations=_operations(program),
+        operations=_count_operations(program),
     )
 
 
@@ -151,36 +157,40 @@ def _sample_path(whole: AbstractSystem) -> str | None:
     return found if isinstance(found, str) else None
 
 
-def _operations(program: Program) -> dict[str, dict[str, int]]:
+def _count_operations(program: Program) -> dict[str, dict[str, int]]:
     """Counts of all functions."""
     graph, known = program.graph, program.hoisted
-    found = {"prepare": operations(graph, known)}
+    found = {"prepare": count_operations(graph, known)}
     called = {"init": "start", "step": "step", "observe": "observe"}
     for name, label in called.items():
         if name in program.functions:
-            found[label] = operations(graph, program.functions[name].outputs, known)
+            found[label] = count_operations(graph, program.functions[name].outputs, known)
     return found
 
 
 # ---------------------------------------------------------------- names, units, words
 
 
-def _drives(system: AbstractSystem) -> Rows:
+def _describe_drives(system: AbstractSystem) -> Rows:
     known = system.outputs()
     return [
-        (one.name, one.unit, known[one.name].long_name if one.name in known else _word(one.name))
+        (
+            one.name,
+            one.unit,
+            known[one.name].long_name if one.name in known else _describe_drive(one.name),
+        )
         for one in system.drives()
     ]
 
 
-def _word(drive: str) -> str:
+def _describe_drive(drive: str) -> str:
     """What a drive is that is no output."""
     if drive.startswith((NOISE, JITTER)):
         return "standard normal number, or 0"
     return f"signal of {drive}"
 
 
-def _seen(system: AbstractSystem, names: Sequence[str]) -> Rows:
+def _list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
     """Outputs of a system, then what differs along its element."""
     known = system.outputs()
     described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]

@@ -8,7 +8,7 @@ from string import Template
 
 from martensite.export.c_core import CCore
 from martensite.export.c_kernels import Precision, precision_of
-from martensite.export.c_text import sized
+from martensite.export.c_text import count_elements
 
 Step = tuple[float, tuple[float, ...]]
 """Length [s] and inputs of a step."""
@@ -27,22 +27,22 @@ def example_text(core: CCore, first: Sequence[float], steps: Sequence[Step]) -> 
     return Template(_EXAMPLE).substitute(
         NAME=core.name,
         REAL=precision.number,
-        INPUTS=sized(len(core.inputs)),
-        OUTPUTS=sized(len(core.outputs)),
-        FIRST=_numbers(precision, first),
-        ROWS=",\n".join(_rows(precision, steps)),
+        INPUTS=count_elements(len(core.inputs)),
+        OUTPUTS=count_elements(len(core.outputs)),
+        FIRST=_format_numbers(precision, first),
+        ROWS=",\n".join(_format_rows(precision, steps)),
         TITLES=titles.replace("\\", "\\\\").replace('"', '\\"'),
         FORMAT="%.17g" if precision.number == "double" else "%.9g",
     )
 
 
-def _rows(precision: Precision, steps: Sequence[Step]) -> Iterator[str]:
+def _format_rows(precision: Precision, steps: Sequence[Step]) -> Iterator[str]:
     for (length, inputs), equal in groupby(steps):
         count = sum(1 for _ in equal)
-        yield f"    {{{count}, {precision.literal(length)}, {_numbers(precision, inputs)}}}"
+        yield f"    {{{count}, {precision.literal(length)}, {_format_numbers(precision, inputs)}}}"
 
 
-def _numbers(precision: Precision, values: Sequence[float]) -> str:
+def _format_numbers(precision: Precision, values: Sequence[float]) -> str:
     return f"{{{', '.join(map(precision.literal, values)) or '0'}}}"
 
 

@@ -150,7 +150,9 @@ def kernels_text(
     printer = Printer(program.graph, precision.dialect(prefix))
     taken = [program.graph.input(f"p{i}", 0) for i in kept]
     printer.share(taken, lambda place: f"p[{place}]")
-    parts = [_function(printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted, precision)]
+    parts = [
+        _print_function(printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted, precision)
+    ]
     flags = [printer.is_flag(node.index) for node in program.hoisted]
     zero = precision.literal(0.0)
     printer.share(program.hoisted, lambda i: f"(c[{i}] != {zero})" if flags[i] else f"c[{i}]")
@@ -158,12 +160,12 @@ def kernels_text(
         for name, place in zip(kernel.function.inputs, kernel.inputs, strict=True):
             printer.share([program.graph.input(name, 0)], lambda _, place=place: place)
         name, outputs = f"{prefix}kernel_{kernel.function.name}", kernel.function.outputs
-        parts.append(_function(printer, name, ("c", "x", "u", "dt"), "y", outputs, precision))
+        parts.append(_print_function(printer, name, ("c", "x", "u", "dt"), "y", outputs, precision))
     text = "\n".join(parts)
-    return (_erfcx(precision, prefix) + text) if "erfcx(" in text else text
+    return (_print_erfcx(precision, prefix) + text) if "erfcx(" in text else text
 
 
-def _function(
+def _print_function(
     printer: Printer, name: str, taken: Sequence[str], made: str, outputs: Sequence[Expr],
     precision: Precision,
 ) -> str:  # fmt: skip
@@ -182,7 +184,7 @@ def _function(
     return f"static void {name}({given}, {number} *restrict {made}) {{\n{idle}{body}}}\n"
 
 
-def _erfcx(precision: Precision, prefix: str) -> str:
+def _print_erfcx(precision: Precision, prefix: str) -> str:
     """exp(x²) erfc(x) for x ≥ 0; beyond 5 by its asymptotic continued fraction."""
     number, s, at = precision.number, precision.suffix, precision.literal
     return (

@@ -10,10 +10,16 @@ from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, ALARM, readings, reference_units, references
-from martensite.control.loop.names import estimates as estimate_outputs
-from martensite.control.loop.period import estimates
-from martensite.control.loop.realtime_program import Loop, Traced, reads, trace
+from martensite.control.loop.names import (
+    AGE,
+    ALARM,
+    list_readings,
+    list_references,
+    reference_units,
+)
+from martensite.control.loop.names import list_estimates as estimate_outputs
+from martensite.control.loop.period import collect_estimates
+from martensite.control.loop.realtime_program import Loop, Traced, list_reads, trace_loop
 from martensite.export.c_core import CCore, Rows, core_of
 from martensite.export.c_kernels import precision_of
 from martensite.kernels.program import Function, Program
@@ -31,7 +37,7 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
     """
     if not bench.controllers.members():
         raise ParameterError("The loop of a bench without controllers gives no signals.")
-    traced = trace(bench)
+    traced = trace_loop(bench)
     program, seen = _loop_program(bench, traced)
     return core_of(
         bench, program, traced.size, _loop_inputs(bench), seen,
@@ -41,10 +47,10 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
 
 def _loop_inputs(bench: Bench) -> Rows:
     """Readings, their ages, references, signals that no controller has."""
-    known, names = readings(bench), reads(bench)
+    known, names = list_readings(bench), list_reads(bench)
     rows = [(name, known[name].unit, known[name].long_name) for name in names]
     rows += [(name + AGE, "s", f"age of {name}") for name in names]
-    followed = zip(references(bench), reference_units(bench), strict=True)
+    followed = zip(list_references(bench), reference_units(bench), strict=True)
     rows += [(name, unit, "what the controller shall follow") for name, unit in followed]
     taken = bench.controllers.members()
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
@@ -63,7 +69,7 @@ def _loop_program(bench: Bench, traced: Traced) -> tuple[Program, Rows]:
         rows.append((ALARM, "1", "alarm of the supervisor"))
         nodes.append(loop.alarm)
     words = estimate_outputs(bench)
-    for name, node in estimates(bench, loop.observers).items():
+    for name, node in collect_estimates(bench, loop.observers).items():
         rows.append((name, words[name].unit, words[name].long_name))
         nodes.append(node)
     functions = {

@@ -47,7 +47,7 @@ class Variable:
     """Whether anything follows from it: numbers that only decide the size of a program do not."""
 
 
-def identifier(text: str) -> str:
+def make_identifier(text: str) -> str:
     """A name that C and C++ take: of letters, digits and single underscores, never a keyword."""
     plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
     if not plain or plain[0].isdigit() or plain in KEYWORDS:
@@ -60,12 +60,12 @@ def checked_identifier(name: str) -> str:
     if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in KEYWORDS:
         raise ParameterError(
             f"The name of a C core must be an identifier of C, but is `{name}`; "
-            f"`{identifier(name)}` is one."
+            f"`{make_identifier(name)}` is one."
         )
     return name
 
 
-def identifiers(letter: str, names: Iterable[str]) -> list[str]:
+def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:
     """Different identifiers of some names, after a letter: `p_element_length`."""
     found: dict[str, None] = {}
     for name in names:
@@ -78,15 +78,15 @@ def identifiers(letter: str, names: Iterable[str]) -> list[str]:
     return list(found)
 
 
-def parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[Variable, ...]:
+def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[Variable, ...]:
     """The numbers of a system, with what is allowed for them."""
     every = list(leaves)
-    names = identifiers("p", (leaf.path for leaf in every))
+    names = make_identifiers("p", (leaf.path for leaf in every))
     rows = zip(every, names, used, strict=True)
-    return tuple(_parameter(i, *row) for i, row in enumerate(rows))
+    return tuple(_describe_parameter(i, *row) for i, row in enumerate(rows))
 
 
-def _parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variable:
+def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variable:
     declared, default = leaf.declared, leaf.declared.default
     low = math.nextafter(declared.low, math.inf) if declared.open_low else declared.low
     unit = "of the reading" if declared.unit in units.OF_READINGS else declared.unit
@@ -97,12 +97,12 @@ def _parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variable:
     )  # fmt: skip
 
 
-def variables(
+def list_variables(
     letter: str, rows: Iterable[tuple[str, str, str]], default: float
 ) -> tuple[Variable, ...]:
     """Inputs or outputs by name, unit and words."""
     every = list(rows)
-    names = identifiers(letter, (name for name, _, _ in every))
+    names = make_identifiers(letter, (name for name, _, _ in every))
     return tuple(
         Variable(i, name, label, unit, words, default)
         for i, ((name, unit, words), label) in enumerate(zip(every, names, strict=True))

@@ -47,14 +47,16 @@ ORDER = (
 )  # fmt: skip
 
 
-def operations(graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()) -> dict[str, int]:
+def count_operations(
+    graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()
+) -> dict[str, int]:
     """The most that computing `outputs` takes where the nodes `known` are there already."""
     found: Counter[str] = Counter()
-    _count(graph, [o.index for o in outputs], {k.index for k in known}, 0, 1, found)
+    _count_nodes(graph, [o.index for o in outputs], {k.index for k in known}, 0, 1, found)
     return {name: found[name] for name in ORDER if found[name]}
 
 
-def _count(
+def _count_nodes(
     graph: Graph, wanted: Iterable[int], known: set[int], inside: int, turns: int,
     found: Counter[str],
 ) -> None:  # fmt: skip
@@ -70,8 +72,8 @@ def _count(
         if index in graph.loops:
             loop = graph.loops[index]
             rows = turns * len(loop.columns[0])
-            _count(graph, loop.outputs, known, loop.bit, rows, found)
+            _count_nodes(graph, loop.outputs, known, loop.bit, rows, found)
         elif index in graph.repeats:
             repeat = graph.repeats[index]
-            _count(graph, repeat.outputs, known, repeat.bit, turns * repeat.turns, found)
+            _count_nodes(graph, repeat.outputs, known, repeat.bit, turns * repeat.turns, found)
         stack += graph.children(index)

@@ -8,8 +8,8 @@ from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, references
-from martensite.control.loop.realtime_program import reads
+from martensite.control.loop.names import MEASURED, list_references
+from martensite.control.loop.realtime_program import list_reads
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_example import Step
 from martensite.signals.base import AbstractWaveform
@@ -50,8 +50,8 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
     At most `MOST` times so many samples.
     """
     sensors, taken = bench.sensors.members(), bench.controllers.members()
-    measured = [(MEASURED if sensors else "") + name for name in reads(bench)]
-    ages = [sensors[name].delay if name in sensors else 0.0 for name in reads(bench)]
+    measured = [(MEASURED if sensors else "") + name for name in list_reads(bench)]
+    ages = [sensors[name].delay if name in sensors else 0.0 for name in list_reads(bench)]
     given = by_name(bench.plant, waveform)
     free = [given.get(d.name) for d in bench.plant.drives() if d.name not in taken]
     count = min(len(result.times), MOST * steps + 1)
@@ -59,7 +59,7 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
         (
             *(result.columns[name][k] for name in measured),
             *ages,
-            *(result.columns[name][k] for name in references(bench)),
+            *(result.columns[name][k] for name in list_references(bench)),
             *(one.value(result.times[k]) if one else 0.0 for one in free),
         )
         for k in range(count)

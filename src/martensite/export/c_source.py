@@ -11,7 +11,7 @@ from string import Template
 
 from martensite.export.c_kernels import Kernel, kernels_text
 from martensite.export.c_names import Variable
-from martensite.export.c_text import Layout, sized
+from martensite.export.c_text import Layout, count_elements
 from martensite.simulate.march import COARSE
 
 
@@ -22,10 +22,12 @@ def source_text(core: Layout) -> str:
     kernels += [Kernel.of(traced[name], core.states, count) for name in ("step", "observe")]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
-    return _filled(core, begin + _FINITE + _tables(core) + _PREPARE + _START + _step(core) + _SEEN)
+    return _fill_text(
+        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN
+    )
 
 
-def _filled(core: Layout, text: str) -> str:
+def _fill_text(core: Layout, text: str) -> str:
     precision = core.precision
     return Template(text).substitute(
         NAME=core.name,
@@ -37,34 +39,36 @@ def _filled(core: Layout, text: str) -> str:
         COARSE=precision.literal(COARSE),
         NEAR=precision.literal(precision.near),
         SAMPLE=core.sample or "",
-        N_CONSTANTS=sized(core.constants),
-        N_STATES=sized(core.states),
-        N_RESULTS=sized(core.states + (2 if core.reports else 0)),
-        N_OUTPUTS=sized(len(core.outputs)),
+        N_CONSTANTS=count_elements(core.constants),
+        N_STATES=count_elements(core.states),
+        N_RESULTS=count_elements(core.states + (2 if core.reports else 0)),
+        N_OUTPUTS=count_elements(len(core.outputs)),
     )
 
 
-def _tables(core: Layout) -> str:
+def _print_tables(core: Layout) -> str:
     """Least, greatest and given values of the parameters."""
-    low = [_bound(core, v, v.low) for v in core.parameters]
-    high = [_bound(core, v, v.high) for v in core.parameters]
+    low = [_print_bound(core, v, v.low) for v in core.parameters]
+    high = [_print_bound(core, v, v.high) for v in core.parameters]
     values = [core.precision.literal(v.default) for v in core.parameters]
-    return _table("low", low) + _table("high", high) + _table("value", values)
+    return _print_table("low", low) + _print_table("high", high) + _print_table("value", values)
 
 
-def _table(name: str, numbers: Sequence[str]) -> str:
+def _print_table(name: str, numbers: Sequence[str]) -> str:
     rows = ",\n".join(f"    {text}" for text in numbers or ["0"])
-    return f"static const $REAL ${{NAME}}_{name}[{sized(len(numbers))}] = {{\n{rows}\n}};\n\n"
+    return (
+        f"static const $REAL ${{NAME}}_{name}[{count_elements(len(numbers))}] = {{\n{rows}\n}};\n\n"
+    )
 
 
-def _bound(core: Layout, variable: Variable, value: float) -> str:
+def _print_bound(core: Layout, variable: Variable, value: float) -> str:
     """An end of what is allowed; infinite only if the parameter may be."""
     if math.isinf(value) and not variable.endless:
         return f"{'-' if value < 0.0 else ''}{core.precision.largest}"
     return core.precision.literal(value)
 
 
-def _step(core: Layout) -> str:
+def _print_step(core: Layout) -> str:
     return "".join([
         _STEP_BEGIN,
         _SAMPLE if core.sample else "",

@@ -38,7 +38,7 @@ class Layout:
         return len(self.program.hoisted)
 
 
-def sized(count: int) -> int:
+def count_elements(count: int) -> int:
     """Length of an array: C has none of length 0."""
     return max(1, count)
 
@@ -47,23 +47,23 @@ def header_text(core: Layout) -> str:
     """NAME.h."""
     name, guard = core.name, f"{core.name.upper()}_H"
     return (
-        f"{_about(core)}#ifndef {guard}\n#define {guard}\n\n"
+        f"{_describe_core(core)}#ifndef {guard}\n#define {guard}\n\n"
         '#ifdef __cplusplus\nextern "C" {\n#endif\n\n'
         f"typedef {core.precision.number} {name}_real;\n\n"
-        f"{_counts(core)}"
-        f"{_indices('Parameters: places in p', name, core.parameters)}"
-        f"{_indices('Inputs: places in u', name, core.inputs)}"
-        f"{_indices('Outputs: places in y', name, core.outputs)}"
-        f"{_declarations(core)}"
+        f"{_print_counts(core)}"
+        f"{_print_indices('Parameters: places in p', name, core.parameters)}"
+        f"{_print_indices('Inputs: places in u', name, core.inputs)}"
+        f"{_print_indices('Outputs: places in y', name, core.outputs)}"
+        f"{_print_declarations(core)}"
         "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
     )
 
 
-def _about(core: Layout) -> str:
+def _describe_core(core: Layout) -> str:
     kind = f"`{core.precision.number}`"
     pace = "" if core.sample is None else _PACE
     return (
-        _comment(
+        _format_comment(
             f"{core.name}: {core.described}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}"
         )
         + "\n"
@@ -88,18 +88,18 @@ _PACE = """
 It is a system in discrete time: a step goes on by one sample, and dt must be the sample time."""
 
 
-def _comment(text: str) -> str:
+def _format_comment(text: str) -> str:
     """A comment of several lines."""
-    lines = [f" * {line}".rstrip() for line in _safe(text).split("\n")]
+    lines = [f" * {line}".rstrip() for line in _escape_comment(text).split("\n")]
     return "\n".join(["/*", *lines, " */"]) + "\n"
 
 
-def _safe(text: str) -> str:
+def _escape_comment(text: str) -> str:
     """Text that ends no comment."""
     return text.replace("*/", "* /").replace("/*", "/ *")
 
 
-def _counts(core: Layout) -> str:
+def _print_counts(core: Layout) -> str:
     counts = {
         "PARAMETERS": len(core.parameters),
         "CONSTANTS": core.constants,
@@ -111,14 +111,15 @@ def _counts(core: Layout) -> str:
     return f"enum {{\n{rows}\n}};\n\n"
 
 
-def _indices(title: str, name: str, variables: Sequence[Variable]) -> str:
+def _print_indices(title: str, name: str, variables: Sequence[Variable]) -> str:
     """An enum of places in an array."""
     if not variables:
         return ""
     last = len(variables) - 1
     rows = [
         f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} "
-        f"/* [{_safe(v.unit)}] {_safe(v.words)}{'' if v.used else ' (changes nothing)'} */"
+        f"/* [{_escape_comment(v.unit)}] "
+        f"{_escape_comment(v.words)}{'' if v.used else ' (changes nothing)'} */"
         for v in variables
     ]
     return f"/* {title}, with their units. */\nenum {{\n" + "\n".join(rows) + "\n};\n\n"
@@ -133,7 +134,7 @@ _STATUS = {
 }
 
 
-def _declarations(core: Layout) -> str:
+def _print_declarations(core: Layout) -> str:
     name = core.name
     status = "".join(
         f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items()
@@ -144,9 +145,9 @@ def _declarations(core: Layout) -> str:
         f"    {name}_BAD_INPUT = {len(_STATUS)} {bad}\n}};\n\n"
         "/* All that a model knows: only numbers, so copy it to save and to restore it. */\n"
         f"typedef struct {{\n"
-        f"    {name}_real p[{sized(len(core.parameters))}]; /* parameters */\n"
-        f"    {name}_real c[{sized(core.constants)}]; /* what follows from them */\n"
-        f"    {name}_real x[{sized(core.states)}]; /* state */\n"
+        f"    {name}_real p[{count_elements(len(core.parameters))}]; /* parameters */\n"
+        f"    {name}_real c[{count_elements(core.constants)}]; /* what follows from them */\n"
+        f"    {name}_real x[{count_elements(core.states)}]; /* state */\n"
         f"    {name}_real residual, crossing; /* of the last step: mismatch that is left, share "
         f"of a strip crossed */\n}} {name}_model;\n\n" + _PROTOTYPES.replace("NAME", name)
     )

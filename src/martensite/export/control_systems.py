@@ -27,7 +27,7 @@ from martensite.design.synthesis.linear import linearised
 from martensite.design.synthesis.operating_point import OperatingPoint
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear
-from martensite.identify.chains.linearise import linearise
+from martensite.identify.chains.linearise import linearise_chain
 from martensite.kernels import floats
 from martensite.simulate.api import steps_in
 from martensite.simulate.compiled import bind_system
@@ -42,11 +42,11 @@ def to_control(chain: Chain) -> Any:
     Raises:
         InputError: python-control is not installed.
     """
-    control = _control()
+    control = _import_control()
     step = _Step(chain)
     return control.NonlinearIOSystem(
         step.update, step.output, inputs=list(chain.input_names), outputs=list(chain.output_names),
-        states=step.names, dt=chain.interval, name=_name(chain.name),
+        states=step.names, dt=chain.interval, name=_remove_dots(chain.name),
     )  # fmt: skip
 
 
@@ -60,8 +60,8 @@ def to_state_space(system: Chain | Linear, level: Any = 0.0) -> Any:
     Raises:
         InputError: python-control is not installed, or the level does not fit.
     """
-    control = _control()
-    linear = system if isinstance(system, Linear) else linearise(system, level)
+    control = _import_control()
+    linear = system if isinstance(system, Linear) else linearise_chain(system, level)
     slim = linear.reduced()
     return control.ss(
         slim.a, slim.b, slim.c, slim.d, slim.interval,
@@ -85,12 +85,12 @@ def to_nonlinear_system(
     Raises:
         InputError: python-control is not installed, a name does not fit, or no period is given.
     """
-    control = _control()
+    control = _import_control()
     step = _PlantStep(system, period, outputs)
     return control.nlsys(
-        step.update, step.output, inputs=[_name(n) for n in step.inputs],
-        outputs=[_name(n) for n in step.outputs], states=step.names, dt=step.interval,
-        name=_name(type(system).__name__.lower()),
+        step.update, step.output, inputs=[_remove_dots(n) for n in step.inputs],
+        outputs=[_remove_dots(n) for n in step.outputs], states=step.names, dt=step.interval,
+        name=_remove_dots(type(system).__name__.lower()),
     )  # fmt: skip
 
 
@@ -125,35 +125,35 @@ def plant_state_space(
     Raises:
         InputError: python-control is not installed, or a name does not fit.
     """
-    control = _control()
+    control = _import_control()
     linear = linearised(point, period, inputs=inputs)
-    chosen = _chosen(outputs, linear.output_names)
+    chosen = _choose_names(outputs, linear.output_names)
     rows = [linear.output_names.index(name) for name in chosen]
     names, kept = state_names(point.system), linear.active
     return control.ss(
         linear.a[kept][:, kept], linear.b[kept], linear.c[rows][:, kept], linear.d[rows],
-        linear.interval, inputs=[_name(n) for n in linear.input_names],
-        outputs=[_name(n) for n in chosen], states=[names[k] for k in kept],
+        linear.interval, inputs=[_remove_dots(n) for n in linear.input_names],
+        outputs=[_remove_dots(n) for n in chosen], states=[names[k] for k in kept],
     )  # fmt: skip
 
 
 def state_names(system: AbstractSystem) -> list[str]:
     """What the numbers of the flat state of a system are called: `elements0_memory_temperature`."""
     state = system.init(floats, *[0.0] * len(system.drives()))
-    return [name or "state" for name in _walk("", state)]
+    return [name or "state" for name in _walk_numbers("", state)]
 
 
-def _walk(name: str, nested: Any) -> Iterator[str]:
+def _walk_numbers(name: str, nested: Any) -> Iterator[str]:
     if not isinstance(nested, tuple):
         yield name
         return
     fields: Any = getattr(type(nested), "_fields", None)  # type: ignore[arg-type]
     for k, item in enumerate(nested):  # type: ignore[arg-type]
         inner = f"{name}_{fields[k]}" if fields else f"{name}{k}"
-        yield from _walk(inner.removeprefix("_"), item)
+        yield from _walk_numbers(inner.removeprefix("_"), item)
 
 
-def _chosen(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
+def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
     """Names that were asked for, or all."""
     for name in wanted or ():
         if name not in known:
@@ -174,7 +174,7 @@ class _PlantStep:
         drives = [drive.name for drive in system.drives()]
         self.interval: float = interval
         self.inputs = [name for name in drives if not name.startswith((NOISE, JITTER))]
-        self.outputs = _chosen(outputs, list(system.outputs()))
+        self.outputs = _choose_names(outputs, list(system.outputs()))
         self.names = state_names(system)
         self._given = [drives.index(name) for name in self.inputs]
         self._shown = [list(system.outputs()).index(name) for name in self.outputs]
@@ -229,12 +229,12 @@ class _Step:
         return self._run(x, u)[0]
 
 
-def _name(text: str) -> str:
+def _remove_dots(text: str) -> str:
     """A name that python-control takes: it refuses dots."""
     return text.replace(".", "_")
 
 
-def _control() -> Any:
+def _import_control() -> Any:
     try:
         return import_module("control")
     except ImportError:

@@ -19,14 +19,14 @@ import numpy as np
 from martensite.actuators.assembly.base import Drive
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import JITTER, NOISE, references
+from martensite.control.loop.names import JITTER, NOISE, list_references
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.learning_task import (
     Numbers,
     Task,
     free_signals,
     observed_readings,
-    scaled,
+    scale_values,
     spreads_of,
 )
 from martensite.signals.base import AbstractWaveform
@@ -94,7 +94,7 @@ class Episodes:
         drives, seen = [one.name for one in self._drives], self._lanes.names.index
         self._acting = [drives.index(name) for name in self.signals]
         self._noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
-        self._followed = [drives.index(name) for name in references(bench)]
+        self._followed = [drives.index(name) for name in list_references(bench)]
         if task.output not in plant.outputs():
             raise InputError(
                 f"There is no output `{task.output}`. {suggest_name(task.output, plant.outputs())}"
@@ -223,7 +223,7 @@ class Episodes:
         """What a learner sees, shape (environments, observations)."""
         ahead = self._at[None, :] + np.array(self._ahead)[:, None]
         wanted = self._reference[ahead, np.arange(self.count)[None, :]]
-        found = scaled(np.concatenate([rows[self._read], wanted]), self._ranges)
+        found = scale_values(np.concatenate([rows[self._read], wanted]), self._ranges)
         cut = np.clip(np.nan_to_num(found, nan=0.0), -BOUND, BOUND)
         return np.ascontiguousarray(cut.T, np.float32)
 

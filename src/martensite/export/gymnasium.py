@@ -28,7 +28,7 @@ HERE = find_spec("gymnasium") is not None
 BASE: Any = import_module("gymnasium").Env if HERE else object
 
 
-def gymnasium() -> Any:
+def import_gymnasium() -> Any:
     """The package.
 
     Raises:
@@ -42,9 +42,9 @@ def gymnasium() -> Any:
         ) from None
 
 
-def spaces(episodes: Episodes) -> tuple[Any, Any]:
+def build_spaces(episodes: Episodes) -> tuple[Any, Any]:
     """Spaces of the actions and of the observations of one environment."""
-    box: Any = gymnasium().spaces.Box
+    box: Any = import_gymnasium().spaces.Box
     actions, observations = episodes.sizes
     return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
 
@@ -73,9 +73,9 @@ class SmaEnv(BASE):
             InputError: Gymnasium is not installed, or a name or range does not fit.
             ParameterError: a spread does not fit.
         """
-        gymnasium()
+        import_gymnasium()
         self._episodes = Episodes(bench, task, 1, native)
-        self.action_space, self.observation_space = spaces(self._episodes)
+        self.action_space, self.observation_space = build_spaces(self._episodes)
         self.render_mode = render_mode
 
     def reset(
@@ -106,7 +106,7 @@ class SmaEnv(BASE):
 
 
 if HERE:
-    gymnasium().register(
+    import_gymnasium().register(
         NAME,
         entry_point=f"{__name__}:SmaEnv",
         vector_entry_point=f"{__name__}_vector:SmaVectorEnv",

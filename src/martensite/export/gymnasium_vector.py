@@ -17,7 +17,7 @@ import numpy as np
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import Episodes, Outcome
-from martensite.export.gymnasium import HERE, gymnasium, spaces
+from martensite.export.gymnasium import HERE, build_spaces, import_gymnasium
 from martensite.export.learning_task import Task
 
 VECTOR: Any = import_module("gymnasium.vector") if HERE else None
@@ -48,12 +48,12 @@ class SmaVectorEnv(BASE):
             InputError: Gymnasium is not installed, or a name or range does not fit.
             ParameterError: a spread does not fit.
         """
-        gymnasium()
-        self._mode = _mode(getattr(autoreset_mode, "value", autoreset_mode))
+        import_gymnasium()
+        self._mode = _find_mode(getattr(autoreset_mode, "value", autoreset_mode))
         self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
         self.num_envs, self.render_mode = num_envs, render_mode
         self._episodes = Episodes(bench, task, num_envs, native)
-        single = spaces(self._episodes)
+        single = build_spaces(self._episodes)
         self.single_action_space, self.single_observation_space = single
         batch: Any = VECTOR.utils.batch_space
         self.action_space, self.observation_space = (batch(one, num_envs) for one in single)
@@ -78,11 +78,11 @@ class SmaVectorEnv(BASE):
         self._seed(seed, which)
         found, shown = self._episodes.begin(which, self._random, given)
         self._over &= ~which
-        return found, _informed(shown, which)
+        return found, _arrange_info(shown, which)
 
     def _seed(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
         """Random numbers of the environments that are meant."""
-        count, fresh = self.num_envs, gymnasium().utils.seeding.np_random
+        count, fresh = self.num_envs, import_gymnasium().utils.seeding.np_random
         seeds = [seed] * count if seed is None else seed
         seeds = [seeds + k for k in range(count)] if isinstance(seeds, int) else list(seeds)
         if len(seeds) != count:
@@ -100,19 +100,19 @@ class SmaVectorEnv(BASE):
         self._over = over
         if self._mode is MODES["SameStep"] and over.any():
             return self._same_step(found, over)
-        return *found[:4], _informed(found.shown)
+        return *found[:4], _arrange_info(found.shown)
 
     def _next_step(self, found: Outcome, begun: Any, over: Any) -> Any:
         """Where the step before was the last one, an episode has begun instead."""
         self._over = over & ~begun
         if not begun.any():
-            return *found[:4], _informed(found.shown)
+            return *found[:4], _arrange_info(found.shown)
         seen, shown = self._episodes.begin(begun, self._random)
         seen[~begun] = found.observations[~begun]
         shown = {name: np.where(begun, row, found.shown[name]) for name, row in shown.items()}
         rewards = np.where(begun, 0.0, found.rewards)
         ended = found.terminated & ~begun, found.truncated & ~begun
-        return seen, rewards, *ended, _informed(shown)
+        return seen, rewards, *ended, _arrange_info(shown)
 
     def _same_step(self, found: Outcome, over: Any) -> Any:
         """Where this step is the last one, an episode begins already."""
@@ -124,17 +124,17 @@ class SmaVectorEnv(BASE):
             final = {"final_obs": found.observations[k], "final_info": last}
             infos = self._add_info(infos, final, int(k))
         shown = {name: np.where(over, row, found.shown[name]) for name, row in shown.items()}
-        return seen, *found[1:4], infos | _informed(shown)
+        return seen, *found[1:4], infos | _arrange_info(shown)
 
 
-def _mode(name: str) -> Any:
+def _find_mode(name: str) -> Any:
     """A mode by its name."""
     if name not in MODES:
         raise InputError(f"There is no autoreset mode `{name}`. {suggest_name(name, MODES)}")
     return MODES[name]
 
 
-def _informed(shown: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
+def _arrange_info(shown: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
     """What is told besides, as Gymnasium wants it: an array and where it holds."""
     found: dict[str, Any] = {}
     for name, row in shown.items():

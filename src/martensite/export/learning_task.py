@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, MEASURED, readings
+from martensite.control.loop.names import AGE, MEASURED, list_readings
 from martensite.design.tuning.perturbed import (
     PLANT,
     half_width,
@@ -95,7 +95,7 @@ class Task:
         return KINDS[kind](self, rng, times)
 
 
-def _steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+def _draw_steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
     """Levels anywhere in the range, each held for some time."""
     shortest, longest = task.hold or tuple(share * task.duration for share in SHARES)
     found, begin = np.empty_like(times), 0.0
@@ -106,7 +106,7 @@ def _steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
     return found
 
 
-def _sines(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+def _draw_sine(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
     """One sine within the range, of any middle, amplitude, frequency and phase."""
     slow, fast = task.frequency or tuple(turns / task.duration for turns in TURNS)
     middle = rng.uniform(task.low, task.high)
@@ -116,7 +116,7 @@ def _sines(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
 
 
 KINDS: dict[str, Callable[[Task, np.random.Generator, Numbers], Numbers]] = {
-    "steps": _steps, "sines": _sines,
+    "steps": _draw_steps, "sines": _draw_sine,
 }  # fmt: skip
 
 
@@ -140,10 +140,10 @@ def spreads_of(bench: Bench, task: Task) -> list[Spread]:
     Raises:
         ParameterError: an unknown name, or a spread that is none or leaves what is allowed.
     """
-    return [_spread(bench, name, spread) for name, spread in task.spreads.items()]
+    return [_check_spread(bench, name, spread) for name, spread in task.spreads.items()]
 
 
-def _spread(bench: Bench, name: str, spread: float) -> Spread:
+def _check_spread(bench: Bench, name: str, spread: float) -> Spread:
     leaf = plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread >= 0.0):
         raise ParameterError(f"The spread of `{name}` must be at least 0, but is {spread:g}.")
@@ -152,7 +152,7 @@ def _spread(bench: Bench, name: str, spread: float) -> Spread:
     return Spread(PLANT + leaf.path, float(leaf.value), wide)
 
 
-def scaled(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
+def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
     """Rows of values in -1 to 1 where they go through their ranges."""
     low, high = np.array(ranges, float).reshape(-1, 2).T[:, :, None]
     return 2.0 * (values - low) / (high - low) - 1.0
@@ -188,7 +188,7 @@ def observed_readings(bench: Bench, task: Task) -> dict[str, tuple[float, float]
     Raises:
         InputError: there is no such reading, or a range is none.
     """
-    known = [name for name in readings(bench) if not name.endswith(AGE)]
+    known = [name for name in list_readings(bench) if not name.endswith(AGE)]
     wanted = dict(task.observed) or {task.output: (task.low, task.high)}
     for name in wanted:
         if name not in known:

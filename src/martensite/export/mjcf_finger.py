@@ -31,7 +31,7 @@ from xml.etree.ElementTree import Element
 
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.base.errors import InputError
-from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add, add_element
+from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_element, append_element
 from martensite.kernels import floats
 
 SETTLES = 2.0
@@ -45,26 +45,32 @@ def write_finger(model: Model, finger: Finger, timestep: float) -> None:
         InputError: it has something that MuJoCo does not: friction of the wire, or a spring
             that is longer at rest than nothing.
     """
-    _check(finger)
+    _check_finger(finger)
     r, g = finger.offset, finger.bracket
     (port,), (start,) = finger.ports(), finger.start_forces(floats)
-    add(model.world, "camera", name="view", pos=(0.2 * g, -20.0 * g, -1.3 * g),
+    append_element(model.world, "camera", name="view", pos=(0.2 * g, -20.0 * g, -1.3 * g),
         xyaxes="1 0 0 0 0 1", fovy="20")  # fmt: skip
-    _phalanx(model.world, finger, -1.0, GREY)
-    add(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
-    body = add(model.world, "body", name="phalanx")
-    add(body, "joint", **_joint(finger, timestep))
-    add(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
-    add(body, "geom", type="cylinder", size=(0.5 * r, 0.6 * r), euler=(0.5 * math.pi, 0, 0),
-        rgba=DARK)  # fmt: skip
-    _phalanx(body, finger, 1.0, BLUE)
-    add(body, "site", name="far", pos=(g, 0.0, -r), size=0.1 * r)
+    _add_phalanx(model.world, finger, -1.0, GREY)
+    append_element(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
+    body = append_element(model.world, "body", name="phalanx")
+    append_element(body, "joint", **_describe_joint(finger, timestep))
+    append_element(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
+    append_element(
+        body,
+        "geom",
+        type="cylinder",
+        size=(0.5 * r, 0.6 * r),
+        euler=(0.5 * math.pi, 0, 0),
+        rgba=DARK,
+    )
+    _add_phalanx(body, finger, 1.0, BLUE)
+    append_element(body, "site", name="far", pos=(g, 0.0, -r), size=0.1 * r)
     add_element(model, port, ("near", "far"), start, finger.passes)
     if finger.spring == "fixed":
         _fixed_spring(model, body, finger)
 
 
-def _check(finger: Finger) -> None:
+def _check_finger(finger: Finger) -> None:
     if finger.friction > 0.0:
         raise InputError(
             "Tendons of MuJoCo slide without friction, but parameter `friction` of `finger` is "
@@ -78,18 +84,18 @@ def _check(finger: Finger) -> None:
         )
 
 
-def _joint(finger: Finger, timestep: float) -> dict[str, Value]:
+def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
     """Attributes of the hinge."""
     found: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
     if finger.spring == "follower":
         found["stiffness"] = finger.stiffness * finger.arm**2
         found["springref"] = -finger.extension / finger.arm
     if finger.stop > 0.0:
-        found |= _limits(finger, SETTLES * timestep)
+        found |= _describe_limits(finger, SETTLES * timestep)
     return found
 
 
-def _limits(finger: Finger, settles: float) -> dict[str, Value]:
+def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
     """Range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
     met = 2.0 * math.atan2(finger.bracket, finger.offset)
     impedance = 1.0 / (1.0 + finger.inertia / (finger.stop * settles**2))
@@ -104,19 +110,34 @@ def _limits(finger: Finger, settles: float) -> dict[str, Value]:
 
 def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
     """From the phalanx at a to a fixed point at (a, H)."""
-    add(model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005")
-    add(body, "site", name="arm", pos=(finger.arm, 0.0, 0.0), size="0.0005")
+    append_element(
+        model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005"
+    )
+    append_element(body, "site", name="arm", pos=(finger.arm, 0.0, 0.0), size="0.0005")
     rest = finger.height - finger.extension
-    spring = add(model.tendons, "spatial", name="spring", stiffness=finger.stiffness,
-                 springlength=rest, width="0.0004", rgba=DARK)  # fmt: skip
-    add(spring, "site", site="anchor")
-    add(spring, "site", site="arm")
+    spring = append_element(
+        model.tendons,
+        "spatial",
+        name="spring",
+        stiffness=finger.stiffness,
+        springlength=rest,
+        width="0.0004",
+        rgba=DARK,
+    )
+    append_element(spring, "site", site="anchor")
+    append_element(spring, "site", site="arm")
 
 
-def _phalanx(parent: Element, finger: Finger, side: float, colour: str) -> None:
+def _add_phalanx(parent: Element, finger: Finger, side: float, colour: str) -> None:
     """What is seen of a phalanx: a bar of four bracket distances, and its bracket."""
     r, g = finger.offset, finger.bracket
-    add(parent, "geom", type="box", size=(1.9 * g, 0.6 * r, 0.3 * r), pos=(2.1 * side * g, 0, 0),
-        rgba=colour)  # fmt: skip
-    add(parent, "geom", type="box", size=(0.1 * r, 0.6 * r, 0.55 * r),
+    append_element(
+        parent,
+        "geom",
+        type="box",
+        size=(1.9 * g, 0.6 * r, 0.3 * r),
+        pos=(2.1 * side * g, 0, 0),
+        rgba=colour,
+    )
+    append_element(parent, "geom", type="box", size=(0.1 * r, 0.6 * r, 0.55 * r),
         pos=(side * g, 0.0, -0.55 * r), rgba=colour)  # fmt: skip

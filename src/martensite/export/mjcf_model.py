@@ -40,24 +40,26 @@ class Model(NamedTuple):
 def new_model(name: str, timestep: float) -> Model:
     """A document without bodies, gravity and tendons."""
     root = Element("mujoco", model=name)
-    add(root, "compiler", angle="radian")
-    option = add(root, "option", timestep=timestep, gravity=(0.0, 0.0, 0.0))
-    visual = add(root, "visual")
-    add(visual, "headlight", ambient="0.5 0.5 0.5")
-    add(visual, "map", znear="0.01")
-    asset = add(root, "asset")
-    add(
+    append_element(root, "compiler", angle="radian")
+    option = append_element(root, "option", timestep=timestep, gravity=(0.0, 0.0, 0.0))
+    visual = append_element(root, "visual")
+    append_element(visual, "headlight", ambient="0.5 0.5 0.5")
+    append_element(visual, "map", znear="0.01")
+    asset = append_element(root, "asset")
+    append_element(
         asset, "texture", type="skybox", builtin="flat", rgb1="1 1 1", rgb2="1 1 1", width="8",
         height="8",
     )  # fmt: skip
-    add(add(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
+    append_element(append_element(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
     sections = ("worldbody", "tendon", "actuator", "custom")
-    return Model(root, option, asset, *(add(root, name) for name in sections))
+    return Model(root, option, asset, *(append_element(root, name) for name in sections))
 
 
-def add(parent: Element, tag: str, **attributes: Value) -> Element:
+def append_element(parent: Element, tag: str, **attributes: Value) -> Element:
     """A new element in another, with its attributes."""
-    return SubElement(parent, tag, {name: written(value) for name, value in attributes.items()})
+    return SubElement(
+        parent, tag, {name: write_attribute(value) for name, value in attributes.items()}
+    )
 
 
 def add_element(
@@ -68,19 +70,19 @@ def add_element(
     With `passes` n a pulley in front of the sites makes every length, and so every moment arm,
     n times as large: an element that goes there and back has n of them in a row.
     """
-    tendon = add(model.tendons, "spatial", name=port, width=6e-4, rgba=ORANGE)
+    tendon = append_element(model.tendons, "spatial", name=port, width=6e-4, rgba=ORANGE)
     if passes != 1.0:
-        add(tendon, "pulley", divisor=1.0 / passes)
+        append_element(tendon, "pulley", divisor=1.0 / passes)
     for site in sites:
-        add(tendon, "site", site=site)
-    add(model.actuators, "general", name=port, tendon=port, gainprm="1", biastype="none")
-    add(model.starts, "numeric", name=f"start_force_{port}", data=start_force)
+        append_element(tendon, "site", site=site)
+    append_element(model.actuators, "general", name=port, tendon=port, gainprm="1", biastype="none")
+    append_element(model.starts, "numeric", name=f"start_force_{port}", data=start_force)
 
 
-def written(value: Value) -> str:
+def write_attribute(value: Value) -> str:
     """An attribute: text as it is, numbers to their last digit."""
     if isinstance(value, str):
         return value
     if isinstance(value, Sequence):
-        return " ".join(written(one) for one in value)
+        return " ".join(write_attribute(one) for one in value)
     return repr(float(value))

@@ -22,7 +22,7 @@ from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import InputError
 from martensite.export.mjcf import WRITERS, model_of, start_forces
-from martensite.export.mjcf_model import ORANGE, add
+from martensite.export.mjcf_model import ORANGE, append_element
 
 FRAMES: dict[type[AbstractMechanism], str] = {
     Finger: "The origin is on the hinge, which turns about +y; the phalanges lie along -x and +x, "
@@ -58,22 +58,26 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
     """
     if not system.actuators():
         raise InputError(f"There is no shape-memory element in {system.described()}.")
-    parts = _written(system) if type(system.mechanism) in WRITERS else _left_open(system)
+    parts = (
+        _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
+    )
     root = Element("mujocoinclude")
-    add(root, "tendon").extend(parts.tendons)
-    motors = add(root, "actuator")
+    append_element(root, "tendon").extend(parts.tendons)
+    motors = append_element(root, "actuator")
     for tendon in parts.tendons:
-        add(motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1")
+        append_element(
+            motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1"
+        )
     indent(root)
     comment = COMMENT.format(
         where=parts.where,
-        sites="\n".join(_sites(parts.sites)),
+        sites="\n".join(_write_sites(parts.sites)),
         forces="\n".join(f"   {port}: {F:.6g} N" for port, F in start_forces(system).items()),
     )
     return f"<!--{comment.replace('--', '- -')}-->\n{tostring(root, encoding='unicode')}\n"
 
 
-def _written(system: AbstractSystem) -> Parts:
+def _list_sites_and_paths(system: AbstractSystem) -> Parts:
     """Sites and paths of the model of a mechanism."""
     model, ports = model_of(system), set(system.actuators())
     tendons = [one for one in model.tendons if one.get("name") in ports]
@@ -97,11 +101,11 @@ def _left_open(system: AbstractSystem) -> Parts:
         for tendon in tendons:
             name = f"{tendon.get('name')}_{end}"
             sites.append((body, Element("site", name=name, pos="0 0 0", size="0.001")))
-            add(tendon, "site", site=name)
+            append_element(tendon, "site", site=name)
     return Parts(sites, tendons, ANYWHERE)
 
 
-def _sites(sites: list[tuple[str, Element]]) -> Iterator[str]:
+def _write_sites(sites: list[tuple[str, Element]]) -> Iterator[str]:
     """A line for every site, under the body that it belongs to."""
     before = ""
     for place, site in sites:

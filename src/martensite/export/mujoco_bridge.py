@@ -37,7 +37,7 @@ from martensite.base.errors import InputError, ParameterError, UnknownNameError,
 from martensite.base.parameters import param, part
 from martensite.export.mujoco_plant import Plant, load_mujoco, scalar_joints
 from martensite.export.mujoco_result import MujocoResult
-from martensite.export.mujoco_step import Solved, solve
+from martensite.export.mujoco_step import Solved, solve_step
 from martensite.export.strand import CENTRED, END, Strand
 from martensite.kernels.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
@@ -97,7 +97,7 @@ class MujocoBridge:
         if not tendons or len(set(tendons)) < len(tendons):
             raise InputError("A bridge needs actuators, each at a tendon of its own.")
         self.model = read_model(model)
-        self.data = begin(self.model, keyframe) if data is None else data
+        self.data = begin_data(self.model, keyframe) if data is None else data
         self.weights = COUPLINGS[coupling]
         self.plant = Plant(self.model, self.data, tendons)
         self.strands = [
@@ -118,7 +118,7 @@ class MujocoBridge:
         drives = [float(signals[strand.name]) for strand in self.strands]
         if not all(map(math.isfinite, drives)):
             raise InputError(f"Signals must be finite, but are {drives}.")
-        time, solved = self.plant.time, solve(self.plant, self.strands, self.weights, drives)
+        time, solved = self.plant.time, solve_step(self.plant, self.strands, self.weights, drives)
         lengths = self.plant.advance(solved.tensions)
         rows = zip(self.strands, solved.answers, drives, lengths, strict=True)
         for strand, answer, drive, length in rows:
@@ -243,7 +243,7 @@ def read_model(model: Any) -> Any:
         raise InputError(f"MuJoCo cannot read the model: {error}") from error
 
 
-def begin(model: Any, keyframe: str | None) -> Any:
+def begin_data(model: Any, keyframe: str | None) -> Any:
     """New data, in a keyframe if one is named."""
     mujoco = load_mujoco()
     data = mujoco.MjData(model)

@@ -44,22 +44,25 @@ def driver_text(
     forces = start_forces(system)
     if not forces:
         raise InputError(f"There is no shape-memory element in {system.described()}.")
-    rows = [f"    {_text(port)}: ({_text(port)}, {force!r})," for port, force in forces.items()]
-    own = [_module(path, name) for name in modules]
+    rows = [
+        f"    {_write_text(port)}: ({_write_text(port)}, {force!r}),"
+        for port, force in forces.items()
+    ]
+    own = [_load_module(path, name) for name in modules]
     return Template(_DRIVER).substitute(
         NAME=re.sub(r'[\\"]', "_", path.name),
         USAGE="[MODEL.xml]" if model else "MODEL.xml",
-        MODEL=f"HERE / {_text(_from(path, model))}" if model else "None",
+        MODEL=f"HERE / {_write_text(_make_relative(path, model))}" if model else "None",
         ELEMENTS="\n".join(rows),
-        COUPLING=_text("centred" if model else "end"),
-        SOURCE=_text(_from(path, source)),
+        COUPLING=_write_text("centred" if model else "end"),
+        SOURCE=_write_text(_make_relative(path, source)),
         IMPORTED="from martensite.cli.options import import_modules\n" if modules else "",
         IMPORT=f"    import_modules([{', '.join(own)}])\n" if modules else "",
-        SCENARIO=_quoted(scenario),
+        SCENARIO=_quote_text(scenario),
     )
 
 
-def _from(path: Path, other: Path) -> str:
+def _make_relative(path: Path, other: Path) -> str:
     """Another file, as seen from the folder of a file."""
     try:
         return Path(os.path.relpath(other.absolute(), path.absolute().parent)).as_posix()
@@ -67,16 +70,20 @@ def _from(path: Path, other: Path) -> str:
         return other.absolute().as_posix()
 
 
-def _module(path: Path, name: str) -> str:
-    return f"str(HERE / {_text(_from(path, Path(name)))})" if name.endswith(".py") else _text(name)
+def _load_module(path: Path, name: str) -> str:
+    return (
+        f"str(HERE / {_write_text(_make_relative(path, Path(name)))})"
+        if name.endswith(".py")
+        else _write_text(name)
+    )
 
 
-def _text(value: str) -> str:
+def _write_text(value: str) -> str:
     """A text as Python writes it."""
     return json.dumps(value, ensure_ascii=False)
 
 
-def _quoted(text: str) -> str:
+def _quote_text(text: str) -> str:
     """A text of several lines between triple quotes."""
     inner = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
     return f'"""\\\n{inner.rstrip()}\n"""'

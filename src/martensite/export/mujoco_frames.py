@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 
-def draw(folder: Path) -> None:
+def draw_poses(folder: Path) -> None:
     """Draw all poses in a folder."""
     mujoco: Any = import_module("mujoco")
 
@@ -32,13 +32,15 @@ def draw(folder: Path) -> None:
     data, poses = mujoco.MjData(model), np.load(folder / "poses.npy")
     renderer = mujoco.Renderer(model, height, width)
     try:
-        frames = [_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses]
+        frames = [
+            _draw_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses
+        ]
     finally:
         renderer.close()
     np.save(folder / "frames.npy", np.stack(frames))
 
 
-def _frame(
+def _draw_frame(
     renderer: Any, mujoco: Any, model: Any, data: Any, pose: Any, camera: str | None
 ) -> np.ndarray:
     data.qpos[:] = pose
@@ -48,4 +50,4 @@ def _frame(
 
 
 if __name__ == "__main__":
-    draw(Path(sys.argv[1]))
+    draw_poses(Path(sys.argv[1]))

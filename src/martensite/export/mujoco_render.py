@@ -75,7 +75,7 @@ def render_mujoco(
     times = (
         _film_times(result, fps, speed) if film else [result.times[-1] if time is None else time]
     )
-    frames = draw_poses(model, [_pose(result, t) for t in times], size, camera)
+    frames = draw_poses(model, [_find_pose(result, t) for t in times], size, camera)
     return _write_film(frames, path, fps) if film else _write_png(frames[0], path)
 
 
@@ -94,22 +94,22 @@ def draw_poses(
         np.save(folder / "poses.npy", np.asarray(poses))
         view = json.dumps({"size": size, "camera": camera})
         (folder / "view.json").write_text(view, encoding="utf-8")
-        for backend in _backends():
-            failed = _draw(folder, backend)
+        for backend in _list_backends():
+            failed = _draw_in_process(folder, backend)
             if failed is None:
                 return np.load(folder / "frames.npy")
             reasons.append(f"{backend or 'default'}: {failed}")
     raise MartensiteError(INSTALL.format("; ".join(reasons)))
 
 
-def _backends() -> tuple[str, ...]:
+def _list_backends() -> tuple[str, ...]:
     chosen = os.environ.get("MUJOCO_GL", "")
     if chosen or not sys.platform.startswith("linux"):
         return (chosen,)
     return ("egl", "osmesa", "glfw") if os.environ.get("DISPLAY") else ("egl", "osmesa")
 
 
-def _draw(folder: Path, backend: str) -> str | None:
+def _draw_in_process(folder: Path, backend: str) -> str | None:
     """Draw in a process of its own; what went wrong, or None."""
     here = str(Path(__file__).resolve().parents[2])
     paths = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
@@ -122,7 +122,7 @@ def _draw(folder: Path, backend: str) -> str | None:
     return said[-1].strip() if said else f"ended with {done.returncode}"
 
 
-def _pose(result: MujocoResult, time: float) -> list[float]:
+def _find_pose(result: MujocoResult, time: float) -> list[float]:
     """The sampled pose nearest to a time [s]."""
     nearest = min(range(len(result.times)), key=lambda k: abs(result.times[k] - time))
     return result.poses[nearest]
@@ -143,7 +143,7 @@ def _write_png(frame: np.ndarray, path: Path) -> Path:
 
 def _write_film(frames: np.ndarray, path: Path, fps: float) -> Path:
     if path.suffix.lower() == ".mp4":
-        program = _ffmpeg()
+        program = _find_ffmpeg()
         if program is not None:
             _write_mp4(program, frames, path, fps)
             return path
@@ -157,7 +157,7 @@ def _write_film(frames: np.ndarray, path: Path, fps: float) -> Path:
     return path
 
 
-def _ffmpeg() -> str | None:
+def _find_ffmpeg() -> str | None:
     """The program ffmpeg: on the PATH, or that of the package `imageio-ffmpeg`."""
     found = shutil.which("ffmpeg")
     if found is None:

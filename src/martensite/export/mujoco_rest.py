@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import SolveError
-from martensite.export.balance import nonnegative
-from martensite.export.mujoco_bridge import begin, read_model
+from martensite.export.balance import solve_nonnegative
+from martensite.export.mujoco_bridge import begin_data, read_model
 from martensite.export.mujoco_plant import Plant
 
 TRIED = 1.0
@@ -40,14 +40,14 @@ def holding_tensions(
         SolveError: no tensions of these tendons hold it.
     """
     model = read_model(model)
-    plant = Plant(model, begin(model, keyframe) if data is None else data, tendons)
+    plant = Plant(model, begin_data(model, keyframe) if data is None else data, tendons)
     plant.hold(still=True)
     none = [0.0] * len(tendons)
     here, ends = plant.lengths(), plant.after(none)
     slopes = np.array(plant.gives(none, ends, [TRIED] * len(tendons)))
     away = np.array(ends) - here
     weak = WEAK * np.eye(len(none)) * np.diag(slopes).max()
-    tensions = nonnegative(0.5 * (slopes + slopes.T) + weak, away, np.zeros(len(none)))
+    tensions = solve_nonnegative(0.5 * (slopes + slopes.T) + weak, away, np.zeros(len(none)))
     left = np.array(plant.after(tensions.tolist())) - here
     if not np.abs(left).max() <= HELD * np.abs(away).max():
         raise SolveError(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.errors import SolveError
-from martensite.export.balance import Answer, Balance, Trial, settle, share
+from martensite.export.balance import Answer, Balance, Trial, compute_share, settle_lines
 from martensite.export.mujoco_plant import Plant
 from martensite.export.strand import Strand, Weights
 
@@ -53,7 +53,7 @@ class Solved(NamedTuple):
     """How often all elements were asked."""
 
 
-def solve(
+def solve_step(
     plant: Plant, strands: Sequence[Strand], weights: Weights, drives: Sequence[float]
 ) -> Solved:
     """Elements and machine at the end of a step.
@@ -66,17 +66,17 @@ def solve(
     trials = [strand.trial(drive, plant.dt) for strand, drive in rows]
     known = [strand.held(weights) for strand in strands]
     forces = [strand.force for strand in strands]
-    tensions = _applied(known, weights, forces)
+    tensions = _find_tensions(known, weights, forces)
     ends, lines, asked = plant.after(tensions), None, 0
     for turn in range(TURNS):
-        lines = _laid(plant, strands, tensions, ends, lines if turn >= HASTY else None)
-        found = _balanced(strands, trials, weights, lines, known, forces)
+        lines = _lay_lines(plant, strands, tensions, ends, lines if turn >= HASTY else None)
+        found = _balance_trials(strands, trials, weights, lines, known, forces)
         for strand, answer in zip(strands, found.answers, strict=True):
             strand.require(answer, plant.time)
         forces = [answer.force for answer in found.answers]
-        tensions, asked = _applied(known, weights, forces), asked + found.asked
+        tensions, asked = _find_tensions(known, weights, forces), asked + found.asked
         ends = plant.after(tensions)
-        errors = _errors(strands, found.answers, weights, lines, ends, tensions)
+        errors = _compute_errors(strands, found.answers, weights, lines, ends, tensions)
         if max(errors) <= AIM:
             break
     worst = max(*errors, found.error)
@@ -90,28 +90,30 @@ def solve(
     return Solved(found.answers, tensions, worst, turn + 1, asked)
 
 
-def _applied(known: Sequence[float], weights: Weights, forces: Sequence[float]) -> list[float]:
+def _find_tensions(
+    known: Sequence[float], weights: Weights, forces: Sequence[float]
+) -> list[float]:
     """Tensions of the step [N] from the forces of the elements at its end."""
     return [k + weights.end * f for k, f in zip(known, forces, strict=True)]
 
 
-def _laid(
+def _lay_lines(
     plant: Plant, strands: Sequence[Strand], tensions: list[float], ends: list[float],
     before: Lines | None,
 ) -> Lines:  # fmt: skip
     """New lines at the tensions, with slopes not below those before."""
     changes = [PROBE * (F + s.least) for F, s in zip(tensions, strands, strict=True)]
     slopes = plant.gives(tensions, ends, changes)
-    if before is not None and _trace(before.slopes) > _trace(slopes):
+    if before is not None and _compute_trace(before.slopes) > _compute_trace(slopes):
         slopes = before.slopes
     return Lines(tensions, ends, slopes)
 
 
-def _trace(matrix: Sequence[Sequence[float]]) -> float:
+def _compute_trace(matrix: Sequence[Sequence[float]]) -> float:
     return sum(row[i] for i, row in enumerate(matrix))
 
 
-def _balanced(
+def _balance_trials(
     strands: Sequence[Strand], trials: Sequence[Trial], weights: Weights, lines: Lines,
     known: Sequence[float], forces: Sequence[float],
 ) -> Balance:  # fmt: skip
@@ -119,16 +121,16 @@ def _balanced(
     paths = zip(lines.at(known), strands, strict=True)
     reach = [length - strand.reference for length, strand in paths]
     give = [[weights.end * slope for slope in row] for row in lines.slopes]
-    return settle(trials, reach, give, forces, [strand.least for strand in strands])
+    return settle_lines(trials, reach, give, forces, [strand.least for strand in strands])
 
 
-def _errors(
+def _compute_errors(
     strands: Sequence[Strand], answers: Sequence[Answer], weights: Weights, lines: Lines,
     ends: Sequence[float], tensions: Sequence[float],
 ) -> list[float]:  # fmt: skip
     """What the lines were wrong by, as errors of the forces."""
     missed = [a - b for a, b in zip(ends, lines.at(tensions), strict=True)]
     return [
-        share(missed[i], answer, weights.end * lines.slopes[i][i], strands[i].least)
+        compute_share(missed[i], answer, weights.end * lines.slopes[i][i], strands[i].least)
         for i, answer in enumerate(answers)
     ]

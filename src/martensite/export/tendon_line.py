@@ -66,7 +66,7 @@ class TendonLine(AbstractMechanism):
     ) -> tuple[Held, list[Any], Report]:  # fmt: skip
         """The element solves the step by itself, against the line."""
         ((element, state, heating),) = loads
-        after, report = element.advance(xp, state, heating, _pull(signals), dt)
+        after, report = element.advance(xp, state, heating, _build_pull(signals), dt)
         force = element.force(after)
         return Held(force, *element.tangent(xp, after, force)), [after], report
 
@@ -79,12 +79,12 @@ class TendonLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = fitted(xp, tangent, _pull(signals), element.force(state), element.passes)
+        force = fitted(xp, tangent, _build_pull(signals), element.force(state), element.passes)
         reach, give = signals
         return [force], [reach - give * force]
 
 
-def _pull(signals: Column) -> Pull:
+def _build_pull(signals: Column) -> Pull:
     """The line as the element sees it."""
     reach, give = signals
 

@@ -17,8 +17,8 @@ from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
 from martensite.fit.fit_verdicts import amount
 from martensite.fit.free import Free
 from martensite.fit.task import LogFit
-from martensite.scenario.datasets import dataset_names, describe
-from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.datasets import dataset_names, describe_dataset
+from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
@@ -67,7 +67,7 @@ def published(fit: Fit) -> list[str]:
     """Bibliography keys of the published data sets that the records of a fit come from."""
     known = dataset_names()
     sets = (one.experiment.record.name.partition("/")[0] for one in compared(fit))
-    return list(dict.fromkeys(describe(name).cite for name in sets if name in known))
+    return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in known))
 
 
 def provenance(fit: Fit) -> dict[str, Any]:
@@ -95,9 +95,9 @@ def _free(fit: Fit, free: Free) -> dict[str, Any]:
         "value": exact_text(fit[free.name], free.unit),
         "interval": interval_words(fit.uncertainty.interval(free.name), free.unit),
         "widened": interval_words(fit.uncertainty.widened(free.name), free.unit),
-        "start": shown(free.start, free.unit),
-        "low": shown(free.low, free.unit),
-        "high": shown(free.high, free.unit),
+        "start": format_quantity(free.start, free.unit),
+        "low": format_quantity(free.low, free.unit),
+        "high": format_quantity(free.high, free.unit),
     }
     return found | ({"at_bound": True} if free.name in fit.at_bound() else {})
 

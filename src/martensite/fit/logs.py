@@ -10,7 +10,7 @@ from typing import Any
 
 from martensite.base.errors import DataError
 from martensite.scenario.recorded import from_zero
-from martensite.scenario.scenario import Scenario, load, read
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import UNTIMED, read_table
 from martensite.search.words import listed
 from martensite.signals.records import Record
@@ -51,7 +51,7 @@ class Log:
         if not isinstance(given, Scenario):
             return load(given, self.settings, log=record)
         if self.settings or given.follows:
-            return read(given.text, given.path, self.settings, log=record)
+            return read_scenario(given.text, given.path, self.settings, log=record)
         return given
 
 

@@ -25,8 +25,8 @@ from martensite.fit.fit_rows import compared, covered
 from martensite.fit.fit_verdicts import predictions, warnings
 from martensite.fit.material_numbers import FIT, Numbers
 from martensite.physics.materials.base import Number, Source
-from martensite.scenario.citations import entries
-from martensite.scenario.exact_text import shown, shown_range
+from martensite.scenario.citations import list_entries
+from martensite.scenario.exact_text import format_quantity, shown_range
 from martensite.scenario.overrides import toml_key, toml_value
 from martensite.search.words import joined
 
@@ -81,7 +81,7 @@ def material_text(numbers: Numbers, title: str = "", cite: str = "") -> str:
     """The text of a material file; arguments as of `write_material`."""
     fit = numbers.fit
     key = cite or next(iter(published(fit)), PACKAGE)
-    entries([key])
+    list_entries([key])
     values = numbers.values()
     law = numbers.law_table()
     what = f"law {law['kind']} to {_outputs(fit)} of {_records(fit)}"
@@ -133,7 +133,9 @@ def _summary(numbers: Numbers, values: dict[str, Number]) -> str:
             f"Where another source is named, the number is that of {numbers.material.name}."
         )
     if others := numbers.others():
-        found = joined([f"{free.name} = {shown(fit[free.name], free.unit)}" for free in others])
+        found = joined(
+            [f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others]
+        )
         words.append(f"Fitted with them, but no numbers of a material: {found}.")
     return " ".join(words)
 

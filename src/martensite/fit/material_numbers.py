@@ -22,7 +22,7 @@ from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.materials.base import Material, Number, Source
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.assemble import scenario_path
-from martensite.scenario.exact_text import exact_text, shown, shown_range
+from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.law_match import law_words
 from martensite.scenario.scenario import Scenario
 
@@ -107,7 +107,9 @@ class Numbers:
 
     def _each(self, moving: list[Free], leaf: Leaf) -> Number:
         """A number that every record has for itself is none of the material: its start stays."""
-        fitted = ", ".join(f"{shown(self.fit[f.name], f.unit)} in {f.record}" for f in moving)
+        fitted = ", ".join(
+            f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving
+        )
         text = exact_text(moving[0].start, leaf.declared.unit)
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _number(leaf, text, "assumed", self._scenario_source(), note)

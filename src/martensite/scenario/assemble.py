@@ -26,7 +26,7 @@ from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded
-from martensite.scenario.build import Builder, Table, as_table, refuse_unknown, section
+from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
 from martensite.scenario.law_match import law_caution
 from martensite.scenario.scales import Scales
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
@@ -91,7 +91,7 @@ class Assembly:
 
     def _model(self, table: Table) -> AbstractSystem:
         """A model from its file, driven by [signals.INPUT], or by [drive] if it has one input."""
-        from martensite.identify.chains.plant import plant
+        from martensite.identify.chains.plant import build_plant
         from martensite.scenario.model_files import read_model
 
         refuse_unknown(table, ("file",), f"[{MODEL}]")
@@ -100,7 +100,7 @@ class Assembly:
                 raise ParameterError(f"A scenario has [{MODEL}] or [{other}], not both.")
         if not isinstance(table.get("file"), str):
             raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
-        made = plant(read_model(self.folder / str(table["file"])))
+        made = build_plant(read_model(self.folder / str(table["file"])))
         self._signals(made.mechanism)
         names = made.mechanism.signals()
         if self.drive in self.document:
@@ -139,7 +139,9 @@ class Assembly:
             common = (*COMMON, self.drive)
             refuse_unknown(different, common, f"[{path}]")
             tables = {
-                name: _over(section_of(self.document, name, {}), different.get(name, {}), path)
+                name: _overlay_table(
+                    section_of(self.document, name, {}), different.get(name, {}), path
+                )
                 for name in common
             }
             members[port] = Actuator(**self._actuator(tables, f"{path}.", port, False))
@@ -165,7 +167,7 @@ class Assembly:
             self.cautions.append(caution)
         return {
             "element": made,
-            "environment": _environment(builder, tables, source.sets_temperature, prefix),
+            "environment": _build_environment(builder, tables, source.sets_temperature, prefix),
             "source": source,
         }
 
@@ -187,7 +189,7 @@ class Assembly:
             return None
         if not isinstance(name, str):
             raise ParameterError(f"[element] `material` must be a name or file, but is {name!r}.")
-        with section("element"):
+        with name_section("element"):
             found = load_material(name, self.folder)
         self.material = self.material or found
         return found
@@ -204,13 +206,13 @@ class Assembly:
         """The waveform that a table at a path describes, with levels in a unit."""
         table = as_table(given, below)
         if table.get("kind") == recorded.KIND:
-            waveform, end = recorded.waveform(table, below, self.folder, unit)
+            waveform, end = recorded.build_waveform(table, below, self.folder, unit)
             self.end = end if math.isinf(self.end) else max(self.end, end)
             return waveform
         if table.get("kind") == recorded.LOG:
             return self._followed(table, unit, below, name)
         if "kind" in table:
-            with section(below):
+            with name_section(below):
                 require_unit(WAVEFORMS[str(table["kind"])], unit)
         builder = Builder(scales=Scales(unit), origins=self.origins)
         return builder.choose(WAVEFORMS, table, below)
@@ -219,7 +221,7 @@ class Assembly:
         """The waveform that follows a column of the log, to its last row."""
         switched = unit == "1" and not path.startswith(SIGNALS)
         natural = recorded.DUTY if switched else recorded.NATURAL.get(unit, name)
-        waveform, self.follows[name] = recorded.followed(
+        waveform, self.follows[name] = recorded.build_followed(
             table, path, self.log, unit, natural, self.lead
         )
         if self.log is not None:
@@ -267,7 +269,7 @@ def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
 
 
-def _environment(
+def _build_environment(
     builder: Builder, tables: Table, sets_temperature: bool, prefix: str
 ) -> Environment:
     """The surroundings; where the drive sets the temperature no heat balance is solved."""
@@ -277,7 +279,7 @@ def _environment(
     return builder.build(Environment, table, f"{prefix}environment")
 
 
-def _over(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
+def _overlay_table(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
     """A table with the entries of another over its own; a table of another kind replaces it."""
     over = as_table(different, path)
     if "kind" in over and over["kind"] != common.get("kind"):
@@ -286,6 +288,6 @@ def _over(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any
     for key, value in over.items():
         below = found.get(key)
         if isinstance(below, dict) and isinstance(value, dict):
-            value = _over(cast("dict[str, Any]", below), value, f"{path}.{key}")
+            value = _overlay_table(cast("dict[str, Any]", below), value, f"{path}.{key}")
         found[key] = value
     return found

@@ -14,11 +14,11 @@ from martensite.scenario.bench_tables import (
     PERIOD,
     REFERENCE,
     Row,
-    gathered,
+    add_period,
+    gather_numbers,
     kind_of,
-    timed,
 )
-from martensite.scenario.build import Table, section
+from martensite.scenario.build import Table, name_section
 from martensite.scenario.scales import Scales
 from martensite.signals.constant import Constant
 
@@ -57,7 +57,7 @@ class ControllersBuilder:
         scales = Scales(unit, reading_units(self.bench))
         parts.places.note(where, path, scales)
         made = {REFERENCE: Constant(level=0.0), **parts.model(cls, table, path, where)}
-        full, moved = gathered(cls, timed(cls, table, self.bench.period))
+        full, moved = gather_numbers(cls, add_period(cls, table, self.bench.period))
         extra = (*made, PERIOD) if path == CONTROLLER else tuple(made)
         built = parts.builder(scales, extra, **made).build(cls, full, path)
         parts.places.note_scales(where, built, scales)
@@ -72,11 +72,11 @@ class ControllersBuilder:
         Raises:
             ParameterError: it reads what is not known.
         """
-        from martensite.control.controllers.base import require
+        from martensite.control.controllers.base import require_readings
 
         known = reading_units(self.bench)
-        with section(path):
-            require(built, known)
+        with name_section(path):
+            require_readings(built, known)
             return built.reference_unit(known, unit)
 
     def _drive(self, name: str, path: str) -> tuple[str, str]:

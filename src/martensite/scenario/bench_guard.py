@@ -21,7 +21,7 @@ from martensite.base.parameters import Parametrised, param
 from martensite.base.units import DEGREES
 from martensite.kernels.namespace import Scalar
 from martensite.scenario.bench_tables import BENCH, SUPERVISOR
-from martensite.scenario.build import Builder, Table, as_table, section
+from martensite.scenario.build import Builder, Table, as_table, name_section
 from martensite.signals.base import DRIVE
 
 if TYPE_CHECKING:
@@ -73,11 +73,11 @@ def with_plant(table: Table, bench: Bench, builder: Builder, document: Table) ->
         )
     path = f"{SUPERVISOR}.{FROM_PLANT}"
     known = builder.build(FromPlant, {} if given is True else as_table(given, path), path)
-    with section(SUPERVISOR):
-        found = _checks(bench, known, document)
+    with name_section(SUPERVISOR):
+        found = _build_checks(bench, known, document)
     own = as_table(rest.get(CHECKS, {}), f"{SUPERVISOR}.{CHECKS}")
-    rows = {name: dict(_row(one, builder)) for name, one in found.items()}
-    return {**rest, CHECKS: own | {name: _merged(row, own, name) for name, row in rows.items()}}
+    rows = {name: dict(_write_row(one, builder)) for name, one in found.items()}
+    return {**rest, CHECKS: own | {name: _merge_row(row, own, name) for name, row in rows.items()}}
 
 
 def note_origins(table: Table, full: Table, origins: dict[str, str]) -> None:
@@ -91,7 +91,7 @@ def note_origins(table: Table, full: Table, origins: dict[str, str]) -> None:
                 origins[path] = PLANT
 
 
-def _checks(bench: Bench, known: FromPlant, document: Table) -> dict[str, AbstractCheck]:
+def _build_checks(bench: Bench, known: FromPlant, document: Table) -> dict[str, AbstractCheck]:
     """Checks of the plant and its sensors, by name."""
     from martensite.control.supervisors.from_plant import guard_for
     from martensite.control.supervisors.from_sensors import checks_for
@@ -108,7 +108,7 @@ def _checks(bench: Bench, known: FromPlant, document: Table) -> dict[str, Abstra
     return guard.checks.members()
 
 
-def _row(check: AbstractCheck, builder: Builder) -> Iterator[tuple[str, Any]]:
+def _write_row(check: AbstractCheck, builder: Builder) -> Iterator[tuple[str, Any]]:
     """A check as a table of a scenario; what is as by default is left out."""
     yield KIND, check.registered_name
     for name, declared in check.declarations.items():
@@ -122,7 +122,7 @@ def _row(check: AbstractCheck, builder: Builder) -> Iterator[tuple[str, Any]]:
         yield name, value if unit == "1" else f"{value!r} {'K' if unit == DEGREES else unit}"
 
 
-def _merged(row: dict[str, Any], own: Table, name: str) -> Table:
+def _merge_row(row: dict[str, Any], own: Table, name: str) -> Table:
     """A check of the plant with the numbers that are given; one of another kind instead."""
     given = as_table(own.get(name, {}), f"{SUPERVISOR}.{CHECKS}.{name}")
     return {**row, **given} if given.get(KIND, row[KIND]) == row[KIND] else given

@@ -16,12 +16,12 @@ from martensite.scenario.bench_tables import (
     SUPERVISOR,
     Row,
     check_name,
-    flat,
+    flatten_table,
     kind_of,
-    texts,
+    list_texts,
 )
-from martensite.scenario.build import Builder, Table, section
-from martensite.scenario.overrides import changed
+from martensite.scenario.build import Builder, Table, name_section
+from martensite.scenario.overrides import change_document
 from martensite.scenario.places import Places
 from martensite.scenario.scales import Scales
 
@@ -61,15 +61,15 @@ class PartsBuilder:
         if declared is None or declared.kind != "part" or declared.registry is not None:
             return {}
         self.places.note_system(f"{where}.{MODEL}", f"{path}.{MODEL}")
-        changes = dict(flat(table.get(MODEL, {}), ""))
+        changes = dict(flatten_table(table.get(MODEL, {}), ""))
         if not changes:
             return {MODEL: self.plant}
         origins = self.assembly.origins
         origins.update(dict.fromkeys((f"{path}.{MODEL}.{key}" for key in changes), "scenario"))
-        with section(f"{path}.{MODEL}"):
+        with name_section(f"{path}.{MODEL}"):
             document = self.assembly.document
             plain = {name: own for name, own in document.items() if name not in SECTIONS}
-            own = changed(plain, changes)
+            own = change_document(plain, changes)
             model = replace(self.assembly, document=own, origins={}, waveforms={}, follows={})
             return {MODEL: model.system()}
 
@@ -83,7 +83,7 @@ class PartsBuilder:
         names = (NAME,) if path == "sensor" else ()
         cls = cast("type[AbstractSensor]", kind_of(SENSORS, table, path))
         given = {key: value for key, value in table.items() if key in mount}
-        seen = texts(given.get("of")) or list(cls.sees)
+        seen = list_texts(given.get("of")) or list(cls.sees)
         unit = cls.unit or self._output_unit(seen)
         scales = Scales(readings={MEASURED: unit}, named=(MEASURED,))
         sensor = self.builder(scales, (*mount, *names)).build(cls, table, path)
@@ -155,6 +155,6 @@ class PartsBuilder:
 
 def reading_units(bench: Bench) -> dict[str, str]:
     """SI units of everything that may be read on a bench."""
-    from martensite.control.loop.names import readings
+    from martensite.control.loop.names import list_readings
 
-    return {name: output.unit for name, output in readings(bench).items()}
+    return {name: output.unit for name, output in list_readings(bench).items()}

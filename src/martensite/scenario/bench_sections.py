@@ -33,8 +33,8 @@ from martensite.scenario.bench_tables import (
     RUN,
     SECTIONS,
     SUPERVISOR,
-    named,
-    rows,
+    list_named,
+    list_rows,
 )
 from martensite.scenario.build import Builder, Table
 from martensite.scenario.places import Places
@@ -106,7 +106,7 @@ def has_controllers(document: Table) -> bool:
     return "controller" in document or "controllers" in document
 
 
-def assembled(assembly: Assembly, plant: AbstractSystem, places: Places) -> Closed | None:
+def assemble_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> Closed | None:
     """The bench that a scenario describes, if it does; notes places and origins of its numbers.
 
     Raises:
@@ -115,12 +115,14 @@ def assembled(assembly: Assembly, plant: AbstractSystem, places: Places) -> Clos
     if not is_bench(assembly.document):
         return None
     places.note_system("plant", "")
-    conduct = _conduct(assembly, places)
-    bench, outside = _bench(PartsBuilder(assembly, plant, places), conduct)
+    conduct = _build_conduct(assembly, places)
+    bench, outside = _build_bench(PartsBuilder(assembly, plant, places), conduct)
     return Closed(bench, outside, int(conduct.seed) if conduct.noise == "drawn" else None)
 
 
-def _bench(parts: PartsBuilder, conduct: Conduct) -> tuple[Bench, dict[str, AbstractController]]:
+def _build_bench(
+    parts: PartsBuilder, conduct: Conduct
+) -> tuple[Bench, dict[str, AbstractController]]:
     """The bench, and controllers outside of it."""
     from martensite.control.loop.bench import Bench
     from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
@@ -128,14 +130,14 @@ def _bench(parts: PartsBuilder, conduct: Conduct) -> tuple[Bench, dict[str, Abst
     document, given = parts.assembly.document, dict[str, Any]()
     given |= {"plant": parts.plant, "period": conduct.period, "switching": conduct.switching}
     given["substeps"] = int(conduct.substeps)
-    given["sensors"] = Sensors(**dict(map(parts.sensor, rows(document, "sensor"))))
+    given["sensors"] = Sensors(**dict(map(parts.sensor, list_rows(document, "sensor"))))
     bench = Bench(**given)
-    observers = dict(parts.observer(bench, row) for row in rows(document, "observer"))
+    observers = dict(parts.observer(bench, row) for row in list_rows(document, "observer"))
     bench = bench.with_parts(observers=Observers(**observers))
     builder = ControllersBuilder(parts, bench)
-    found = dict(map(builder.controller, rows(document, "controller")))
+    found = dict(map(builder.controller, list_rows(document, "controller")))
     _check_references(document, found)
-    faults = dict(parts.fault(bench, row) for row in named(document, FAULTS))
+    faults = dict(parts.fault(bench, row) for row in list_named(document, FAULTS))
     bench = bench.with_parts(
         controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
         supervisor=parts.supervisor(bench), faults=Faults(**faults),
@@ -159,7 +161,7 @@ def _check_references(document: Table, found: Mapping[str, AbstractController]) 
         )
 
 
-def _conduct(assembly: Assembly, places: Places) -> Conduct:
+def _build_conduct(assembly: Assembly, places: Places) -> Conduct:
     """[bench], with the period from where it stands."""
     document = assembly.document
     table = section_of(document, BENCH, {})

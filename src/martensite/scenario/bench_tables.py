@@ -10,8 +10,8 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.scenario.assemble import section_of
-from martensite.scenario.build import Table, as_table, chosen
-from martensite.scenario.components import nested
+from martensite.scenario.build import Table, as_table, choose_class
+from martensite.scenario.components import list_nested
 
 PAIRS = {
     "sensor": "sensors", "observer": "observers", "controller": "controllers",
@@ -25,14 +25,14 @@ Row = tuple[str, dict[str, Any], str]
 """Name, table and path of a component."""
 
 
-def rows(document: Table, one: str) -> Iterator[Row]:
+def list_rows(document: Table, one: str) -> Iterator[Row]:
     """Every component of a kind; the name of a single one is ''."""
     if one in document:
         yield "", section_of(document, one), one
-    yield from named(document, PAIRS[one])
+    yield from list_named(document, PAIRS[one])
 
 
-def named(document: Table, several: str) -> Iterator[Row]:
+def list_named(document: Table, several: str) -> Iterator[Row]:
     """Every component of a section of several."""
     for name, table in section_of(document, several, {}).items():
         yield name, as_table(table, f"{several}.{name}"), f"{several}.{name}"
@@ -46,22 +46,22 @@ def kind_of(registry: Registry[Any], table: Table, path: str) -> type[Parametris
     """
     if "kind" not in table:
         raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
-    return chosen(registry, table, path)
+    return choose_class(registry, table, path)
 
 
-def timed(cls: type[Parametrised], table: Table, period: float) -> Table:
+def add_period(cls: type[Parametrised], table: Table, period: float) -> Table:
     """A table with the period, for a controller that must know it."""
     return {**table, PERIOD: f"{period!r} s"} if PERIOD in cls.declarations else table
 
 
-def gathered(cls: type[Parametrised], table: Table) -> tuple[dict[str, Any], dict[str, str]]:
+def gather_numbers(cls: type[Parametrised], table: Table) -> tuple[dict[str, Any], dict[str, str]]:
     """A table with numbers of its components in tables of their own, and what was moved.
 
     A component whose class is known, such as the `law` of a PID controller, may have its numbers
     beside those of the whole where only one of them has the name.
     """
     owners: dict[str, list[str]] = {}
-    for name, inner in nested(cls):
+    for name, inner in list_nested(cls):
         owners.setdefault(name, []).append(inner)
     found, moved = deepcopy(dict(table)), dict[str, str]()
     for name in [n for n in table if n not in cls.declarations and len(owners.get(n, ())) == 1]:
@@ -76,7 +76,7 @@ def gathered(cls: type[Parametrised], table: Table) -> tuple[dict[str, Any], dic
     return found, moved
 
 
-def flat(table: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+def flatten_table(table: Any, prefix: str) -> Iterator[tuple[str, Any]]:
     """Dotted paths and values of a table of tables."""
     if not isinstance(table, dict):
         raise ParameterError(
@@ -86,12 +86,12 @@ def flat(table: Any, prefix: str) -> Iterator[tuple[str, Any]]:
     for key, value in cast("dict[str, Any]", table).items():
         path = f"{prefix}{key}"
         if isinstance(value, dict):
-            yield from flat(value, f"{path}.")
+            yield from flatten_table(value, f"{path}.")
         else:
             yield path, value
 
 
-def texts(given: Any) -> list[str]:
+def list_texts(given: Any) -> list[str]:
     """A text, or texts, as a list."""
     if isinstance(given, str):
         return [given]

@@ -24,7 +24,7 @@ def block_table(block: AbstractBlock) -> dict[str, Any]:
             "its class with `@BLOCKS.register`."
         )
     values = {
-        name: _plain(getattr(block, name), f"`{name}` of block `{block.registered_name}`")
+        name: _require_plain(getattr(block, name), f"`{name}` of block `{block.registered_name}`")
         for name in block.declarations
     }
     return {"kind": block.registered_name, "parameters": values}
@@ -38,14 +38,14 @@ def block_of(table: dict[str, Any]) -> AbstractBlock:
         KeyError, TypeError, ValueError: it is no such table.
     """
     kind, given = str(table["kind"]), dict(table["parameters"])
-    return BLOCKS[kind](**{name: _value(value) for name, value in given.items()})
+    return BLOCKS[kind](**{name: _read_value(value) for name, value in given.items()})
 
 
-def _plain(value: Any, what: str) -> Any:
+def _require_plain(value: Any, what: str) -> Any:
     if isinstance(value, AbstractBlock):
         return block_table(value)
     if isinstance(value, tuple | list):
-        return [_plain(one, what) for one in cast("list[Any]", value)]
+        return [_require_plain(one, what) for one in cast("list[Any]", value)]
     if value is None or isinstance(value, str | bool | int):
         return value
     if isinstance(value, float):
@@ -53,9 +53,9 @@ def _plain(value: Any, what: str) -> Any:
     raise InputError(f"The value of {what} is a {type(value).__name__}, which no file can hold.")
 
 
-def _value(value: Any) -> Any:
+def _read_value(value: Any) -> Any:
     if isinstance(value, list):
-        return tuple(_value(one) for one in cast("list[Any]", value))
+        return tuple(_read_value(one) for one in cast("list[Any]", value))
     if isinstance(value, dict):
         table = cast("dict[str, Any]", value)
         return NUMBERS[table["number"]] if "number" in table else block_of(table)

@@ -21,7 +21,7 @@ from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import Material
 from martensite.physics.materials.names import NAMES
-from martensite.scenario.components import component_class, is_members, is_plain, plain
+from martensite.scenario.components import component_class, convert_plain, is_members, is_plain
 from martensite.scenario.scales import Scales
 
 Table = Mapping[str, Any]
@@ -54,7 +54,7 @@ class Builder:
         full = as_table(table, path)
         if "kind" not in full:
             raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
-        return self.build(chosen(registry, full, path), full, path, draws=draws)
+        return self.build(choose_class(registry, full, path), full, path, draws=draws)
 
     def build(
         self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
@@ -65,7 +65,7 @@ class Builder:
         scales = self.scales.within(cls, table)
         if scales is not self.scales:
             return replace(self, scales=scales).build(cls, table, path, draws=draws)
-        names = [name for name in _parts(cls) if name not in self.made]
+        names = [name for name in _list_parts(cls) if name not in self.made]
         children = {name: self._child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
         values: dict[str, Any] = dict(self.made)
@@ -75,7 +75,7 @@ class Builder:
                 self._part(values, name, declared, children[name], path, draws)
             elif declared.kind == "part":
                 if self.plain and name in table and name not in self.made:
-                    values[name] = plain(declared, name, table[name], path)
+                    values[name] = convert_plain(declared, name, table[name], path)
                     self.origins[f"{path}.{name}"] = "scenario"
             elif name in table:
                 values[name] = self._given(cls, name, declared, table[name], path)
@@ -90,7 +90,7 @@ class Builder:
                 self.origins[f"{path}.{name}"] = "default"
         if missing:
             raise ParameterError(self._needs(cls, missing, path, draws))
-        with section(path):
+        with name_section(path):
             return cls(**values)
 
     def _members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
@@ -102,7 +102,7 @@ class Builder:
                 found[name] = self.build(cls.kind, full, below, draws=draws)
             else:
                 found[name] = self.choose(cls.registry, full, below, draws=draws)
-        with section(path):
+        with name_section(path):
             return cls(**found)
 
     def _writer(self, name: str, table: Table, path: str, draws: bool) -> str:
@@ -134,7 +134,7 @@ class Builder:
         if "kind" not in full:
             valid = suggest_name("", declared.registry.names())
             raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
-        return chosen(declared.registry, full, f"{path}.{name}"), full
+        return choose_class(declared.registry, full, f"{path}.{name}"), full
 
     @staticmethod
     def _lawful(given: Any, law: Table, path: str) -> Any:
@@ -171,14 +171,14 @@ class Builder:
         """The value as the constructor takes it; text keeps its unit for the messages."""
         if declared.kind in ("option", "text"):
             return value
-        with section(path):
+        with name_section(path):
             unit = self.scales.unit(declared)
         if not isinstance(value, str):
-            return _plain(value, name, unit, path)
+            return _convert_plain(value, name, unit, path)
         if unit == declared.unit:
             return value
-        with section(path):
-            return replace(declared, unit=unit).convert(_name(cls), name, value)
+        with name_section(path):
+            return replace(declared, unit=unit).convert(_name_class(cls), name, value)
 
     def _refuse_unknown(
         self,
@@ -200,11 +200,11 @@ class Builder:
         for name, child in children.items():
             if child is not None and unknown in child[0].declarations:
                 raise ParameterError(
-                    f"[{path}] `{_name(cls)}` has no `{unknown}`; it belongs to the {name}: "
+                    f"[{path}] `{_name_class(cls)}` has no `{unknown}`; it belongs to the {name}: "
                     f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
                 )
         raise ParameterError(
-            f"[{path}] `{_name(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}"
+            f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}"
         )
 
     def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
@@ -219,7 +219,7 @@ class Builder:
                 remedy = f"name a `material` in [element], or {remedy}"
             else:
                 remedy = f"material `{self.material.name}` does not hold it: {remedy}"
-        return f"[{path}] `{_name(cls)}` needs {listed}; {remedy}."
+        return f"[{path}] `{_name_class(cls)}` needs {listed}; {remedy}."
 
     def _described(self, declared: Declared, name: str, brief: bool) -> str:
         unit = self.scales.label(declared) if declared.kind == "parameter" else ""
@@ -227,7 +227,7 @@ class Builder:
         return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")
 
 
-def _plain(value: Any, name: str, unit: str, path: str) -> float:
+def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
     """A number without text: only where there is no dimension."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
@@ -240,20 +240,20 @@ def _plain(value: Any, name: str, unit: str, path: str) -> float:
     return float(value)
 
 
-def _parts(cls: type[Parametrised]) -> Iterator[str]:
+def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
     """Components that a table can describe."""
     for name, declared in cls.declarations.items():
         if declared.registry is not None or component_class(cls, name) is not None:
             yield name
 
 
-def _name(cls: type[Parametrised]) -> str:
+def _name_class(cls: type[Parametrised]) -> str:
     return cls.registered_name or cls.__name__
 
 
-def chosen(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
+def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
     """The class that `kind` names."""
-    with section(path):
+    with name_section(path):
         return registry[str(table["kind"])]
 
 
@@ -275,7 +275,7 @@ def refuse_unknown(keys: Iterable[str], valid: Iterable[str], where: str) -> Non
 
 
 @contextmanager
-def section(path: str) -> Iterator[None]:
+def name_section(path: str) -> Iterator[None]:
     """Put the section in front of the sentence of an error."""
     try:
         yield

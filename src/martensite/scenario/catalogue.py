@@ -18,7 +18,7 @@ from martensite.base.units import OF_READINGS
 from martensite.signals.base import DRIVE
 
 
-def registries(blocks: bool = False) -> dict[str, Registry[Any]]:
+def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     """Every registry of parts, by the word for one of its entries, and that of blocks if wanted.
 
     Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
@@ -56,31 +56,31 @@ def find_registry(kind: str) -> Registry[Any]:
     Raises:
         UnknownNameError: there is no such kind.
     """
-    known = registries(blocks=True)
+    known = list_registries(blocks=True)
     for one in (kind, kind.removesuffix("s")):
         if one in known:
             return known[one]
     raise UnknownNameError("kind of part", kind, known)
 
 
-def summary(cls: type[Any]) -> str:
+def summarise_class(cls: type[Any]) -> str:
     """First line of the class's description."""
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
-def described(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
+def describe_class(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
     """Everything about a registered class, ready for JSON."""
     return {
         "name": cls.registered_name,
         "kind": kind,
-        "summary": summary(cls),
+        "summary": summarise_class(cls),
         "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
         "cites": list(cls.cites),
-        "parameters": [_declared(name, d) for name, d in cls.declarations.items()],
+        "parameters": [_describe_declared(name, d) for name, d in cls.declarations.items()],
     }
 
 
-def _declared(name: str, declared: Declared) -> dict[str, Any]:
+def _describe_declared(name: str, declared: Declared) -> dict[str, Any]:
     required = declared.default is REQUIRED
     default = None if required else declared.default
     if isinstance(default, Parametrised):
@@ -90,7 +90,7 @@ def _declared(name: str, declared: Declared) -> dict[str, Any]:
         "name": name,
         "unit": declared.unit if declared.kind == "parameter" else None,
         "meaning": declared.doc,
-        "allowed": _allowed(declared),
+        "allowed": _describe_allowed(declared),
         "low": low,
         "high": high,
         "required": required,
@@ -98,7 +98,7 @@ def _declared(name: str, declared: Declared) -> dict[str, Any]:
     }
 
 
-def _allowed(declared: Declared) -> str:
+def _describe_allowed(declared: Declared) -> str:
     if declared.unit == DRIVE:
         return "any level in the unit of the source"
     if declared.unit in OF_READINGS:

@@ -27,13 +27,13 @@ _ACCENTS = {
 
 
 @cache
-def bibliography() -> dict[str, str]:
+def read_bibliography() -> dict[str, str]:
     """All entries of the package's bibliography: key -> BibTeX text."""
     text = _FILE.read_text(encoding="utf-8")
-    return {found[1]: _entry(text, found.start()) for found in _START.finditer(text)}
+    return {found[1]: _read_entry(text, found.start()) for found in _START.finditer(text)}
 
 
-def _entry(text: str, start: int) -> str:
+def _read_entry(text: str, start: int) -> str:
     """The text of the entry that starts there, up to its closing brace."""
     depth = 0
     for place in range(start, len(text)):
@@ -43,13 +43,13 @@ def _entry(text: str, start: int) -> str:
     return text[start:]
 
 
-def entries(keys: Iterable[str]) -> list[str]:
+def list_entries(keys: Iterable[str]) -> list[str]:
     """BibTeX entries of the given keys, in that order.
 
     Raises:
         UnknownNameError: a key is not in the bibliography.
     """
-    known = bibliography()
+    known = read_bibliography()
     wanted = list(dict.fromkeys(keys))
     unknown = next((key for key in wanted if key not in known), None)
     if unknown is not None:
@@ -57,31 +57,31 @@ def entries(keys: Iterable[str]) -> list[str]:
     return [known[key] for key in wanted]
 
 
-def title(key: str) -> str:
+def read_title(key: str) -> str:
     """Title of a work, without BibTeX braces."""
-    found = _TITLE.search(entries([key])[0])
+    found = _TITLE.search(list_entries([key])[0])
     return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
 
 
-def fields(text: str) -> dict[str, str]:
+def read_fields(text: str) -> dict[str, str]:
     """The fields of a BibTeX entry as plain text, by name."""
-    return {name.lower(): _plain(value) for name, value in _FIELD.findall(text)}
+    return {name.lower(): _remove_markup(value) for name, value in _FIELD.findall(text)}
 
 
-def _plain(value: str) -> str:
+def _remove_markup(value: str) -> str:
     value = re.sub(r"\s+", " ", value)
     for latex, letter in _ACCENTS.items():
         value = value.replace(latex, letter)
     return re.sub(r"[{}]", "", value)
 
 
-def reference(key: str) -> dict[str, str]:
+def format_reference(key: str) -> dict[str, str]:
     """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
 
     Raises:
         UnknownNameError: it is not in the bibliography.
     """
-    found = fields(entries([key])[0])
+    found = read_fields(list_entries([key])[0])
     authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
     places = ("journal", "booktitle", "school", "organization", "volume")
     place = " ".join(found[name] for name in places if name in found)
@@ -92,7 +92,7 @@ def reference(key: str) -> dict[str, str]:
     return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
 
 
-def citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
+def list_citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
     """Keys of the works behind the parts of a system or scenario, and of its material."""
     every = system.tree() if isinstance(system, Parametrised) else system.parts()
     parts = [key for part in every for key in part.cites]

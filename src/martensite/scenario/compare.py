@@ -44,11 +44,11 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
     Raises:
         DataError: no column in common, other units, or times outside the run.
     """
-    names = common(result, record)
+    names = list_common(result, record)
     if not names:
         raise DataError(
             f"Record `{record.name}` and the run have no column in common: the record holds "
-            f"{_listed(record.columns)}, the run {_listed(result.columns)}."
+            f"{_list_names(record.columns)}, the run {_list_names(result.columns)}."
         )
     for name in names:
         if record.units[name] != result.unit(name):
@@ -57,11 +57,11 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
                 f"but that of the run in {result.unit(name)}."
             )
     _refuse_outside(result.times, record)
-    places = [_place(result.times, time) for time in record.times]
-    return [_agreement(name, result, record, places) for name in names]
+    places = [_locate_time(result.times, time) for time in record.times]
+    return [_measure_agreement(name, result, record, places) for name in names]
 
 
-def common(result: Result, record: Record) -> list[str]:
+def list_common(result: Result, record: Record) -> list[str]:
     """Columns that a run and a record both hold, and that are not missing throughout."""
     return [
         name
@@ -70,7 +70,7 @@ def common(result: Result, record: Record) -> list[str]:
     ]
 
 
-def _agreement(
+def _measure_agreement(
     name: str, result: Result, record: Record, places: list[tuple[int, float]]
 ) -> Agreement:
     computed, measured = result.columns[name], list(filter(math.isfinite, record[name]))
@@ -90,7 +90,7 @@ def _agreement(
     )
 
 
-def _place(times: list[float], time: float) -> tuple[int, float]:
+def _locate_time(times: list[float], time: float) -> tuple[int, float]:
     """Index of the sample before, and the share of the way to the next one."""
     i = min(max(bisect_right(times, time) - 1, 0), len(times) - 2)
     share = (time - times[i]) / (times[i + 1] - times[i])
@@ -107,5 +107,5 @@ def _refuse_outside(times: list[float], record: Record) -> None:
         )
 
 
-def _listed(names: dict[str, list[float]]) -> str:
+def _list_names(names: dict[str, list[float]]) -> str:
     return ", ".join(f"`{name}`" for name in names if name != "time") or "none but `time`"

@@ -28,7 +28,7 @@ def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] 
         return None
     if isinstance(declared.default, Parametrised):
         return type(declared.default)
-    found = _annotated(owner, name)
+    found = _find_annotated(owner, name)
     return None if found is None or found.__name__.startswith("Abstract") else found
 
 
@@ -37,7 +37,7 @@ def is_members(cls: type[Parametrised] | None) -> bool:
     return cls is not None and issubclass(cls, Members)
 
 
-def nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str]]:
+def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str]]:
     """Name and path of every value in components whose class is known, at any depth."""
     for part in owner.declarations:
         inner = component_class(owner, part)
@@ -46,16 +46,20 @@ def nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str
         for name, declared in inner.declarations.items():
             if declared.kind != "part" or is_plain(inner, name):
                 yield name, f"{path}{part}.{name}"
-        yield from nested(inner, f"{path}{part}.")
+        yield from list_nested(inner, f"{path}{part}.")
 
 
 def is_plain(owner: type[Parametrised], name: str) -> bool:
     """Whether a part is a whole number, or numbers in a row."""
     declared = owner.declarations[name]
-    return declared.kind == "part" and declared.registry is None and _text(owner, name) in PLAIN
+    return (
+        declared.kind == "part"
+        and declared.registry is None
+        and _read_annotation(owner, name) in PLAIN
+    )
 
 
-def plain(declared: Declared, name: str, value: Any, path: str) -> Any:
+def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
     """A whole number, or a list of numbers, for a part that is one.
 
     Raises:
@@ -72,18 +76,18 @@ def plain(declared: Declared, name: str, value: Any, path: str) -> Any:
     return [float(one) for one in numbers]
 
 
-def _annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
+def _find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
     """The class that an annotation names, `None` beside it or not."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
     try:
-        found = eval(_text(owner, name), dict(vars(sys.modules[home.__module__])))
+        found = eval(_read_annotation(owner, name), dict(vars(sys.modules[home.__module__])))
     except NameError:  # known to the type checker only
         return None
     classes = get_args(found) if isinstance(found, UnionType) else (found,)
     return next((c for c in classes if isinstance(c, type) and issubclass(c, Parametrised)), None)
 
 
-def _text(owner: type[Parametrised], name: str) -> str:
+def _read_annotation(owner: type[Parametrised], name: str) -> str:
     """The annotation of a declaration."""
     for base in owner.__mro__:
         own = get_annotations(base)

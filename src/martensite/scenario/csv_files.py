@@ -23,14 +23,17 @@ def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
     Raises:
         DataError: the file cannot be written.
     """
-    headings = [heading("time", "s"), *(heading(n, result.unit(n)) for n in result.columns)]
+    headings = [
+        format_heading("time", "s"),
+        *(format_heading(n, result.unit(n)) for n in result.columns),
+    ]
     with replace_file(Path(path)) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(headings)
         writer.writerows(zip(result.times, *result.columns.values(), strict=True))
 
 
-def heading(name: str, unit: str) -> str:
+def format_heading(name: str, unit: str) -> str:
     """A name with its unit, safe in a spreadsheet."""
     text = f"{name} [{unit}]"
     return f"'{text}" if text.startswith(FORMULA) else text

@@ -65,7 +65,7 @@ def dataset_names() -> list[str]:
     return sorted(path.stem for path in _LISTED.glob("*.toml"))
 
 
-def describe(name: str) -> DataSet:
+def describe_dataset(name: str) -> DataSet:
     """What is listed about a data set.
 
     Raises:
@@ -76,33 +76,33 @@ def describe(name: str) -> DataSet:
     text = (_LISTED / f"{name}.toml").read_text(encoding="utf-8")
     document: dict[str, Any] = tomllib.loads(text)
     shared: dict[str, Any] = document.pop("layout", {})
-    files = {file["name"]: _file(file, shared) for file in document.pop("files")}
+    files = {file["name"]: _locate_file(file, shared) for file in document.pop("files")}
     return DataSet(name=name, files=files, **document)
 
 
-def _file(entry: dict[str, Any], shared: dict[str, Any]) -> DataFile:
+def _locate_file(entry: dict[str, Any], shared: dict[str, Any]) -> DataFile:
     lines = {**shared, **entry.get("layout", {})}
     layout = Layout(**{**lines, "columns": tuple(lines["columns"])})
     return DataFile(entry["name"], entry.get("upstream", ""), entry["sha256"], layout)
 
 
-def layout(key: str) -> Layout:
+def describe_layout(key: str) -> Layout:
     """How the file `<data set>/<file>` is to be read."""
-    return _entry(key)[1].layout
+    return _find_entry(key)[1].layout
 
 
-def locate(key: str) -> Path:
+def locate_file(key: str) -> Path:
     """The verified local copy of `<data set>/<file>`.
 
     Raises:
         UnknownNameError: there is no such data set, or no such file in it.
         DataError: there is no copy on this machine, or it is not the file listed.
     """
-    dataset, file = _entry(key)
-    path = _copy(dataset, file)
+    dataset, file = _find_entry(key)
+    path = _find_copy(dataset, file)
     if path is None:
-        raise DataError(f"`{key}` is not on this machine; {_remedy(dataset, file)}")
-    _verify(path, dataset, file)
+        raise DataError(f"`{key}` is not on this machine; {_describe_remedy(dataset, file)}")
+    _verify_file(path, dataset, file)
     return path
 
 
@@ -112,10 +112,10 @@ def is_here(key: str) -> bool:
     Raises:
         UnknownNameError: there is no such data set, or no such file in it.
     """
-    return _copy(*_entry(key)) is not None
+    return _find_copy(*_find_entry(key)) is not None
 
 
-def fetch(
+def fetch_dataset(
     name: str, force: bool = False, progress: Callable[[str, int, int], None] | None = None
 ) -> Path:
     """Download the files of a data set that are missing, and return their folder.
@@ -129,30 +129,30 @@ def fetch(
         UnknownNameError: there is no such data set.
         DataError: a file cannot be had, or is not the one listed; what is there stays as it is.
     """
-    dataset = describe(name)
+    dataset = describe_dataset(name)
     own = _own_folders(dataset)
-    folder = next((f for f in own if f.is_dir()), own[0]) if own else _cached(dataset)
+    folder = next((f for f in own if f.is_dir()), own[0]) if own else _locate_cache(dataset)
     for number, file in enumerate(dataset.files.values(), start=1):
         path = folder / file.name
         if path.is_file() and not force:
-            _verify(path, dataset, file)
+            _verify_file(path, dataset, file)
         else:
-            _store(path, _download(dataset, file))
+            _store_file(path, _download_file(dataset, file))
         if progress is not None:
             progress(file.name, number, len(dataset.files))
     return folder
 
 
-def _entry(key: str) -> tuple[DataSet, DataFile]:
+def _find_entry(key: str) -> tuple[DataSet, DataFile]:
     name, _, file = key.partition("/")
-    dataset = describe(name)
+    dataset = describe_dataset(name)
     if file not in dataset.files:
         raise UnknownNameError(f"file of data set `{name}`", file, dataset.files)
     return dataset, dataset.files[file]
 
 
-def _copy(dataset: DataSet, file: DataFile) -> Path | None:
-    paths = (folder / file.name for folder in (*_own_folders(dataset), _cached(dataset)))
+def _find_copy(dataset: DataSet, file: DataFile) -> Path | None:
+    paths = (folder / file.name for folder in (*_own_folders(dataset), _locate_cache(dataset)))
     return next((path for path in paths if path.is_file()), None)
 
 
@@ -164,11 +164,11 @@ def _own_folders(dataset: DataSet) -> list[Path]:
     return [Path(own) / dataset.name, Path(own) / dataset.name.replace("-", "_")]
 
 
-def _cached(dataset: DataSet) -> Path:
+def _locate_cache(dataset: DataSet) -> Path:
     return cache_folder() / dataset.name
 
 
-def _remedy(dataset: DataSet, file: DataFile) -> str:
+def _describe_remedy(dataset: DataSet, file: DataFile) -> str:
     """How to get a missing file."""
     by_hand = (
         f"save it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
@@ -178,7 +178,7 @@ def _remedy(dataset: DataSet, file: DataFile) -> str:
     return f"its address is not on record: look for it at {dataset.page}, {by_hand}"
 
 
-def _verify(path: Path, dataset: DataSet, file: DataFile) -> None:
+def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
     found = hashlib.sha256(path.read_bytes()).hexdigest()
     if found != file.sha256:
         raise DataError(
@@ -188,16 +188,16 @@ def _verify(path: Path, dataset: DataSet, file: DataFile) -> None:
         )
 
 
-def _download(dataset: DataSet, file: DataFile) -> bytes:
+def _download_file(dataset: DataSet, file: DataFile) -> bytes:
     """The bytes of a file, verified."""
     if not file.upstream:
-        raise DataError(f"`{file.name}` cannot be fetched; {_remedy(dataset, file)}")
+        raise DataError(f"`{file.name}` cannot be fetched; {_describe_remedy(dataset, file)}")
     url = dataset.base + file.upstream
     try:
         with urlopen(url, timeout=TIMEOUT) as answer:
             content: bytes = answer.read()
     except (OSError, HTTPException) as error:
-        reason = f"answer {error.code}" if isinstance(error, HTTPError) else _reason(error)
+        reason = f"answer {error.code}" if isinstance(error, HTTPError) else _describe_reason(error)
         raise DataError(
             f"Cannot download {url} ({reason}). Where there is no network, take the file from "
             f"another machine: save it as `{dataset.name}/{file.name}` in a folder, and set "
@@ -212,11 +212,11 @@ def _download(dataset: DataSet, file: DataFile) -> bytes:
     return content
 
 
-def _reason(error: Exception) -> str:
+def _describe_reason(error: Exception) -> str:
     return str(getattr(error, "reason", "") or error or type(error).__name__)
 
 
-def _store(path: Path, content: bytes) -> None:
+def _store_file(path: Path, content: bytes) -> None:
     """Write a file in full or not at all."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

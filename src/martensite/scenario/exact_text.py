@@ -18,18 +18,20 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
     """
     spelling = choose_familiar_unit(value, unit)
     if digits is not None:
-        return _text(f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling)
+        return _format_number(
+            f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling
+        )
     near = units.from_si(value, spelling, unit)
     short = (float(f"{near:.{most}g}") for most in (6, 12, 15, 16))
     beside = (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
     for number in (*short, *beside):
-        text = _text(repr(number), spelling)
+        text = _format_number(repr(number), spelling)
         if units.parse_quantity(text, unit) == value:
             return text
-    return _text(repr(value), unit)
+    return _format_number(repr(value), unit)
 
 
-def shown(value: float, unit: str, digits: int = 4) -> str:
+def format_quantity(value: float, unit: str, digits: int = 4) -> str:
     """A quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
     return shown_in(value, unit, choose_familiar_unit(value, unit), digits)
 
@@ -44,9 +46,9 @@ def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
 def shown_in(value: float, unit: str, spelling: str, digits: int = 4) -> str:
     """A quantity in a few digits of a chosen unit."""
     number = float(f"{units.from_si(value, spelling, unit):.{digits}g}")
-    return _text(f"{number:.{max(digits, 6)}g}", spelling)
+    return _format_number(f"{number:.{max(digits, 6)}g}", spelling)
 
 
-def _text(number: str, spelling: str) -> str:
+def _format_number(number: str, spelling: str) -> str:
     number = number.removesuffix(".0")
     return number if spelling == "1" else f"{number} {spelling}"

@@ -95,23 +95,23 @@ class Guess:
     """As `martensite.base.units` reads it; empty where the heading names none."""
 
 
-def guess(heading: str, cell: str = "") -> Guess:
+def guess_heading(heading: str, cell: str = "") -> Guess:
     """What a heading means; `cell` is one of those below it, to tell a time of day."""
-    words, spelling = _parted(heading.strip())
-    unit = _unit(spelling)
+    words, spelling = _part_heading(heading.strip())
+    unit = _find_unit(spelling)
     if _CELL.match(cell):
         return Guess("time", CLOCK)
     found = _PORT.match(words)
     port, plain = (found[1], found[2]) if found else ("", words)
-    name = _named(plain, unit)
+    name = _find_named(plain, unit)
     return Guess(f"{port.lower()}{name}" if name else "", unit)
 
 
-def guesses(headings: Iterable[str], cells: Iterable[str]) -> list[Guess]:
+def guess_headings(headings: Iterable[str], cells: Iterable[str]) -> list[Guess]:
     """Guesses for all columns of a table; of two that mean the same only the first is named."""
     found: list[Guess] = []
     for heading, cell in zip(headings, cells, strict=True):
-        one = guess(heading, cell)
+        one = guess_heading(heading, cell)
         taken = any(one.name == other.name for other in found)
         found.append(Guess("", one.unit) if taken else one)
     return found
@@ -122,7 +122,7 @@ def usual_units(name: str) -> list[str]:
     wanted = CANONICAL.get(name.rpartition(".")[2])
     if wanted is None:
         return []
-    fitting = [s for s in SPELLINGS if _fits(s, wanted)]
+    fitting = [s for s in SPELLINGS if _is_convertible(s, wanted)]
     first = (
         "%" if name == "strain" else "V" if wanted == DRIVE else units.choose_readable_unit(wanted)
     )
@@ -130,7 +130,7 @@ def usual_units(name: str) -> list[str]:
     return [*sorted(fitting, key=lambda s: s != first), *clock]
 
 
-def _parted(heading: str) -> tuple[str, str]:
+def _part_heading(heading: str) -> tuple[str, str]:
     """What names the column, and what may be its unit."""
     found = _BRACKETS.match(heading)
     if found is not None:
@@ -138,28 +138,28 @@ def _parted(heading: str) -> tuple[str, str]:
     found = _APART.match(heading)
     if found is not None:
         words, last = (part for part in found.groups() if part is not None)
-        if _listed(last):
+        if _find_listed(last):
             return words, last
     if heading.endswith("%"):
         return heading[:-1], "%"
     return heading, ""
 
 
-def _unit(spelling: str) -> str:
+def _find_unit(spelling: str) -> str:
     """A unit as it is written here; what is no unit is passed on if it can be read."""
     spelling = spelling.strip()
     if not spelling or spelling == IGNORED:
         return "1" if spelling else ""
     if spelling == CLOCK:
         return CLOCK
-    listed = _listed(spelling)
+    listed = _find_listed(spelling)
     if listed:
         return listed
-    known = (si for si in (*BY_UNIT, "1", "m/s", "Hz") if _fits(spelling, si))
+    known = (si for si in (*BY_UNIT, "1", "m/s", "Hz") if _is_convertible(spelling, si))
     return spelling if next(known, None) else ""
 
 
-def _listed(spelling: str) -> str:
+def _find_listed(spelling: str) -> str:
     """A unit of the list above as it is written here; empty for another."""
     for name, others in SPELLINGS.items():
         if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
@@ -167,7 +167,7 @@ def _listed(spelling: str) -> str:
     return ""
 
 
-def _named(words: str, unit: str) -> str:
+def _find_named(words: str, unit: str) -> str:
     """The known column that some words name, if its unit agrees; else the one of that unit."""
     plain = re.sub(r"[\s-]+", "_", words.strip())
     if plain.lower() in CANONICAL:
@@ -176,13 +176,13 @@ def _named(words: str, unit: str) -> str:
     for part in parts:
         for name, others in WORDS.items():
             if (part in others or (len(part) > 1 and part.lower() in others)) and (
-                not unit or _fits(unit, CANONICAL[name])
+                not unit or _is_convertible(unit, CANONICAL[name])
             ):
                 return name
-    return next((name for si, name in BY_UNIT.items() if unit and _fits(unit, si)), "")
+    return next((name for si, name in BY_UNIT.items() if unit and _is_convertible(unit, si)), "")
 
 
-def _fits(spelling: str, wanted: str) -> bool:
+def _is_convertible(spelling: str, wanted: str) -> bool:
     """Whether a unit can be converted to that of a known column."""
     options = ("V", "A", "W", "K") if wanted == DRIVE else (wanted,)
     for unit in options:

@@ -24,11 +24,11 @@ def law_caution(material: Material | None, element: Parametrised) -> str | None:
             used = law_words(part)
             meant = {name: word for name, word in material.law.items() if name in (KIND, *used)}
             if any(used.get(name) != word for name, word in meant.items()):
-                return _sentence(material.name, meant, used)
+                return _describe_mismatch(material.name, meant, used)
     return None
 
 
-def _sentence(name: str, meant: dict[str, str], used: dict[str, str]) -> str:
+def _describe_mismatch(name: str, meant: dict[str, str], used: dict[str, str]) -> str:
     if meant[KIND] != used[KIND]:
         here = f"law `{used[KIND]}`"
     else:

@@ -44,18 +44,18 @@ def dressed_laws(
         InputError: a name is unknown, a number is missing or a setting reaches no law.
     """
     classes = {name: LAWS[name] for name in names}
-    tables = {name: _own(name, settings, classes) for name in classes}
+    tables = {name: _select_settings(name, settings, classes) for name in classes}
     _refuse_idle(settings, tables)
-    needs = {name: _needs(classes[name], tables[name]) for name in classes}
+    needs = {name: _list_needs(classes[name], tables[name]) for name in classes}
     if material is not None:
         found = {name: load_material(material) for name in classes}
     else:
-        everyone = _first(sorted(set().union(*needs.values())))
+        everyone = _find_first(sorted(set().union(*needs.values())))
         found = {name: everyone or _own_material(name, needs[name]) for name in classes}
     return [
         Dressed(
             Builder(found[name]).choose(
-                LAWS, _table(name, tables[name], found[name]), name, draws=True
+                LAWS, _build_table(name, tables[name], found[name]), name, draws=True
             ),
             found[name] if needs[name] or material else None,
         )
@@ -63,14 +63,14 @@ def dressed_laws(
     ]
 
 
-def _table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
+def _build_table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
     """A law as a scenario writes it, with the options that its material says it holds for."""
     meant = material.law if material else None
     given = meant if meant and meant["kind"] == name else {}
     return {"kind": name, **given, **own}
 
 
-def _own(
+def _select_settings(
     name: str, settings: Mapping[str, Any], classes: Mapping[str, type[AbstractLaw]]
 ) -> dict[str, Any]:
     """The settings that reach one law."""
@@ -92,7 +92,7 @@ def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, 
             )
 
 
-def _needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
+def _list_needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
     """Numbers without which the law cannot be built."""
     return [
         name for name, declared in cls.declarations.items()
@@ -100,7 +100,7 @@ def _needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
     ]  # fmt: skip
 
 
-def _first(needed: Sequence[str]) -> Material | None:
+def _find_first(needed: Sequence[str]) -> Material | None:
     """The first shipped material that holds all these numbers.
 
     One that was fitted with certain options of a law is taken only by its name.
@@ -113,7 +113,7 @@ def _first(needed: Sequence[str]) -> Material | None:
 
 
 def _own_material(law: str, needed: Sequence[str]) -> Material:
-    found = _first(needed)
+    found = _find_first(needed)
     if found is not None:
         return found
     nearest = max(

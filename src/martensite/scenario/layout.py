@@ -79,14 +79,14 @@ def read_headings(headings: Iterable[str], where: str) -> list[Column]:
     """
     columns: list[Column] = []
     for number, heading in enumerate(headings, start=1):
-        column = _heading(heading, number, where)
+        column = _read_heading(heading, number, where)
         if column.name != IGNORED and any(column.name == c.name for c in columns):
             raise DataError(f"{where} has two columns `{column.name}`; rename one of them.")
         columns.append(column)
     return columns
 
 
-def _heading(heading: str, number: int, where: str) -> Column:
+def _read_heading(heading: str, number: int, where: str) -> Column:
     found = _HEADING.match(heading)
     if found is None or not found[1]:
         raise DataError(
@@ -97,24 +97,25 @@ def _heading(heading: str, number: int, where: str) -> Column:
         return Column(IGNORED, "1", "1")
     name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
     spelling = "1" if spelling == "-" else spelling
-    unit = _known(name)
+    unit = _find_known_unit(name)
     if not spelling and unit not in (None, "1"):
         raise DataError(
-            f"{where}: column `{name}` has no unit; write for example `{name} [{_usual(unit)}]`."
+            f"{where}: column `{name}` has no unit; write for example `{name} "
+            f"[{_find_usual_unit(unit)}]`."
         )
     if name == "time" and spelling == CLOCK:
         return Column(name, CLOCK, "s")
     return Column(name, spelling or "1", _si_unit(name, spelling or "1", where))
 
 
-def _known(name: str) -> str | None:
+def _find_known_unit(name: str) -> str | None:
     """SI unit of a known column."""
     return CANONICAL.get(name.rpartition(".")[2])
 
 
 def _si_unit(name: str, spelling: str, where: str) -> str:
     """The SI unit that a column is read in, if its unit can be converted to that."""
-    wanted = _known(name)
+    wanted = _find_known_unit(name)
     if wanted is None:
         declared = {unit for unit, _, _ in units.EVERYDAY.values()}
         if not spelling.endswith("Hz"):  # rpm and rad/s are no frequencies
@@ -126,20 +127,21 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
             return unit
         fault = f"The unit `{spelling}` is none of volt, ampere, watt and kelvin."
     else:
-        fault = _misfit(spelling, wanted)
+        fault = _describe_misfit(spelling, wanted)
         if not fault:
             return wanted
     raise DataError(
-        f"{where}, column `{name}`: {fault} Write for example `{name} [{_usual(wanted)}]`."
+        f"{where}, column `{name}`: {fault} Write for example `{name} "
+        f"[{_find_usual_unit(wanted)}]`."
     )
 
 
 def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
     """The first SI unit that a unit converts to; the unit itself where there is none."""
-    return next((unit for unit in candidates if not _misfit(spelling, unit)), spelling)
+    return next((unit for unit in candidates if not _describe_misfit(spelling, unit)), spelling)
 
 
-def _misfit(spelling: str, unit: str) -> str:
+def _describe_misfit(spelling: str, unit: str) -> str:
     """Why a unit cannot be converted to an SI unit; empty if it can."""
     if not _UNIT.match(spelling):
         return f"`{spelling}` is not a known unit; `{unit}` is expected."
@@ -150,5 +152,5 @@ def _misfit(spelling: str, unit: str) -> str:
     return ""
 
 
-def _usual(unit: str | None) -> str:
+def _find_usual_unit(unit: str | None) -> str:
     return "V" if unit in (None, DRIVE) else units.choose_readable_unit(unit)

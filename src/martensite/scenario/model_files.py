@@ -21,7 +21,7 @@ from martensite.base.errors import DataError, InputError, MartensiteError, sugge
 from martensite.base.files import replace_file
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.scores import fit_percent, rms
+from martensite.identify.chains.scores import compute_rms, fit_percent
 from martensite.scenario.block_tables import block_of, block_table
 from martensite.signals.sampling.sampled import Sampled
 
@@ -72,11 +72,11 @@ def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str
         "units": dict(chain.units),
         "taps": None if chain.taps is None else [list(tap) for tap in chain.taps],
         "blocks": [
-            block_table(block) | {"numbers": _named(block, theta)}
+            block_table(block) | {"numbers": _name_numbers(block, theta)}
             for block, theta in zip(chain.blocks, chain.split(), strict=True)
         ],
         "provenance": dict(provenance or {}),
-        "written_by": _program(),
+        "written_by": _describe_program(),
     }
     try:
         return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -90,10 +90,10 @@ def read_model(path: str | Path) -> Chain:
     Raises:
         DataError: there is no such file, it is damaged, or it names a block that is not known.
     """
-    document = _document(Path(path))
+    document = _read_document(Path(path))
     where = f"The model file `{path}`"
     try:
-        return _chain(document)
+        return _read_chain(document)
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise DataError(f"{where} is damaged: {type(error).__name__} at {error}.") from None
     except MartensiteError as error:
@@ -106,7 +106,7 @@ def read_provenance(path: str | Path) -> dict[str, Any]:
     Raises:
         DataError: there is no such file, or it is damaged.
     """
-    found = _document(Path(path)).get("provenance", {})
+    found = _read_document(Path(path)).get("provenance", {})
     return dict(cast("dict[str, Any]", found)) if isinstance(found, dict) else {}
 
 
@@ -116,17 +116,17 @@ def model_provenance(found: Estimate) -> dict[str, Any]:
     Nothing in it depends on when or where it was made.
     """
     return {
-        "by": _program(),
+        "by": _describe_program(),
         "options": vars(found.options) | {"begin": [c.text() for c in found.options.begin]},
         "refined_fits": [float(fit) for fit in found.fits],
         "agreeing": int(found.agreeing),
         "iterations": int(found.found.iterations),
         "converged": bool(found.found.converged),
-        "records": [_record(found, record) for record in found.records],
+        "records": [_describe_record(found, record) for record in found.records],
     }
 
 
-def digest(record: Sampled) -> str:
+def hash_record(record: Sampled) -> str:
     """SHA-256 over sample time, names and numbers of a record, these as little-endian doubles."""
     total = hashlib.sha256()
     names = "\0".join([*record.input_names, "", *record.output_names])
@@ -136,14 +136,14 @@ def digest(record: Sampled) -> str:
     return total.hexdigest()
 
 
-def _record(found: Estimate, record: Sampled) -> dict[str, Any]:
+def _describe_record(found: Estimate, record: Sampled) -> dict[str, Any]:
     computed = found.chain.simulate(record)
     fits = fit_percent(record.outputs, computed, found.options.skip)
-    errors = rms(record.outputs, computed, found.options.skip)
+    errors = compute_rms(record.outputs, computed, found.options.skip)
     return {
         "name": record.name,
         "samples": len(record),
-        "sha256_of_numbers": digest(record),
+        "sha256_of_numbers": hash_record(record),
         "fit_percent": dict(zip(record.output_names, map(float, fits), strict=True)),
         "rms": dict(zip(record.output_names, map(float, errors), strict=True)),
     }
@@ -152,11 +152,11 @@ def _record(found: Estimate, record: Sampled) -> dict[str, Any]:
 # ---------------------------------------------------------------- writing
 
 
-def _named(block: AbstractBlock, theta: Any) -> dict[str, float]:
+def _name_numbers(block: AbstractBlock, theta: Any) -> dict[str, float]:
     return dict(zip(block.numbers(), map(float, theta), strict=True))
 
 
-def _program() -> str:
+def _describe_program() -> str:
     try:
         return f"martensite {version('martensite')}"
     except PackageNotFoundError:  # run from a source tree that was not installed
@@ -166,9 +166,9 @@ def _program() -> str:
 # ---------------------------------------------------------------- reading
 
 
-def _document(path: Path) -> dict[str, Any]:
+def _read_document(path: Path) -> dict[str, Any]:
     try:
-        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refused)
+        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_word)
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob("*.json"))[:10]]
         raise DataError(
@@ -192,11 +192,11 @@ def _document(path: Path) -> dict[str, Any]:
     return found
 
 
-def _refused(word: str) -> float:
+def _refuse_word(word: str) -> float:
     raise ValueError(f"{word} is no number of JSON")
 
 
-def _chain(document: dict[str, Any]) -> Chain:
+def _read_chain(document: dict[str, Any]) -> Chain:
     blocks: list[AbstractBlock] = []
     theta: list[float] = []
     for number, table in enumerate(document["blocks"], start=1):
@@ -206,8 +206,8 @@ def _chain(document: dict[str, Any]) -> Chain:
             lost = ", ".join(sorted(set(names) ^ set(given)))
             raise DataError(f"the free numbers of block {number} do not fit its kind: {lost}.")
         blocks.append(block)
-        theta += [_finite(given[name], f"`{name}` of block {number}") for name in names]
-    interval = _finite(document["interval"], "`interval`")
+        theta += [_require_finite(given[name], f"`{name}` of block {number}") for name in names]
+    interval = _require_finite(document["interval"], "`interval`")
     if not interval > 0.0:
         raise DataError(f"the sample time must be above 0 s, but is {interval:g} s.")
     taps = document["taps"]
@@ -215,12 +215,12 @@ def _chain(document: dict[str, Any]) -> Chain:
         tuple(blocks), np.array(theta), interval,
         tuple(map(str, document["inputs"])), tuple(map(str, document["outputs"])),
         {str(k): str(v) for k, v in dict(document["units"]).items()},
-        None if taps is None else _taps(taps, blocks),
+        None if taps is None else _read_taps(taps, blocks),
         str(document["name"]),
     )  # fmt: skip
 
 
-def _taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:
+def _read_taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:
     found = tuple((int(block), int(output)) for block, output in taps)
     for block, output in found:
         if not (0 <= block < len(blocks) and 0 <= output < blocks[block].outputs):
@@ -228,7 +228,7 @@ def _taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]
     return found
 
 
-def _finite(value: Any, what: str) -> float:
+def _require_finite(value: Any, what: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise DataError(f"{what} must be a finite number, but is {value!r}.")
     return float(value)

@@ -68,23 +68,25 @@ class Description:
     attributes: dict[str, str | int | float]
 
 
-def describe(
+def describe_result(
     result: Result,
     scenario_text: str = "",
     material: Material | None = None,
     citations: Iterable[str] = (),
 ) -> Description:
     """Describe a result as variables and attributes, whatever they are written to."""
-    time = Variable(TIME, (TIME,), "s", "time", "t", _array(result.times), {"axis": "T"})
+    time = Variable(TIME, (TIME,), "s", "time", "t", _to_array(result.times), {"axis": "T"})
     if result.variants is not None:
-        return Description([time, *_by_variant(result, result.variants)], _attributes(result))
-    stacked = {result.system.label(port, name) for port in _ports(result) for name in OUTPUTS}
-    columns = [_column(result, name) for name in result.outputs if name not in stacked]
-    attributes = _attributes(result)
+        return Description([time, *_by_variant(result, result.variants)], _list_attributes(result))
+    stacked = {result.system.label(port, name) for port in _list_ports(result) for name in OUTPUTS}
+    columns = [_describe_column(result, name) for name in result.outputs if name not in stacked]
+    attributes = _list_attributes(result)
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
     attributes["citations"] = ", ".join(citations)
-    return Description([time, *columns, *_by_actuator(result), *_profiles(result)], attributes)
+    return Description(
+        [time, *columns, *_by_actuator(result), *_describe_profiles(result)], attributes
+    )
 
 
 def to_dataset(
@@ -103,13 +105,13 @@ def to_dataset(
     """
     import xarray
 
-    description = describe(result, scenario_text, material, citations)
+    description = describe_result(result, scenario_text, material, citations)
     arrays = {v.name: (v.dims, v.data, v.attributes()) for v in description.variables}
     axes = {name: arrays.pop(name) for name in (TIME, CELL, ACTUATOR) if name in arrays}
     return xarray.Dataset(arrays, coords=axes, attrs=description.attributes)
 
 
-def save(
+def save_result(
     result: Result,
     path: str | os.PathLike[str],
     scenario_text: str = "",
@@ -130,7 +132,7 @@ def save(
     """
     import h5netcdf
 
-    description = describe(result, scenario_text, material, citations)
+    description = describe_result(result, scenario_text, material, citations)
     with replace_file(Path(path)) as part, h5netcdf.File(part, "w") as file:
         file.attrs.update(description.attributes)
         for variable in description.variables:
@@ -167,9 +169,9 @@ def open_result(path: str | os.PathLike[str]) -> xarray.Dataset:
     return dataset
 
 
-def _column(result: Result, name: str) -> Variable:
+def _describe_column(result: Result, name: str) -> Variable:
     _, long_name, symbol = result.outputs[name]
-    data = _array(result.columns[name])
+    data = _to_array(result.columns[name])
     return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
 
 
@@ -177,7 +179,7 @@ def _by_variant(result: Result, variants: Variants) -> list[Variable]:
     """Of a batch: its columns over variants and time, in what they differ, and how they ended."""
     leaves = {leaf.path: leaf.declared for leaf in result.system.leaves()}
     differ = [
-        Variable(path, (VARIANT,), leaves[path].unit, leaves[path].doc, path, _array(values))
+        Variable(path, (VARIANT,), leaves[path].unit, leaves[path].doc, path, _to_array(values))
         for path, values in variants.over.items()
     ]
     names = np.asarray([one.name for one in variants.status], dtype=object)
@@ -192,7 +194,7 @@ def _by_variant(result: Result, variants: Variants) -> list[Variable]:
     return [*differ, ended, status, *more, *columns]
 
 
-def _ports(result: Result) -> list[str]:
+def _list_ports(result: Result) -> list[str]:
     """Ports of several actuators, whose outputs carry their names."""
     system = result.system
     return [port for port in system.actuators() if "." in system.label(port, "drive")]
@@ -200,7 +202,7 @@ def _ports(result: Result) -> list[str]:
 
 def _by_actuator(result: Result) -> list[Variable]:
     """Outputs of several actuators, over time and actuators."""
-    system, ports = result.system, _ports(result)
+    system, ports = result.system, _list_ports(result)
     if not ports:
         return []
     names = np.asarray(ports, dtype=object)
@@ -208,32 +210,32 @@ def _by_actuator(result: Result) -> list[Variable]:
     for name, (_, long_name, symbol) in OUTPUTS.items():
         labels = [system.label(port, name) for port in ports]
         units = {result.unit(label) for label in labels}
-        data = np.stack([_array(result[label]) for label in labels], axis=1)
+        data = np.stack([_to_array(result[label]) for label in labels], axis=1)
         unit = units.pop() if len(units) == 1 else "mixed"
         found.append(Variable(name, (TIME, ACTUATOR), unit, long_name, symbol, data))
     return found
 
 
-def _profiles(result: Result) -> list[Variable]:
+def _describe_profiles(result: Result) -> list[Variable]:
     """What differs along the element, over time and cells."""
     if not result.profiles:
         return []
     (actuator,) = result.system.actuators().values()
-    places = _array(actuator.element.places())
+    places = _to_array(actuator.element.places())
     where = Variable(CELL, (CELL,), "m", "place of a cell", "y", places)
     found = [where]
     for name, cells in result.profiles.items():
         unit, long_name, symbol = PROFILES[name]
-        data = np.stack([_array(cell) for cell in cells], axis=1)
+        data = np.stack([_to_array(cell) for cell in cells], axis=1)
         found.append(Variable(name, (TIME, CELL), unit, long_name, symbol, data))
     return found
 
 
-def _array(values: Iterable[float]) -> Any:
+def _to_array(values: Iterable[float]) -> Any:
     return np.asarray(list(values), dtype=np.float64)
 
 
-def _attributes(result: Result) -> dict[str, str | int | float]:
+def _list_attributes(result: Result) -> dict[str, str | int | float]:
     found: dict[str, str | int | float | None] = {
         "Conventions": CONVENTIONS,
         "title": f"Simulation of {result.system.described()}",
@@ -247,25 +249,25 @@ def _attributes(result: Result) -> dict[str, str | int | float]:
         "rejected_steps": int(result.rejected),
         "step": float(result.step),
         "ripple": float(result.ripple),
-        **_numbers("heat", {} if result.heat is None else result.heat.as_dict()),
-        **_numbers("work", {} if result.work is None else result.work.as_dict()),
+        **_name_balance("heat", {} if result.heat is None else result.heat.as_dict()),
+        **_name_balance("work", {} if result.work is None else result.work.as_dict()),
         "unbalanced": "\n".join(result.unbalanced) or None,
         "conformance": json.dumps(result.conformance) if result.conformance else None,
         "warnings": "\n".join(result.warnings),
         "alarms": json.dumps([asdict(alarm) for alarm in result.alarms], ensure_ascii=False),
-        "martensite_version": _version("martensite"),
+        "martensite_version": _find_version("martensite"),
         "numpy_version": np.__version__,
-        "h5netcdf_version": _version("h5netcdf"),
+        "h5netcdf_version": _find_version("h5netcdf"),
     }
     return {name: value for name, value in found.items() if value is not None}
 
 
-def _numbers(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:
+def _name_balance(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:
     """Those of a balance, called `heat_lost` or `work_springs` [J]; the work itself is `work`."""
     return {key if key == name else f"{name}_{key}": value for key, value in balance.items()}
 
 
-def _version(package: str) -> str:
+def _find_version(package: str) -> str:
     try:
         return version(package)
     except PackageNotFoundError:

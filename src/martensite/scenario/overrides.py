@@ -32,26 +32,26 @@ def read_settings(settings: Sequence[str]) -> dict[str, Any]:
                 f"`{setting}` is not a setting; write `path=value`, "
                 'for example `element.diameter="0.25 mm"`.'
             )
-        found[path.strip()] = _value(value.strip())
+        found[path.strip()] = _parse_value(value.strip())
     return found
 
 
-def _value(text: str) -> Any:
+def _parse_value(text: str) -> Any:
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
         return text
 
 
-def changed(document: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+def change_document(document: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """A copy of a TOML document with the values at the given dotted paths replaced."""
     copy = deepcopy(dict(document))
     for path, value in settings.items():
-        _set(copy, path, deepcopy(value))
+        _set_value(copy, path, deepcopy(value))
     return copy
 
 
-def _set(document: dict[str, Any], path: str, value: Any) -> None:
+def _set_value(document: dict[str, Any], path: str, value: Any) -> None:
     *above, last = path.split(".")
     node = document
     for depth, key in enumerate(above, start=1):

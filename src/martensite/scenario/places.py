@@ -48,7 +48,7 @@ class Places:
 
     def path(self, path: str) -> str:
         """The path in the scenario of a number at a path of the system or bench."""
-        begin = _longest(self.written, path)
+        begin = _find_longest(self.written, path)
         if begin is None:
             return scenario_path(path, self.drive)
         rest = path[len(begin) :].removeprefix(".")
@@ -58,17 +58,17 @@ class Places:
 
     def is_copy(self, path: str) -> bool:
         """Whether a number belongs to another system than that of the scenario, to a model."""
-        begin = _longest(self.written, path)
+        begin = _find_longest(self.written, path)
         return begin in self.systems and bool(self.written[begin or ""])
 
     def unit(self, leaf: Leaf) -> str:
         """The unit of a number of the system or bench; that of a level depends on its place."""
-        begin = _longest(self.scales, leaf.path)
+        begin = _find_longest(self.scales, leaf.path)
         known = None if begin is None else self.scales[begin].known(leaf.declared)
         return known or leaf.declared.unit
 
 
-def _longest(known: Iterable[str], path: str) -> str | None:
+def _find_longest(known: Iterable[str], path: str) -> str | None:
     """The longest of some beginnings that a path has."""
     found = [begin for begin in known if path == begin or path.startswith(f"{begin}.")]
     return max(found, key=len, default=None)

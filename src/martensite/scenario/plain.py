@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 
-def plain(value: Any) -> Any:
+def convert_to_plain(value: Any) -> Any:
     """What JSON can hold: tables, lists, texts, finite numbers, null."""
     if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
+        return {str(k): convert_to_plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
     if hasattr(value, "tolist"):  # of NumPy
-        return plain(value.tolist())
+        return convert_to_plain(value.tolist())
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in cast("Sequence[Any]", value)]
+        return [convert_to_plain(item) for item in cast("Sequence[Any]", value)]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, (str, int)) else str(value)

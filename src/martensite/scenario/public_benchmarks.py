@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.scenario.datasets import describe, locate
+from martensite.scenario.datasets import describe_dataset, locate_file
 from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
@@ -35,9 +35,9 @@ def read_silverbox() -> dict[str, Sampled]:
     """
     import numpy as np
 
-    path = locate("silverbox/SNLS80mV.csv")
+    path = locate_file("silverbox/SNLS80mV.csv")
     columns = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1))
-    whole = _record("silverbox", columns[:, 0], columns[:, 1], SILVERBOX_RATE)
+    whole = _build_record("silverbox", columns[:, 0], columns[:, 1], SILVERBOX_RATE)
     sines, arrow = whole.rows(40650, 127400), whole.rows(100, 40575)
     cut = 3 * len(sines) // 4
     return {
@@ -60,16 +60,16 @@ def read_wiener_hammerstein() -> dict[str, Sampled]:
 
     name = "wiener-hammerstein-2009"
     parts: list[Numbers] = []
-    for file in describe(name).files:
-        with h5py.File(locate(f"{name}/{file}")) as opened:
+    for file in describe_dataset(name).files:
+        with h5py.File(locate_file(f"{name}/{file}")) as opened:
             parts.append(np.array([opened["u"], opened["y"]]))
     u, y = np.concatenate(parts, axis=1)
-    whole = _record(name, u, y, WIENER_HAMMERSTEIN_RATE).rows(5200, 184000)
+    whole = _build_record(name, u, y, WIENER_HAMMERSTEIN_RATE).rows(5200, 184000)
     return {
         "estimation": whole.rows(0, 100_000, "estimation"),
         "test": whole.rows(100_000, None, "test"),
     }
 
 
-def _record(name: str, u: Numbers, y: Numbers, rate: float) -> Sampled:
+def _build_record(name: str, u: Numbers, y: Numbers, rate: float) -> Sampled:
     return Sampled(name, 1.0 / rate, u, y, ("input",), ("output",), {"input": "V", "output": "V"})

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, UnitError
-from martensite.scenario.build import refuse_unknown, section
+from martensite.scenario.build import name_section, refuse_unknown
 from martensite.signals.table import Table
 
 if TYPE_CHECKING:
@@ -58,33 +58,35 @@ class Recorded:
         return read_table(self.source, self.columns, interval=self.interval)
 
 
-def recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
+def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded:
     """Read the keys `file`, `columns` and `interval` of a section."""
     refuse_unknown(table, _KEYS, f"[{path}]")
-    source = _text(table, "file", path)
+    source = _read_text(table, "file", path)
     if not source.startswith("data:"):
         source = folder / source
     columns = table.get("columns")
     interval = table.get("interval")
     return Recorded(
         source,
-        None if columns is None else tuple(_texts(columns, "columns", path)),
-        None if interval is None else _quantity(interval, "interval", "s", path),
+        None if columns is None else tuple(_read_texts(columns, "columns", path)),
+        None if interval is None else _read_quantity(interval, "interval", "s", path),
     )
 
 
-def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
+def build_waveform(
+    table: Mapping[str, Any], path: str, folder: Path, unit: str
+) -> tuple[Table, float]:
     """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
-        made = _listed(table, path, unit)
+        made = _list_numbers(table, path, unit)
         return made, made.times[-1]
     refuse_unknown(table, ("kind", *_KEYS, "column"), f"[{path}]")
-    column = _text(table, "column", path)
+    column = _read_text(table, "column", path)
     found = {key: value for key, value in table.items() if key in _KEYS}
-    with section(path):
+    with name_section(path):
         from martensite.signals.records import table_waveform
 
-        record = recorded(found, path, folder).read()
+        record = read_recorded(found, path, folder).read()
         made = table_waveform(record, column)
         if record.units[column] != unit:
             raise DataError(
@@ -94,7 +96,7 @@ def waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tu
     return made, record.times[-1]
 
 
-def followed(
+def build_followed(
     table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str,
     lead: float = 0.0,
 ) -> tuple[Table, str]:  # fmt: skip
@@ -110,18 +112,22 @@ def followed(
             value, or is held there.
     """
     refuse_unknown(table, ("kind", "column", *(("from",) if lead else ())), f"[{path}]")
-    column = _text(table, "column", path) if "column" in table else natural
+    column = _read_text(table, "column", path) if "column" in table else natural
     if log is None:
         raise DataError(
             f"[{path}] This scenario follows a log; fit it with `martensite fit LOG --scenario "
             "SCENARIO --free …`, or run it with `martensite run SCENARIO --log LOG`."
         )
-    with section(path):
+    with name_section(path):
         _check_followed(log, column, unit)
         rows = zip(from_zero(log, lead).times, log[column], strict=True)
         known = [row for row in rows if math.isfinite(row[1])]
         if lead:
-            begin = _quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
+            begin = (
+                _read_quantity(table["from"], "from", unit, path)
+                if "from" in table
+                else known[0][1]
+            )
             known.insert(0, (0.0, begin))
         times, values = zip(*known, strict=True)
         return Table(times=times, values=values), column
@@ -149,29 +155,31 @@ def from_zero(log: Record, lead: float = 0.0) -> Record:
     return replace(log, columns=log.columns | {"time": [time - first for time in log.times]})
 
 
-def _listed(table: Mapping[str, Any], path: str, unit: str) -> Table:
+def _list_numbers(table: Mapping[str, Any], path: str, unit: str) -> Table:
     refuse_unknown(table, _LISTED, f"[{path}]")
-    times = [_quantity(t, "times", "s", path) for t in _list(table["times"], "times", path)]
-    levels = _list(table.get("values", []), "values", path)
-    values = [_quantity(value, "values", unit, path) for value in levels]
-    with section(path):
+    times = [
+        _read_quantity(t, "times", "s", path) for t in _read_list(table["times"], "times", path)
+    ]
+    levels = _read_list(table.get("values", []), "values", path)
+    values = [_read_quantity(value, "values", unit, path) for value in levels]
+    with name_section(path):
         return Table(times=tuple(times), values=tuple(values))
 
 
-def _quantity(value: Any, name: str, unit: str, path: str) -> float:
+def _read_quantity(value: Any, name: str, unit: str, path: str) -> float:
     if not isinstance(value, str):
         raise UnitError(
             f"[{path}] `{name}` must be text with a unit, such as `{value} {unit}`, "
             f"but is {value!r}."
         )
-    with section(path):
+    with name_section(path):
         try:
             return units.parse_quantity(value, unit)
         except UnitError as error:
             raise UnitError(f"`{name}`: {error}") from None
 
 
-def _text(table: Mapping[str, Any], name: str, path: str) -> Any:
+def _read_text(table: Mapping[str, Any], name: str, path: str) -> Any:
     if name not in table:
         raise ParameterError(f"[{path}] needs `{name}`; none given.")
     if not isinstance(table[name], str):
@@ -179,15 +187,15 @@ def _text(table: Mapping[str, Any], name: str, path: str) -> Any:
     return table[name]
 
 
-def _texts(value: Any, name: str, path: str) -> list[str]:
-    items = _list(value, name, path)
+def _read_texts(value: Any, name: str, path: str) -> list[str]:
+    items = _read_list(value, name, path)
     wrong = next((item for item in items if not isinstance(item, str)), None)
     if wrong is not None:
         raise ParameterError(f"[{path}] `{name}` must hold texts, but holds {wrong!r}.")
     return items
 
 
-def _list(value: Any, name: str, path: str) -> list[Any]:
+def _read_list(value: Any, name: str, path: str) -> list[Any]:
     if not isinstance(value, list):
         raise ParameterError(f"[{path}] `{name}` must be a list, but is {value!r}.")
     return cast("list[Any]", value)

@@ -66,7 +66,7 @@ def run(
     if not isinstance(what, Scenario | AbstractSystem):
         raise TypeError("neither a scenario nor a system")
     seconds = units.parse_quantity(duration, "s") if isinstance(duration, str) else duration
-    scenario = _arrange(what, drive, seconds)
+    scenario = _arrange_scenario(what, drive, seconds)
     changed = {"tolerance": tolerance, "samples": samples}
     given = {name: value for name, value in changed.items() if value is not None}
     if step is not None or tolerance is not None:
@@ -81,7 +81,7 @@ def run(
     return scenario.run(runtime=None if runtime == "auto" else runtime, tell=tell)
 
 
-def _arrange(
+def _arrange_scenario(
     what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None
 ) -> Scenario:
     """A scenario of what shall run, with its drive and duration."""
@@ -113,13 +113,13 @@ def _run_batch(
         raise InputError("A bench has no batches in `run`; take `ms.design.run_sweep`.")
     system = scenario.system
     return simulate_batch(
-        system, scenario.waveform, scenario.duration, _convert(system, over),
+        system, scenario.waveform, scenario.duration, _convert_variants(system, over),
         tolerance=scenario.tolerance, step=scenario.step, samples=scenario.samples,
         outputs=tuple(outputs or system.judged()), runtime=runtime,
     )  # fmt: skip
 
 
-def _convert(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
+def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
     """Values in SI, by full path."""
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
     found: dict[str, list[float]] = {}

@@ -70,8 +70,8 @@ def read_log(
     """
     ending = "" if str(path).startswith(PREFIX) else Path(path).suffix.lower()
     if str(path).startswith(PREFIX) or ending in TEXT:
-        return _text(path, interval)
-    return _table(Path(path), read_arrays(Path(path)), names, interval, units)
+        return _read_text(path, interval)
+    return _build_table(Path(path), read_arrays(Path(path)), names, interval, units)
 
 
 def read_arrays(path: Path) -> dict[str, Any]:
@@ -81,7 +81,7 @@ def read_arrays(path: Path) -> dict[str, Any]:
         DataError: the file is missing, of no known kind, or malformed.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
-    readers = {".parquet": _parquet, ".mat": _mat, ".nc": _netcdf}
+    readers = {".parquet": _read_parquet, ".mat": _read_mat, ".nc": _read_netcdf}
     ending = path.suffix.lower()
     if ending not in readers:
         known = ", ".join((*TEXT, *readers))
@@ -106,7 +106,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
         part.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
-def _text(path: str | Path, interval: float | None) -> Record:
+def _read_text(path: str | Path, interval: float | None) -> Record:
     """A text table; the interval is that of the rows only where there is no time."""
     record = read_table(path, gaps=True)
     if record.interval is None:
@@ -124,7 +124,7 @@ _Columns = dict[str, Any]
 """Heading, with or without unit -> numbers."""
 
 
-def _table(
+def _build_table(
     path: Path, found: _Columns, names: Sequence[str], interval: float | None,
     units: Mapping[str, str],
 ) -> Record:  # fmt: skip
@@ -145,10 +145,10 @@ def _table(
         factor, offset = unit_table.find_conversion(column.spelling, column.unit)
         columns[name] = [float(value) * factor + offset for value in found[heading]]
         spelled[name] = column.unit
-    return _timed(path, columns, spelled, interval)
+    return _add_times(path, columns, spelled, interval)
 
 
-def _timed(
+def _add_times(
     path: Path, columns: dict[str, list[float]], units: dict[str, str], interval: float | None
 ) -> Record:
     """The table with its times, or those of its rows."""
@@ -169,7 +169,7 @@ def _timed(
 # ---------------------------------------------------------------- kinds of files
 
 
-def _parquet(path: Path) -> _Columns:
+def _read_parquet(path: Path) -> _Columns:
     try:
         from pyarrow import parquet  # type: ignore[import-not-found]
     except ImportError:
@@ -177,28 +177,28 @@ def _parquet(path: Path) -> _Columns:
             f"To read `{path.name}`, pyarrow is needed; install it with "
             "`pip install martensite[parquet]`."
         ) from None
-    table: Any = _opened(path, parquet.read_table)
+    table: Any = _open_file(path, parquet.read_table)
     return {
         name: np.asarray(table[name].to_numpy(zero_copy_only=False), dtype=float)
         for name in table.column_names
-        if _numeric(str(table.schema.field(name).type))
+        if _is_numeric(str(table.schema.field(name).type))
     }
 
 
-def _numeric(kind: str) -> bool:
+def _is_numeric(kind: str) -> bool:
     return kind.startswith(("int", "uint", "float", "double", "half", "bool"))
 
 
-def _mat(path: Path) -> _Columns:
+def _read_mat(path: Path) -> _Columns:
     from scipy.io import loadmat
 
     try:
         found: dict[str, Any] = loadmat(str(path))
     except NotImplementedError:  # version 7.3 is HDF5
-        found = _opened(path, _hdf)
+        found = _open_file(path, _read_hdf)
     except (ValueError, OSError, TypeError) as error:
         raise DataError(f"`{path.name}` cannot be read as a MAT file: {error}.") from None
-    columns = _flat({n: a for n, a in found.items() if not n.startswith("__")})
+    columns = _flatten_arrays({n: a for n, a in found.items() if not n.startswith("__")})
     if not columns:
         raise DataError(
             f"`{path.name}` holds no arrays of numbers; save signals as plain variables, not in "
@@ -209,7 +209,7 @@ def _mat(path: Path) -> _Columns:
     return columns
 
 
-def _hdf(path: Path) -> dict[str, Any]:
+def _read_hdf(path: Path) -> dict[str, Any]:
     """Arrays of a MAT file of version 7.3, which stores them transposed."""
     import h5py
 
@@ -217,7 +217,7 @@ def _hdf(path: Path) -> dict[str, Any]:
         return {n: np.asarray(v).T for n, v in file.items() if isinstance(v, h5py.Dataset)}
 
 
-def _flat(arrays: Mapping[str, Any]) -> _Columns:
+def _flatten_arrays(arrays: Mapping[str, Any]) -> _Columns:
     """Vectors by name, and columns of matrices as name1, name2, …; others are passed over."""
     columns: _Columns = {}
     for name, array in arrays.items():
@@ -231,7 +231,7 @@ def _flat(arrays: Mapping[str, Any]) -> _Columns:
     return columns
 
 
-def _netcdf(path: Path) -> _Columns:
+def _read_netcdf(path: Path) -> _Columns:
     import h5netcdf
 
     def read(path: Path) -> _Columns:
@@ -244,10 +244,10 @@ def _netcdf(path: Path) -> _Columns:
                     columns[f"{name} [{unit}]" if unit else name] = np.asarray(variable[...])
         return columns
 
-    return _opened(path, read)
+    return _open_file(path, read)
 
 
-def _opened(path: Path, read: Callable[[Path], Any]) -> Any:
+def _open_file(path: Path, read: Callable[[Path], Any]) -> Any:
     """What a reader finds; `DataError` where the file is none of its kind."""
     try:
         return read(path)

@@ -26,7 +26,7 @@ from martensite.scenario import bench_sections, recorded
 from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.bench_tables import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.build import Builder, Table, refuse_unknown
-from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded import Recorded
 
@@ -196,10 +196,10 @@ def load(
         ) from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None
-    return read(text, path, overrides, log=log)
+    return read_scenario(text, path, overrides, log=log)
 
 
-def read(
+def read_scenario(
     text: str,
     path: Path | None = None,
     overrides: Mapping[str, Any] | None = None,
@@ -212,13 +212,15 @@ def read(
     """
     document = toml_document(text, f"`{path}`" if path else "The scenario")
     if overrides:
-        document = changed(document, overrides)
+        document = change_document(document, overrides)
         text = as_toml(document)
     refuse_unknown(document, SECTIONS, "The scenario")
-    return _built(document, text, path, log)
+    return _build_scenario(document, text, path, log)
 
 
-def _built(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:
+def _build_scenario(
+    document: dict[str, Any], text: str, path: Path | None, log: Record | None
+) -> Scenario:
     folder = path.parent if path else Path()
     origins: dict[str, str] = {}
     bench_sections.check_sections(document)
@@ -228,11 +230,11 @@ def _built(document: dict[str, Any], text: str, path: Path | None, log: Record |
     controlled = bench_sections.has_controllers(document)
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
-    closed = bench_sections.assembled(assembly, system, places)
+    closed = bench_sections.assemble_bench(assembly, system, places)
     return Scenario(
         system=system,
         waveform=assembly.driven(system),
-        duration=_duration(run, assembly.end),
+        duration=_find_duration(run, assembly.end),
         tolerance=run.tolerance,
         samples=int(run.samples),
         step=run.step if math.isfinite(run.step) else None,
@@ -240,7 +242,7 @@ def _built(document: dict[str, Any], text: str, path: Path | None, log: Record |
         text=text,
         path=path,
         material=assembly.material,
-        measured=_measured(document, folder),
+        measured=_read_measured(document, folder),
         origins=assembly.origins,
         follows=assembly.follows,
         lead=run.lead,
@@ -252,7 +254,7 @@ def _built(document: dict[str, Any], text: str, path: Path | None, log: Record |
     )
 
 
-def _duration(run: Run, end: float) -> float:
+def _find_duration(run: Run, end: float) -> float:
     if math.isfinite(run.duration):
         return run.duration
     if not math.isfinite(end):
@@ -260,7 +262,7 @@ def _duration(run: Run, end: float) -> float:
     return end
 
 
-def _measured(document: Table, folder: Path) -> Recorded | None:
+def _read_measured(document: Table, folder: Path) -> Recorded | None:
     if "measured" not in document:
         return None
-    return recorded.recorded(section_of(document, "measured"), "measured", folder)
+    return recorded.read_recorded(section_of(document, "measured"), "measured", folder)

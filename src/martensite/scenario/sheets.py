@@ -42,8 +42,8 @@ class Sheet:
     def parser(self, column: Column) -> Callable[[str], float]:
         """How a cell of this column becomes a number; it raises ValueError where it does not."""
         if column.spelling == CLOCK:
-            return _clock
-        return _comma_number if self.decimal_comma else _number
+            return _read_clock
+        return _comma_number if self.decimal_comma else _read_number
 
     def fault(self, index: int, column: Column, sentence: str) -> DataError:
         """An error that names row and column."""
@@ -59,7 +59,7 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
         DataError: the file is missing, empty, no text, or badly quoted.
     """
     where = f"`{path.name}`"
-    text = _text(path, binary=layout.drop)
+    text = _read_text(path, binary=layout.drop)
     kept = [
         (number, line)
         for number, line in enumerate(text.split("\n"), start=1)
@@ -67,7 +67,7 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
     ]
     if not kept:
         raise DataError(f"{where} is empty: it holds no rows.")
-    separator = _separator([line for _, line in kept], layout)
+    separator = _find_separator([line for _, line in kept], layout)
     if separator == "whitespace":
         rows = [line.split() for _, line in kept]
         if not layout.columns and not any(map(is_number, rows[0])):
@@ -75,11 +75,11 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
     elif layout.drop:
         rows = _split_singly(kept, SEPARATORS[separator], len(layout.columns))
     else:
-        rows = _split(kept, SEPARATORS[separator], where)
+        rows = _split_line(kept, SEPARATORS[separator], where)
     return Sheet(where, [number for number, _ in kept], rows, separator != "comma")
 
 
-def _separator(lines: list[str], layout: Layout) -> str:
+def _find_separator(lines: list[str], layout: Layout) -> str:
     """The separator of the first line; where rows may be dropped, that of most lines."""
     if layout.separator != "auto":
         return layout.separator
@@ -109,7 +109,7 @@ def _split_singly(lines: list[tuple[int, str]], sign: str, width: int) -> list[l
     return rows
 
 
-def _split(lines: list[tuple[int, str]], sign: str, where: str) -> list[list[str]]:
+def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[list[str]]:
     try:
         rows = list(csv.reader((line for _, line in lines), delimiter=sign, skipinitialspace=True))
     except csv.Error as error:
@@ -121,12 +121,12 @@ def _split(lines: list[tuple[int, str]], sign: str, where: str) -> list[list[str
     return rows
 
 
-def _text(path: Path, *, binary: bool) -> str:
+def _read_text(path: Path, *, binary: bool) -> str:
     """The text of a file, of which single lines may be `binary`."""
     try:
         raw = path.read_bytes()
     except FileNotFoundError:
-        raise DataError(_missing(path)) from None
+        raise DataError(_describe_missing(path)) from None
     except IsADirectoryError:
         raise DataError(f"`{path}` is a folder; name a file in it.") from None
     except OSError as error:
@@ -140,7 +140,7 @@ def _text(path: Path, *, binary: bool) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _missing(path: Path) -> str:
+def _describe_missing(path: Path) -> str:
     """What to say of a missing file: the nearest existing name."""
     if not path.parent.is_dir():
         return f"There is no file `{path}`, nor the folder `{path.parent}`."
@@ -151,7 +151,7 @@ def _missing(path: Path) -> str:
     return f"There is no file `{path}`, nor one of a similar name beside it."
 
 
-def parses(parse: Callable[[str], float], cell: str) -> bool:
+def can_parse(parse: Callable[[str], float], cell: str) -> bool:
     """Whether a cell can be read."""
     try:
         parse(cell)
@@ -160,7 +160,7 @@ def parses(parse: Callable[[str], float], cell: str) -> bool:
     return True
 
 
-def reads(parse: Callable[[str], float], cell: str) -> bool:
+def can_read(parse: Callable[[str], float], cell: str) -> bool:
     """Whether a cell can be read, and is a finite number."""
     try:
         return math.isfinite(parse(cell))
@@ -175,10 +175,10 @@ def is_gap(cell: str) -> bool:
 
 def is_number(cell: str) -> bool:
     """Whether a cell is a number, with decimal point or comma."""
-    return parses(_comma_number, cell)
+    return can_parse(_comma_number, cell)
 
 
-def _number(cell: str) -> float:
+def _read_number(cell: str) -> float:
     if (
         "_" in cell or not cell.strip().isascii()
     ):  # Python would read 1_000, and digits of any script
@@ -187,10 +187,10 @@ def _number(cell: str) -> float:
 
 
 def _comma_number(cell: str) -> float:
-    return _number(cell.replace(",", "."))
+    return _read_number(cell.replace(",", "."))
 
 
-def _clock(cell: str) -> float:
+def _read_clock(cell: str) -> float:
     found = _TIME_OF_DAY.fullmatch(cell.strip())
     if found is None:
         raise ValueError

@@ -80,7 +80,7 @@ def unwrap_counter(values: Sequence[float], drop: float) -> Unwrapped:
     return Unwrapped(mended, jumps)
 
 
-def plateaus(
+def reduce_to_plateaus(
     record: Record, column: str, *, settled: float = 0.5, tolerance: float = 0.0, shortest: int = 2
 ) -> Record:
     """Reduce the record of a staircase to one row per plateau.
@@ -104,15 +104,15 @@ def plateaus(
         ParameterError: an argument is out of range.
         DataError: there is no such column, a name is taken, or no plateau is long enough.
     """
-    _check(settled, tolerance, shortest)
-    runs = _runs(record[column], tolerance)
+    _check_settled(settled, tolerance, shortest)
+    runs = _find_runs(record[column], tolerance)
     kept = [(first, last) for first, last in runs if last - first >= shortest]
     if not kept:
         raise DataError(
             f"Column `{column}` of record `{record.name}` has no plateau of at least "
             f"{shortest} rows; a staircase is held on its levels."
         )
-    parts = [(max(first, last - _rows(settled, last - first)), last) for first, last in kept]
+    parts = [(max(first, last - _build_rows(settled, last - first)), last) for first, last in kept]
     others = [name for name in record.columns if name != column]
     table = {name: [fmean(record[name][a:b]) for a, b in parts] for name in others}
     table[column] = [record[column][first] for first, _ in kept]
@@ -155,7 +155,7 @@ def supply_offset(
     return SupplyOffset(line.values[0], line.error(0), line.values[1], line.error(1), n)
 
 
-def _runs(values: Sequence[float], tolerance: float) -> list[tuple[int, int]]:
+def _find_runs(values: Sequence[float], tolerance: float) -> list[tuple[int, int]]:
     """First index of each run of equal values, and the one after its last."""
     level, group, groups = values[0], 0, list[int]()
     for value in values:
@@ -167,11 +167,11 @@ def _runs(values: Sequence[float], tolerance: float) -> list[tuple[int, int]]:
     return [(end - length, end) for end, length in zip(ends, lengths, strict=True)]
 
 
-def _rows(settled: float, rows: int) -> int:
+def _build_rows(settled: float, rows: int) -> int:
     return max(2, math.ceil(settled * rows))
 
 
-def _check(settled: float, tolerance: float, shortest: int) -> None:
+def _check_settled(settled: float, tolerance: float, shortest: int) -> None:
     if not 0.0 < settled <= 1.0:
         raise ParameterError(f"Argument `settled` must be above 0 to 1, but is {settled:g}.")
     if not 0.0 <= tolerance < math.inf:

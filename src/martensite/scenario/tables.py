@@ -21,11 +21,11 @@ from martensite.scenario.layout import CLOCK, IGNORED, Column, Layout, read_head
 from martensite.scenario.sheets import (
     SEPARATORS,
     Sheet,
+    can_parse,
+    can_read,
     is_gap,
     is_number,
-    parses,
     read_sheet,
-    reads,
 )
 from martensite.signals.records import Record, not_finite, out_of_order
 
@@ -66,18 +66,18 @@ def read_table(
     if separator not in ("auto", *SEPARATORS):
         valid = suggest_name(separator, ("auto", *SEPARATORS))
         raise ParameterError(f"Argument `separator` is `{separator}`. {valid}")
-    path, layout, name = _origin(source)
+    path, layout, name = _find_origin(source)
     if columns is not None:
         layout = replace(layout, columns=tuple(columns))
     if separator != "auto":
         layout = replace(layout, separator=separator)
     if drop:
         layout = replace(layout, drop=True)
-    headings, sheet = _headed(read_sheet(path, layout), layout)
+    headings, sheet = _read_headings(read_sheet(path, layout), layout)
     rows = len(sheet.rows)
     if layout.drop:
-        sheet = sheet.part(_readable(sheet, headings, gaps))
-    found = _columns(sheet, headings, gaps)
+        sheet = sheet.part(_find_readable(sheet, headings, gaps))
+    found = _read_columns(sheet, headings, gaps)
     names = {column.name: column.unit for column in headings if column.name in found}
     dropped = rows - len(sheet.rows)
     if "time" in found:
@@ -89,17 +89,17 @@ def read_table(
     return Record(name, {"time": times} | found, {"time": "s"} | names, path, dropped, step)
 
 
-def _origin(source: str | Path) -> tuple[Path, Layout, str]:
+def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
     """File, layout and name of the record."""
     if isinstance(source, str) and source.startswith(PREFIX):
         from martensite.scenario import datasets
 
         key = source.removeprefix(PREFIX)
-        return datasets.locate(key), datasets.layout(key), key
+        return datasets.locate_file(key), datasets.describe_layout(key), key
     return Path(source), Layout(()), Path(source).stem
 
 
-def _headed(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
+def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
     """The columns of a table, and its rows without that of the headings."""
     first = sheet.rows[0]
     numeric = any(is_number(cell) for cell in first)
@@ -120,31 +120,31 @@ def _headed(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
     return headings, sheet
 
 
-def _columns(sheet: Sheet, headings: list[Column], gaps: bool) -> dict[str, list[float]]:
+def _read_columns(sheet: Sheet, headings: list[Column], gaps: bool) -> dict[str, list[float]]:
     """All columns that are wanted, in SI."""
     _refuse_ragged(sheet, headings)
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
     if not wanted or not sheet.rows:
         raise DataError(f"{sheet.where} has nothing to read: no column, or no row of numbers.")
     return {
-        column.name: _column(sheet, place, column, gaps and column.name != "time")
+        column.name: _read_column(sheet, place, column, gaps and column.name != "time")
         for place, column in wanted
     }
 
 
-def _column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[float]:
+def _read_column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[float]:
     """One column in SI, with NaN for missing samples if there may be such `gaps`."""
     cells = [row[place] for row in sheet.rows]
     if gaps:
         rows = [i for i, cell in enumerate(cells) if not is_gap(cell)]
-        known = _column(sheet.part(rows), place, column, False) if rows else []
+        known = _read_column(sheet.part(rows), place, column, False) if rows else []
         found = dict(zip(rows, known, strict=True))
         return [found.get(i, math.nan) for i in range(len(cells))]
     parse = sheet.parser(column)
     try:
         numbers = list(map(parse, cells))
     except ValueError:
-        index = next(i for i, cell in enumerate(cells) if not parses(parse, cell))
+        index = next(i for i, cell in enumerate(cells) if not can_parse(parse, cell))
         cell = cells[index].strip()
         sentence = f"`{cell}` is not a number." if cell else "the cell is empty."
         raise sheet.fault(index, column, sentence) from None
@@ -159,7 +159,7 @@ def _column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[float]
     return [units.to_si(number, column.spelling, column.unit) for number in numbers]
 
 
-def _readable(sheet: Sheet, headings: list[Column], gaps: bool) -> list[int]:
+def _find_readable(sheet: Sheet, headings: list[Column], gaps: bool) -> list[int]:
     """Indices of the rows that can be read and do not repeat the time of the one before."""
     wanted = [
         (p, _or_gap(sheet.parser(c)) if gaps and c.name != "time" else sheet.parser(c))
@@ -170,7 +170,7 @@ def _readable(sheet: Sheet, headings: list[Column], gaps: bool) -> list[int]:
     kept: list[int] = []
     before: float | None = None
     for index, row in enumerate(sheet.rows):
-        if len(row) != len(headings) or not all(reads(f, row[place]) for place, f in wanted):
+        if len(row) != len(headings) or not all(can_read(f, row[place]) for place, f in wanted):
             continue
         time = None if clock is None else sheet.parser(headings[clock])(row[clock])
         if time is None or time != before:

@@ -15,7 +15,7 @@ from typing import Any
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import import_modules
-from martensite.scenario.catalogue import registries
+from martensite.scenario.catalogue import list_registries
 from martensite.simulate.provenance import keep_record
 from martensite.testing.examples import label_part, list_variants
 
@@ -121,7 +121,7 @@ def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
     Raises:
         InputError: there is no such part, the file registers none, or it cannot be imported.
     """
-    known = registries(blocks=True)
+    known = list_registries(blocks=True)
     if target.endswith(".py"):
         import_modules([target])
         module = Path(target).stem

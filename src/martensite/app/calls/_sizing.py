@@ -11,7 +11,7 @@ from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.design.sizing.request import WireRequest
-from martensite.scenario.catalogue import described
+from martensite.scenario.catalogue import describe_class
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
 """A request that some wires meet."""
@@ -21,7 +21,7 @@ LONGEST = 200
 def fields() -> list[dict[str, Any]]:
     """Every field of a request: what is declared of it, its default as text, an example."""
     found: list[dict[str, Any]] = []
-    for entry in described("", WireRequest)["parameters"]:
+    for entry in describe_class("", WireRequest)["parameters"]:
         declared = WireRequest.declarations[entry["name"]]
         found.append(
             entry | {

@@ -18,8 +18,8 @@ from martensite.app.drawer import Drawer
 from martensite.app.messages import dumps, wanted
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
-from martensite.scenario.citations import reference
-from martensite.scenario.datasets import describe, is_here
+from martensite.scenario.citations import format_reference
+from martensite.scenario.datasets import describe_dataset, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study
 
 
@@ -39,7 +39,7 @@ def about(study: AbstractStudy) -> dict[str, Any]:
         "name": study.key,
         "title": study.title,
         "guide": [paragraph for paragraph in guide if paragraph],
-        "sources": [reference(key) for key in study.cites],
+        "sources": [format_reference(key) for key in study.cites],
         "figure": study.caption or (inspect.getdoc(type(study).figure) or "").partition("\n")[0],
         "missing": missing(study),
     }
@@ -49,13 +49,17 @@ def missing(study: AbstractStudy) -> list[dict[str, str]]:
     """Data sets of a study that are not on this machine, wholly or in part."""
     absent = [name for name in study.data if not _whole(name)]
     return [
-        {"name": name, "title": describe(name).title, "fetch": f"martensite data fetch {name}"}
+        {
+            "name": name,
+            "title": describe_dataset(name).title,
+            "fetch": f"martensite data fetch {name}",
+        }
         for name in absent
     ]
 
 
 def _whole(name: str) -> bool:
-    return all(is_here(f"{name}/{file}") for file in describe(name).files)
+    return all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
 
 
 def tally(claims: list[dict[str, Any]]) -> dict[str, int]:

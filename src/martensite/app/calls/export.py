@@ -46,11 +46,11 @@ def _csv(scenario: Scenario, result: Result, path: Path) -> None:
 
 
 def _netcdf(scenario: Scenario, result: Result, path: Path) -> None:
-    from martensite.scenario.citations import citations
-    from martensite.scenario.netcdf import save
+    from martensite.scenario.citations import list_citations
+    from martensite.scenario.netcdf import save_result
 
-    cited = citations(scenario, scenario.material)
-    save(result, path, scenario.text, cited, scenario.material)
+    cited = list_citations(scenario, scenario.material)
+    save_result(result, path, scenario.text, cited, scenario.material)
 
 
 WRITERS: dict[str, Callable[[Scenario, Result, Path], None]] = {

@@ -27,7 +27,7 @@ from martensite.app.forms.switched import Switched
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
-from martensite.scenario.catalogue import registries, summary
+from martensite.scenario.catalogue import list_registries, summarise_class
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.scenario import Scenario
 
@@ -109,11 +109,11 @@ def _shown(control: Control) -> Control:
 
 @cache
 def _listed(kind: str, names: tuple[str, ...]) -> list[dict[str, str]]:
-    registry = registries()[kind]
-    return [{"name": name, "summary": summary(registry[name])} for name in names]
+    registry = list_registries()[kind]
+    return [{"name": name, "summary": summarise_class(registry[name])} for name in names]
 
 
 def choices() -> dict[str, list[dict[str, str]]]:
     """Everything that can be chosen, by the word for the entries of its registry."""
-    known = registries().items()
+    known = list_registries().items()
     return {kind: _listed(kind, tuple(registry.names())) for kind, registry in known}

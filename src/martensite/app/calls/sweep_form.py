@@ -21,7 +21,7 @@ from martensite.design.sweep.axes import Target
 from martensite.design.sweep.extras import extra
 from martensite.design.sweep.job import MEASURES as USUAL
 from martensite.design.sweep.subject import targets_of, waveforms_of
-from martensite.scenario.catalogue import summary
+from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
@@ -37,7 +37,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "missing": _missing(),
         "targets": list(_targets(scenario)),
         "designs": [
-            {"name": n, "about": summary(DESIGNS[n])} for n in _grid_first(DESIGNS.names())
+            {"name": n, "about": summarise_class(DESIGNS[n])} for n in _grid_first(DESIGNS.names())
         ],
         "measures": [_measure(name, scenario) for name in MEASURES.names()],
         "outputs": [
@@ -100,7 +100,12 @@ def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
         parse_measure(name).columns(scenario.whole)
     except MartensiteError:
         alone = False
-    return {"name": name, "about": summary(kind), "alone": alone, "usual": _usual(name, kind)}
+    return {
+        "name": name,
+        "about": summarise_class(kind),
+        "alone": alone,
+        "usual": _usual(name, kind),
+    }
 
 
 def _usual(name: str, kind: type[AbstractMeasure]) -> str:

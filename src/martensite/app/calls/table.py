@@ -18,7 +18,7 @@ from martensite.app.identify.raw import Raw, RawColumn, read_raw
 from martensite.app.identify.thin import envelope
 from martensite.app.messages import wanted
 from martensite.app.worker import Desk
-from martensite.scenario.guess import Guess, guesses, usual_units
+from martensite.scenario.guess import Guess, guess_headings, usual_units
 from martensite.scenario.layout import CANONICAL
 
 SMALL = 120
@@ -31,7 +31,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Read the file and describe it."""
     path = Drawer(desk.folder).path(wanted(request, "key", str))
     raw = read_raw(path, wanted(request, "separator", str, "auto"))
-    meant = guesses([c.heading for c in raw.columns], [c.sample for c in raw.columns])
+    meant = guess_headings([c.heading for c in raw.columns], [c.sample for c in raw.columns])
     columns = [_column(c, g) for c, g in zip(raw.columns, meant, strict=True)]
     return {
         "name": raw.name,

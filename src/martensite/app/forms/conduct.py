@@ -38,10 +38,10 @@ def bench_section(scenario: Scenario, walk: Walk) -> Iterator[Control]:
 
 def _chosen(walk: Walk, part: Parametrised, path: str, title: str) -> Control:
     """A part by its name; the kind of a sensor is that of what is mounted."""
-    from martensite.scenario.catalogue import registries
+    from martensite.scenario.catalogue import list_registries
 
     name = path.partition(".")[0].removesuffix("s")
-    return walk.group(part, path, title, "", None if name == "sensor" else registries()[name])
+    return walk.group(part, path, title, "", None if name == "sensor" else list_registries()[name])
 
 
 def _bench_itself(scenario: Scenario, walk: Walk, bench: Bench) -> list[Control]:

@@ -28,9 +28,9 @@ from martensite.control.loop.mounted import Mounted
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material
 from martensite.scenario.bench_tables import MODEL, NAME, PERIOD, REFERENCE
-from martensite.scenario.components import nested
+from martensite.scenario.components import list_nested
 from martensite.scenario.overrides import as_toml
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 
 Unit = Callable[[Leaf], str]
 
@@ -60,7 +60,7 @@ def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched
         if one.missing:
             return one
         try:
-            read(as_toml(one.document), FOLDER / "scenario.toml")
+            read_scenario(as_toml(one.document), FOLDER / "scenario.toml")
         except InputError as error:
             fault = fault or error
         else:
@@ -96,9 +96,9 @@ def _place(scenario: Scenario, path: str) -> Table:
 
 
 def _registry(kind: str) -> Registry[Any]:
-    from martensite.scenario.catalogue import registries
+    from martensite.scenario.catalogue import list_registries
 
-    return registries()[kind]
+    return list_registries()[kind]
 
 
 def _put(
@@ -144,7 +144,7 @@ def _kept(
     fresh: bool,
 ) -> Table:  # fmt: skip
     """Entries of a table that belong to no kind."""
-    inner = [name for name, _ in nested(cls)]
+    inner = [name for name, _ in list_nested(cls)]
     names = {
         "element": ["material"],
         "drive": ["waveform"],

@@ -15,7 +15,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.files import toml_document
 from martensite.physics.electrical.base import SOURCES
 from martensite.scenario.assemble import GROUP, SIGNALS, drive_section, waveform_path
-from martensite.scenario.overrides import as_toml, changed
+from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.recorded import KIND, LOG, NATURAL, from_zero
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
@@ -91,7 +91,7 @@ def following(document: dict[str, Any], path: str, column: str, unit: str) -> di
             )
         above = path.rpartition(".")[0]
         changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
-    found = changed(document, changes)
+    found = change_document(document, changes)
     run = found.get("run")
     if isinstance(run, dict):
         cast("dict[str, Any]", run).pop("duration", None)
@@ -111,7 +111,7 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
         changes[path] = _listed(record, column)
-    document = changed(toml_document(scenario.text), changes)
+    document = change_document(toml_document(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
         cast("dict[str, Any]", run).pop("lead", None)

@@ -13,7 +13,7 @@ from pathlib import Path
 from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.scenario.layout import CLOCK, Column, Layout
 from martensite.scenario.sampled_files import read_arrays
-from martensite.scenario.sheets import SEPARATORS, Sheet, is_gap, is_number, parses, read_sheet
+from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, is_gap, is_number, read_sheet
 
 BINARY = (".mat", ".nc", ".parquet")
 SHOWN = 20
@@ -125,7 +125,7 @@ def _column(sheet: Sheet, place: int, heading: str) -> RawColumn:
     sample = next((cell.strip() for cell in cells if not is_gap(cell)), "")
     parse = sheet.parser(Column("", "1", "1"))
     clock = sheet.parser(Column("time", CLOCK, "s"))
-    if sample and not parses(parse, sample) and parses(clock, sample):
+    if sample and not can_parse(parse, sample) and can_parse(clock, sample):
         parse = clock
     wrong, first_wrong, numbers = 0, "", list[float]()
     for index, cell in enumerate(cells):

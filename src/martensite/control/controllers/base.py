@@ -95,7 +95,7 @@ class AbstractController(AbstractDrive):
         Raises:
             ParameterError: something that it reads is not measured.
         """
-        require(self, measurement)
+        require_readings(self, measurement)
         wanted = self.reference.value(time)
         if memory is None:
             memory = Called(time, self.rest(floats, wanted, measurement))
@@ -104,7 +104,7 @@ class AbstractController(AbstractDrive):
         return signal, Called(time, after)
 
 
-def require(controller: AbstractController, known: Mapping[str, Any]) -> None:
+def require_readings(controller: AbstractController, known: Mapping[str, Any]) -> None:
     """Raise `ParameterError` if a controller reads what is not known."""
     for name in controller.reads():
         if name not in known:

@@ -10,7 +10,7 @@ forward alone.
 from __future__ import annotations
 
 from martensite.base.parameters import Parametrised, param, part
-from martensite.control.controllers.pid import Gains, PidLaw, PidMemory, sampled
+from martensite.control.controllers.pid import Gains, PidLaw, PidMemory, sample_gains
 from martensite.kernels.namespace import Namespace, Scalar
 
 KEPT = len(PidMemory._fields)
@@ -38,7 +38,7 @@ class Correction(Parametrised):
         dt: Scalar,
     ) -> tuple[Scalar, PidMemory]:  # fmt: skip
         """Signal of this sample with a feed-forward within the limits, and the new memory."""
-        gains = sampled(xp, Gains(self.Kp, self.Ki, self.Kd), "in-seconds", dt)
+        gains = sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), "in-seconds", dt)
         left = {"low": self.law.low - feed, "high": self.law.high - feed}
         added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured)
         return feed + added, after

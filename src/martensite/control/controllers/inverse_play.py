@@ -79,7 +79,7 @@ class InversePlay(AbstractController):
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """At rest under the idle signal: all plays there."""
         idle = self.feedback.limited(xp, 0.0)
-        level = idle * _total(self.weights)
+        level = idle * _sum_weights(self.weights)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         return [*correction, *[level] * len(self.thresholds.numbers)]
 
@@ -89,7 +89,7 @@ class InversePlay(AbstractController):
         """Signal of this sample, and what is remembered for the next."""
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
-        first, rows = _inverse(self.thresholds, self.weights)
+        first, rows = _invert_plays(self.thresholds, self.weights)
         after = [
             xp.maximum(level - r, xp.minimum(level + r, q))
             for (r, _), q in zip(rows, plays, strict=True)
@@ -112,7 +112,7 @@ class InversePlay(AbstractController):
         return found
 
 
-def _total(weights: Row) -> Scalar:
+def _sum_weights(weights: Row) -> Scalar:
     """Gain of the sum at rest."""
     total: Scalar = 0.0
     for weight in weights.numbers:
@@ -120,7 +120,7 @@ def _total(weights: Row) -> Scalar:
     return total
 
 
-def _inverse(thresholds: Row, weights: Row) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
+def _invert_plays(thresholds: Row, weights: Row) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
     """b_0, and threshold and weight of every play of the inverse, by Kuhnen's equations."""
     first, *others = weights.numbers
     slope, before, place = first, 0.0, 0.0

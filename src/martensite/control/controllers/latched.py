@@ -102,7 +102,7 @@ class LatchedOnOff(AbstractController):
         )
 
 
-def replayed(
+def replay_controller(
     drive: AbstractDrive, times: Sequence[float], columns: Mapping[str, Sequence[float]]
 ) -> list[float]:
     """Signal that a controller gives at every sample of a record.

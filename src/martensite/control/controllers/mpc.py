@@ -30,11 +30,18 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, require
-from martensite.control.controllers.planning import Limits, Moment, Planner, Price, Search, moved
-from martensite.control.controllers.reach import reach
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
+from martensite.control.controllers.planning import (
+    Limits,
+    Moment,
+    Planner,
+    Price,
+    Search,
+    shift_plan,
+)
+from martensite.control.controllers.reach import measure_reach
 from martensite.control.observers.base import ESTIMATED
-from martensite.control.observers.hidden import names, placed
+from martensite.control.observers.hidden import list_names, place_hidden
 from martensite.kernels import floats
 from martensite.kernels.nested import Shape, flatten_numbers
 from martensite.signals.base import DRIVE, AbstractWaveform
@@ -115,7 +122,7 @@ class Mpc(AbstractController):
         Raises:
             ParameterError: the output does not exist, or full signal does not move it.
         """
-        found = reach(model, _known(model, output or measured), 0.0, high)
+        found = measure_reach(model, _find_output(model, output or measured), 0.0, high)
         return cls(
             model=model, measured=measured, output=output, reference=reference, period=period,
             horizon=max(found.up + found.down, period), high=high, price=price,
@@ -129,7 +136,7 @@ class Mpc(AbstractController):
                 f"The model of a predictive controller must have one drive, but has "
                 f"{len(self.model.drives())}."
             )
-        _known(self.model, self.followed)
+        _find_output(self.model, self.followed)
         if not self.low < self.high:
             raise ParameterError(
                 f"The least signal must be below the largest one, but they are {self.low:g} and "
@@ -147,7 +154,7 @@ class Mpc(AbstractController):
 
     def cautions(self) -> list[str]:
         """Whether the horizon ends before full signal moves anything."""
-        start = reach(self.model, self.followed, self.low, self.high).start
+        start = measure_reach(self.model, self.followed, self.low, self.high).start
         if self.horizon >= start:
             return []
         return [
@@ -168,7 +175,7 @@ class Mpc(AbstractController):
 
     def reads(self) -> tuple[str, ...]:
         """Names of all readings it needs."""
-        hidden = [ESTIMATED + name for name in names(self.model)]
+        hidden = [ESTIMATED + name for name in list_names(self.model)]
         return (self.measured, *hidden) if self.state == "observer" else (self.measured,)
 
     def init(self) -> Planned:
@@ -190,13 +197,13 @@ class Mpc(AbstractController):
         Raises:
             ParameterError: something that it reads is not measured.
         """
-        require(self, measurement)
+        require_readings(self, measurement)
         known = self._gone_on(memory, measurement)
         known = self._corrected(known, measurement)
         turns, dt = self._steps(self.horizon / self.blocks)
         ahead = time + dt * np.arange(1, self.blocks * turns + 1)
         wanted = np.array([self.reference.value(t) for t in ahead.tolist()]) - known.offset
-        guess = moved(known.plan, self.period * self.blocks / self.horizon)
+        guess = shift_plan(known.plan, self.period * self.blocks / self.horizon)
         rng = np.random.default_rng((self.search.seed, known.count))
         moment = Moment(known.state, known.signal, wanted)
         plan, cost = known.planner.best(moment, guess, dt, rng)
@@ -220,7 +227,7 @@ class Mpc(AbstractController):
         """A state with what an observer says of it."""
         at = [measurement[name] for name in self.reads()[1:]]
         nested = memory.shape.rebuild(state[:, 0].tolist())
-        found = placed(floats, self.model, nested, at, [memory.signal])
+        found = place_hidden(floats, self.model, nested, at, [memory.signal])
         return np.array(flatten_numbers(found))[:, None]
 
     def _corrected(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
@@ -237,7 +244,7 @@ class Mpc(AbstractController):
         return turns, length / turns
 
 
-def _known(model: AbstractSystem, output: str) -> str:
+def _find_output(model: AbstractSystem, output: str) -> str:
     """An output of a model; raises `ParameterError` if there is none."""
     if output not in model.outputs():
         raise ParameterError(

@@ -121,7 +121,7 @@ GAINS_ARE = "per-sample", "in-seconds"
 """What the integral and the derivative gain of a controller may be given for."""
 
 
-def sampled(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
+def sample_gains(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
     """Gains per sample, of gains of a kind; the first sample, dt = 0, has nothing to integrate.
 
     Args:
@@ -153,7 +153,7 @@ class PidGains(Parametrised):
 
     def gains(self, xp: Namespace, dt: Scalar) -> Gains:
         """All gains per sample."""
-        return sampled(xp, Gains(self.Kp, self.Ki, self.Kd), self.gains_are, dt)
+        return sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), self.gains_are, dt)
 
 
 @CONTROLLERS.register("pid")

@@ -166,14 +166,14 @@ class Planner:
         """Power and excess, mean over the horizon."""
         price, found = self.price, np.zeros(rows.shape[2])
         if price.energy > 0.0:
-            found += price.energy * _mean(rows, self.powers)
+            found += price.energy * _average_rows(rows, self.powers)
         bounds = (price.hottest, KELVIN, self.temperatures), (
             price.strongest, MEGAPASCAL, self.stresses,
         )  # fmt: skip
         for bound, unit, which in bounds:
             if math.isfinite(bound):
                 over = np.maximum(rows[:, which] - bound, 0.0) / unit
-                found += price.excess * _mean(over * over)
+                found += price.excess * _average_rows(over * over)
         return found
 
     def _full(self, kinds: Sequence[Numbers]) -> Numbers:
@@ -198,12 +198,12 @@ class Planner:
         """Plans around one, within the limits, shape (blocks, plans)."""
         each = -(-self.search.plans // len(KEPT))
         numbers = rng.standard_normal((len(KEPT), len(centre), each))
-        drawn = np.hstack(list(_filters(len(centre)) @ numbers))
+        drawn = np.hstack(list(_build_filters(len(centre)) @ numbers))
         return np.clip(centre[:, None] + spread[:, None] * drawn, *self.limits)
 
 
 @cache
-def _filters(blocks: int) -> Numbers:
+def _build_filters(blocks: int) -> Numbers:
     """What makes numbers correlated from block to block, shape (kinds, blocks, blocks)."""
     apart = np.subtract.outer(np.arange(blocks), np.arange(blocks))
     found = []
@@ -214,13 +214,13 @@ def _filters(blocks: int) -> Numbers:
     return np.array(found)
 
 
-def _mean(rows: Numbers, which: Sequence[int] = ()) -> Numbers:
+def _average_rows(rows: Numbers, which: Sequence[int] = ()) -> Numbers:
     """Mean over steps of the sum over some outputs."""
     chosen = rows[:, which] if which else rows
     return np.mean(np.sum(chosen, axis=1), axis=0)
 
 
-def moved(plan: Numbers, share: float) -> Numbers:
+def shift_plan(plan: Numbers, share: float) -> Numbers:
     """A plan as it looks a share of a block later; its last signal stays."""
     while share > 1.0:
         plan, share = np.append(plan[1:], plan[-1]), share - 1.0

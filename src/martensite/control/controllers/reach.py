@@ -29,7 +29,7 @@ class Reach(NamedTuple):
     """From nine tenths of it, until no signal has left half."""
 
 
-def reach(system: AbstractSystem, output: str, low: float, high: float) -> Reach:
+def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> Reach:
     """How long full signal and none need.
 
     Args:
@@ -46,18 +46,22 @@ def reach(system: AbstractSystem, output: str, low: float, high: float) -> Reach
     lanes.reset(low)
     index = lanes.names.index(output)
     rest = float(lanes.observe(low)[index, 0])
-    up = _settled(lanes, high, dt, index, rest)
+    up = _settle_output(lanes, high, dt, index, rest)
     top = float(up[-1])
     if not np.isfinite(top) or abs(top - rest) <= 1e-12 * max(abs(rest), 1e-9):
         raise ParameterError(f"The signal {high:g} does not move `{output}` of the model.")
     share = (up - rest) / (top - rest)
     lanes.reset(low)
-    lanes.advance(np.full((_first(share >= MOST), 1, 1), high), dt)
-    down = (_settled(lanes, low, dt, index, top) - rest) / (top - rest)
-    return Reach(dt * _first(share >= BEGUN), dt * _first(share >= HALF), dt * _first(down <= HALF))
+    lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
+    down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
+    return Reach(
+        dt * _count_until(share >= BEGUN),
+        dt * _count_until(share >= HALF),
+        dt * _count_until(down <= HALF),
+    )
 
 
-def _settled(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
+def _settle_output(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
     """An output under one signal until it hardly changes."""
     found = np.array([before])
     steps = FIRST
@@ -71,6 +75,6 @@ def _settled(lanes: Lanes, signal: float, dt: float, index: int, before: float) 
     return found[1:]
 
 
-def _first(flags: NDArray[np.bool_]) -> int:
+def _count_until(flags: NDArray[np.bool_]) -> int:
     """After how many steps flags are up for the first time; all of them, if never."""
     return 1 + int(np.argmax(flags)) if np.any(flags) else len(flags)

@@ -22,7 +22,7 @@ class Row(Parametrised):
         for place, (name, value) in enumerate(numbers.items(), 1):
             if name != f"n{place}":
                 raise ParameterError(f"Number {place} of a row is `n{place}`, not `{name}`.")
-            self.__dict__[name] = _number(place).convert("row", name, value)
+            self.__dict__[name] = _convert_number(place).convert("row", name, value)
 
     @classmethod
     def of(cls, numbers: Sequence[float]) -> Self:
@@ -32,7 +32,7 @@ class Row(Parametrised):
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
         """One parameter per number."""
-        return {name: _number(place) for place, name in enumerate(self.__dict__, 1)}
+        return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
 
     def layout(self) -> tuple[int, ...]:
         """How many there are."""
@@ -44,7 +44,7 @@ class Row(Parametrised):
         return tuple(self.__dict__.values())
 
 
-def _number(place: int) -> Declared:
+def _convert_number(place: int) -> Declared:
     return Declared("parameter", f"number {place} of a row", REQUIRED)
 
 

@@ -23,7 +23,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part, text
 from martensite.base.units import LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
-from martensite.control.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, sampled
+from martensite.control.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, sample_gains
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.levels import HIGH
 
@@ -118,7 +118,7 @@ class ScheduledPid(AbstractController):
         kept = xp.where(reference < before.reference, -1.0, before.direction)
         direction = xp.where(reference > before.reference, 1.0, kept)
         at = readings[self.over] if self.over else reference
-        gains = sampled(xp, self._gains(xp, at, direction), self.gains_are, dt)
+        gains = sample_gains(xp, self._gains(xp, at, direction), self.gains_are, dt)
         value, held = readings[self.measured], PidMemory(*before[:3])
         signal, after = self.law.answer(xp, gains, held, reference, value)
         return signal, ScheduledMemory(*after, reference, direction)

@@ -91,7 +91,7 @@ class SlidingMode(AbstractController):
     ) -> tuple[Scalar, SlidingMemory]:
         """Signal of this sample, and what is remembered for the next."""
         before, error = SlidingMemory(*memory), reference - readings[self.measured]
-        rate = lagged(xp, before.rate, error - before.error, self.filter, dt)
+        rate = lag_rate(xp, before.rate, error - before.error, self.filter, dt)
         integral = before.integral + error * dt
         part = self._switched(xp, self._surface(error, rate, integral) / self.layer)
         wanted = self._equivalent(before.mean, reference) + self.gain * part
@@ -100,7 +100,7 @@ class SlidingMode(AbstractController):
         over = xp.both(wanted > self.high, pushed > 0.0)
         under = xp.both(wanted < self.low, pushed < 0.0)
         kept = xp.where(xp.either(over, under), before.integral, integral)
-        mean = lagged(xp, before.mean, signal * dt, self.lag, dt)
+        mean = lag_rate(xp, before.mean, signal * dt, self.lag, dt)
         return signal, SlidingMemory(error, rate, kept, mean)
 
     def _surface(self, error: Scalar, rate: Scalar, integral: Scalar) -> Scalar:
@@ -120,7 +120,7 @@ class SlidingMode(AbstractController):
         )
 
 
-def lagged(xp: Namespace, before: Scalar, change: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
+def lag_rate(xp: Namespace, before: Scalar, change: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
     """What changes by `change` in `dt`, behind a lag: its rate, by the implicit rule.
 
     d = (τ d₋ + Δ)/(τ + dt), and d₋ where dt = 0; with Δ = u dt it is u itself behind the lag.

@@ -6,7 +6,7 @@ from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES
 from martensite.control.faults.base import FAULTS, AbstractFault
-from martensite.control.faults.plant import changed
+from martensite.control.faults.plant import change_plant
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 
@@ -30,4 +30,4 @@ class AmbientStep(AbstractFault):
         def warmer(one: Actuator) -> dict[str, Scalar]:
             return {"environment.temperature": one.environment.temperature + more}
 
-        return changed(plant, self.drive, warmer)
+        return change_plant(plant, self.drive, warmer)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.parameters import param, part, text
 from martensite.control.faults.base import FAULTS, AbstractFault
-from martensite.control.faults.plant import changed
+from martensite.control.faults.plant import change_plant
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
 
@@ -45,4 +45,4 @@ class Draught(AbstractFault):
             times = Multiplied(cooling=one.environment.cooling, factor=1.0)
             return {"environment.cooling": times.rebuilt({"factor": factor})}
 
-        return changed(plant, self.drive, blown)
+        return change_plant(plant, self.drive, blown)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.parameters import param, part, text
 from martensite.control.faults.base import FAULTS, AbstractFault
-from martensite.control.faults.plant import changed
+from martensite.control.faults.plant import change_plant
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource
 
@@ -54,4 +54,4 @@ class OpenCircuit(AbstractFault):
             behind = Interrupted(source=one.source, contact=1.0)
             return {"source": behind.rebuilt({"contact": contact})}
 
-        return changed(plant, self.drive, opened)
+        return change_plant(plant, self.drive, opened)

@@ -13,7 +13,7 @@ Change = Callable[[Actuator], Mapping[str, Any]]
 """An actuator -> what is exchanged in it, by path, such as `source.supply`."""
 
 
-def changed(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem:
+def change_plant(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem:
     """A twin of a plant with the actuator of one drive changed, or with all of them.
 
     Args:
@@ -30,7 +30,7 @@ def changed(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem
             f"A fault of an actuator needs the drive of one, not `{drive}`. "
             f"{suggest_name(drive, at)}"
         )
-    places = {id(one): prefix for prefix, one in _placed(plant, "")}
+    places = {id(one): prefix for prefix, one in _list_placed(plant, "")}
     found: dict[str, Any] = {}
     for name, one in at.items():
         if drive in ("", name):
@@ -39,8 +39,8 @@ def changed(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem
     return plant.rebuilt(found)
 
 
-def _placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
+def _list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
     """Everything in a tree, with its path."""
     yield prefix, part
     for name, child in part.children():
-        yield from _placed(child, f"{prefix}{name}.")
+        yield from _list_placed(child, f"{prefix}{name}.")

@@ -11,7 +11,7 @@ from __future__ import annotations
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.parameters import param, text
 from martensite.control.faults.base import FAULTS, AbstractFault
-from martensite.control.faults.plant import changed
+from martensite.control.faults.plant import change_plant
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 
@@ -34,4 +34,4 @@ class SupplySag(AbstractFault):
             source = one.source
             return {f"source.{n}": source.value_of(n) * left for n in source.supplied_by}
 
-        return changed(plant, self.drive, sagged)
+        return change_plant(plant, self.drive, sagged)

@@ -96,11 +96,11 @@ class Bench(AbstractSystem, init=False):
 
     def drives(self) -> list[Drive]:
         """References, drives of the plant that are free, noise and jitter."""
-        return names.drives(self)
+        return names.list_drives(self)
 
     def outputs(self) -> dict[str, Output]:
         """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
-        return names.outputs(self)
+        return names.list_outputs(self)
 
     def profile(self, state: BenchState) -> list[Column]:
         """Nothing: that of the plant is not kept."""
@@ -111,14 +111,14 @@ class Bench(AbstractSystem, init=False):
     def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
         """The plant at rest under no signal of a controller; readings are those of rest."""
         given = period.sorted_inputs(self, drives)
-        idle = period.idle(self, given)
-        plant = period.faulty(self, xp, 0.0)
+        idle = period.collect_idle(self, given)
+        plant = period.apply_faults(self, xp, 0.0)
         state = plant.init(xp, *idle.values())
-        known = period.truth(self, xp, plant, state, idle)
+        known = period.collect_truth(self, xp, plant, state, idle)
         rows = zip(self.sensors.members().values(), given.numbers, self.layout()[1:], strict=True)
         sensors = tuple(one.rest(xp, known, noise, kept) for one, (noise, _), kept in rows)
-        known = period.readings(self, sensors, known)
-        observers, controllers, held, _ = period.begun(self, xp, known, given)
+        known = period.collect_readings(self, sensors, known)
+        observers, controllers, held, _ = period.begin_loop(self, xp, known, given)
         return BenchState(0.0, state, sensors, observers, controllers, held)
 
     def step(
@@ -126,26 +126,29 @@ class Bench(AbstractSystem, init=False):
     ) -> tuple[BenchState, Report]:
         """One period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
-        allowed = period.verdict(self, xp, state, given)
-        signals = period.arriving(self, xp, state.time, allowed.signals)
-        plant, pieces = period.faulty(self, xp, state.time), period.pieces(self, xp, signals)
+        allowed = period.apply_supervisor(self, xp, state, given)
+        signals = period.deliver_signals(self, xp, state.time, allowed.signals)
+        plant, pieces = (
+            period.apply_faults(self, xp, state.time),
+            period.split_period(self, xp, signals),
+        )
         after, report = advanced(xp, plant, state.plant, pieces, self.turns)
         time = state.time + self.period
-        known = period.truth(self, xp, period.faulty(self, xp, time), after, signals)
-        sensors = period.sensed(self, xp, state.sensors, known, given, time)
-        known = period.readings(self, sensors, known)
-        observers = period.watched(self, xp, state.observers, known, allowed.signals)
-        known |= period.estimates(self, observers)
-        controllers = period.answered(self, xp, state.controllers, known, given)
+        known = period.collect_truth(self, xp, period.apply_faults(self, xp, time), after, signals)
+        sensors = period.update_sensors(self, xp, state.sensors, known, given, time)
+        known = period.collect_readings(self, sensors, known)
+        observers = period.update_observers(self, xp, state.observers, known, allowed.signals)
+        known |= period.collect_estimates(self, observers)
+        controllers = period.update_controllers(self, xp, state.controllers, known, given)
         memory = tuple(allowed.memory)
         return BenchState(time, after, sensors, observers, controllers, memory), report
 
     def observe(self, xp: Namespace, state: BenchState, *drives: Scalar) -> list[Scalar]:
         """Everything, at a sample."""
         given = period.sorted_inputs(self, drives)
-        allowed = period.verdict(self, xp, state, given)
-        signals = period.arriving(self, xp, state.time, allowed.signals)
-        plant = period.faulty(self, xp, state.time)
+        allowed = period.apply_supervisor(self, xp, state, given)
+        signals = period.deliver_signals(self, xp, state.time, allowed.signals)
+        plant = period.apply_faults(self, xp, state.time)
         seen = plant.observe(xp, state.plant, *signals.values())
         readings = [one.reading for one in state.sensors]
         guesses = [value for one in state.observers for value in one.estimates]

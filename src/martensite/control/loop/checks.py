@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.control.controllers.base import require
-from martensite.control.loop.names import readings as known_readings
-from martensite.control.loop.names import truths
+from martensite.control.controllers.base import require_readings
+from martensite.control.loop.names import list_readings as known_readings
+from martensite.control.loop.names import list_truths
 from martensite.physics.electrical.base import AbstractSwitch
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def check_bench(bench: Bench) -> None:
     """Raise `ParameterError` for the first name of a bench that is not known where it is used."""
-    known, drives = truths(bench), [drive.name for drive in bench.plant.drives()]
+    known, drives = list_truths(bench), [drive.name for drive in bench.plant.drives()]
     for name, mounted in bench.sensors.members().items():
         for seen in mounted.sees():
             if seen not in known:
@@ -38,16 +38,16 @@ def _check_readings(bench: Bench) -> None:
     readings = known_readings(bench)
     _check_estimates(bench)
     for name, observer in bench.observers.members().items():
-        _require(f"Observer `{name}`", observer.reads(), readings)
+        _require_names(f"Observer `{name}`", observer.reads(), readings)
     for controller in bench.controllers.members().values():
-        require(controller, readings)
+        require_readings(controller, readings)
         if not controller.kernel:
             raise ParameterError(
                 f"Controller `{controller.registered_name}` is no kernel: run it as a drive of a "
                 f"bench without controllers."
             )
     if bench.supervisor is not None:
-        _require("The supervisor", bench.supervisor.reads(), readings)
+        _require_names("The supervisor", bench.supervisor.reads(), readings)
         drives = [drive.name for drive in bench.plant.drives()]
         for name in bench.supervisor.drives():
             if name not in drives:
@@ -70,7 +70,7 @@ def _check_estimates(bench: Bench) -> None:
             found[name] = title
 
 
-def _require(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:
+def _require_names(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:
     for name in names:
         if name not in readings:
             raise ParameterError(

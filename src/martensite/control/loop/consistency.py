@@ -56,11 +56,11 @@ class Consistency:
 
     def band(self, share: float = 0.95) -> tuple[float, float]:
         """Where the mean NEES of a sample over the runs lies, with that probability."""
-        return _band(self.degrees, self.runs, share)
+        return _compute_band(self.degrees, self.runs, share)
 
     def nis_band(self, share: float = 0.95) -> tuple[float, float]:
         """The same for the NIS."""
-        return _band(self.readings, self.runs, share)
+        return _compute_band(self.readings, self.runs, share)
 
     def inside(self, share: float = 0.95) -> float:
         """Share of samples whose mean NEES lies in its band; `share` if all is well."""
@@ -69,7 +69,7 @@ class Consistency:
         return float(np.mean((mean >= low) & (mean <= high)))
 
 
-def consistency(
+def check_consistency(
     bench: Bench, duration: float, *, observer: str | None = None, runs: int = 50, seed: int = 0,
     waveforms: Mapping[str, AbstractWaveform] | None = None,
 ) -> Consistency:  # fmt: skip
@@ -86,9 +86,9 @@ def consistency(
     Raises:
         InputError: there is no filter of that name.
     """
-    chosen, unknown = _filter(bench, observer), hidden.names(bench.plant)
+    chosen, unknown = _find_filter(bench, observer), hidden.list_names(bench.plant)
     found = [
-        _judged(
+        _judge_run(
             simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown
         )
         for k in range(runs)
@@ -100,16 +100,16 @@ def consistency(
     return Consistency(times, nees, nis, len(unknown), len(chosen.reads()), errors)
 
 
-def _judged(run: Result, unknown: list[str]) -> tuple[Numbers, Numbers, dict[str, Numbers]]:
+def _judge_run(run: Result, unknown: list[str]) -> tuple[Numbers, Numbers, dict[str, Numbers]]:
     """NEES, NIS and errors of a run, without its start at rest."""
     columns = {name: np.asarray(column)[1:] for name, column in run.columns.items()}
     error = {name: columns[ESTIMATED + name] - columns[name] for name in unknown}
     e = np.stack([error[name] for name in unknown], axis=-1)
-    sized = np.linalg.solve(_covariance(columns, unknown), e[..., None])[..., 0]
+    sized = np.linalg.solve(_collect_covariance(columns, unknown), e[..., None])[..., 0]
     return np.sum(e * sized, axis=-1), columns[f"{ESTIMATED}nis"], error
 
 
-def _filter(bench: Bench, name: str | None) -> AbstractFilter:
+def _find_filter(bench: Bench, name: str | None) -> AbstractFilter:
     members = bench.observers.members()
     found = {n: one for n, one in members.items() if isinstance(one, AbstractFilter)}
     chosen = name or (next(iter(found)) if len(found) == 1 else "")
@@ -118,7 +118,7 @@ def _filter(bench: Bench, name: str | None) -> AbstractFilter:
     return found[chosen]
 
 
-def _covariance(columns: Mapping[str, Any], unknown: list[str]) -> Numbers:
+def _collect_covariance(columns: Mapping[str, Any], unknown: list[str]) -> Numbers:
     """P of every sample, (samples, n, n)."""
     size = [np.maximum(columns[f"{ESTIMATED}{name}_std"], CERTAIN) for name in unknown]
     rows = [[a * b for b in size] for a in size]
@@ -129,7 +129,7 @@ def _covariance(columns: Mapping[str, Any], unknown: list[str]) -> Numbers:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def _band(degrees: int, runs: int, share: float) -> tuple[float, float]:
+def _compute_band(degrees: int, runs: int, share: float) -> tuple[float, float]:
     from scipy.stats import chi2
 
     ends = chi2.ppf([0.5 - 0.5 * share, 0.5 + 0.5 * share], degrees * runs) / runs

@@ -104,11 +104,11 @@ class Mounted(Parametrised):
         travel = xp.where(fresh, travel, before.travels[0])
         past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
         travels = (travel, *before.travels[:-1])
-        reading, age = _arrived(xp, past, ages, travels, period)
+        reading, age = _find_arrived(xp, past, ages, travels, period)
         return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
 
 
-def _arrived(
+def _find_arrived(
     xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The newest reading that has arrived, and its age [s]; the oldest one has."""

@@ -19,7 +19,7 @@ AGE = ".age"
 AMBIENT = "ambient"
 
 
-def references(bench: Bench) -> list[str]:
+def list_references(bench: Bench) -> list[str]:
     """Names of the references, in the order of the controllers."""
     names = list(bench.controllers.members())
     return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
@@ -35,10 +35,10 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
     return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
 
 
-def drives(bench: Bench) -> list[Drive]:
+def list_drives(bench: Bench) -> list[Drive]:
     """References, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
-    rows = zip(references(bench), reference_units(bench), strict=True)
+    rows = zip(list_references(bench), reference_units(bench), strict=True)
     followed = [Drive(name, unit, False, True) for name, unit in rows]
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     numbers = [
@@ -51,24 +51,24 @@ def drives(bench: Bench) -> list[Drive]:
 
 def reference_units(bench: Bench) -> list[str]:
     """SI units of the references, in the order of the controllers."""
-    known = {name: output.unit for name, output in readings(bench).items()}
+    known = {name: output.unit for name, output in list_readings(bench).items()}
     signals = {drive.name: drive.unit for drive in bench.plant.drives()}
     members = bench.controllers.members().items()
     return [one.reference_unit(known, signals[name]) for name, one in members]
 
 
-def readings(bench: Bench) -> dict[str, Output]:
+def list_readings(bench: Bench) -> dict[str, Output]:
     """What controllers may read: readings and estimates, and the age of readings."""
     found = {
-        name: Output(_unit(bench, one), f"reading of {name}", f"y_{name}")
+        name: Output(_find_unit(bench, one), f"reading of {name}", f"y_{name}")
         for name, one in bench.sensors.members().items()
     }
     found = found or dict(bench.plant.outputs())
     ages = {name + AGE: Output("s", f"age of {name}", "t") for name in found}
-    return found | estimates(bench) | ages
+    return found | list_estimates(bench) | ages
 
 
-def estimates(bench: Bench) -> dict[str, Output]:
+def list_estimates(bench: Bench) -> dict[str, Output]:
     """What observers estimate."""
     return {
         ESTIMATED + name: output._replace(long_name=f"estimated {output.long_name}")
@@ -77,14 +77,14 @@ def estimates(bench: Bench) -> dict[str, Output]:
     }
 
 
-def outputs(bench: Bench) -> dict[str, Output]:
+def list_outputs(bench: Bench) -> dict[str, Output]:
     """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
-    known = readings(bench)
+    known = list_readings(bench)
     measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
-    found = bench.plant.outputs() | measured | estimates(bench)
+    found = bench.plant.outputs() | measured | list_estimates(bench)
     signals = {drive.name: drive.unit for drive in bench.plant.drives()}
     members = bench.controllers.members().items()
-    rows = zip(references(bench), reference_units(bench), members, strict=True)
+    rows = zip(list_references(bench), reference_units(bench), members, strict=True)
     for name, unit, (drive, one) in rows:
         found[name] = reference_output(unit, one.measured or drive)
         found[wanted_name(name)] = wanted_output(signals[drive], drive)
@@ -108,7 +108,7 @@ def wanted_name(reference: str) -> str:
     return WANTED + reference.removeprefix(REFERENCE)
 
 
-def truths(bench: Bench) -> dict[str, Output]:
+def list_truths(bench: Bench) -> dict[str, Output]:
     """What sensors may look at: outputs of the plant, and the surroundings."""
     found = dict(bench.plant.outputs())
     for port in bench.plant.actuators():
@@ -117,8 +117,8 @@ def truths(bench: Bench) -> dict[str, Output]:
     return found
 
 
-def _unit(bench: Bench, mounted: Mounted) -> str:
+def _find_unit(bench: Bench, mounted: Mounted) -> str:
     """Unit of the readings of a sensor: its own, or that of what it looks at."""
     if mounted.sensor.unit is not None:
         return mounted.sensor.unit
-    return truths(bench)[mounted.sees()[0]].unit
+    return list_truths(bench)[mounted.sees()[0]].unit

@@ -32,29 +32,33 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     return Inputs(references, free, numbers)
 
 
-def verdict(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
+def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
     """Signals by drive of the plant, as the supervisor lets them pass."""
-    ordered, known = wanted(bench, state.controllers, given), Named()
+    ordered, known = collect_wanted(bench, state.controllers, given), Named()
     if bench.supervisor is not None:
         if not state.sensors:
-            known = truth(bench, xp, faulty(bench, xp, state.time), state.plant, ordered)
-        known = readings(bench, state.sensors, known) | estimates(bench, state.observers)
-    return judged(bench, xp, state.supervisor, ordered, known)
+            known = collect_truth(
+                bench, xp, apply_faults(bench, xp, state.time), state.plant, ordered
+            )
+        known = collect_readings(bench, state.sensors, known) | collect_estimates(
+            bench, state.observers
+        )
+    return judge_signals(bench, xp, state.supervisor, ordered, known)
 
 
-def wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Named:
+def collect_wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Named:
     """Signals of controllers and those that no controller has, in the order of the drives."""
     taken = zip(bench.controllers.members(), controllers, strict=True)
     found = given.free | {name: held.wanted for name, held in taken}
     return {drive.name: found[drive.name] for drive in bench.plant.drives()}
 
 
-def idle(bench: Bench, given: Inputs) -> Named:
+def collect_idle(bench: Bench, given: Inputs) -> Named:
     """Signals before anything is controlled, in the order of the drives."""
     return {drive.name: given.free.get(drive.name, 0.0) for drive in bench.plant.drives()}
 
 
-def judged(
+def judge_signals(
     bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Named, known: Named
 ) -> Verdict:
     """What the supervisor makes of signals; without one they pass."""
@@ -63,13 +67,16 @@ def judged(
     return bench.supervisor.judge(xp, memory, signals, known, bench.period)
 
 
-def begun(
+def begin_loop(
     bench: Bench, xp: Namespace, known: Named, given: Inputs
 ) -> tuple[tuple[Watching, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
     """Observers, controllers and supervisor in the first sample, and all that is read there."""
-    first = [one.rest(xp, known, idle(bench, given)) for one in bench.observers.members().values()]
+    first = [
+        one.rest(xp, known, collect_idle(bench, given))
+        for one in bench.observers.members().values()
+    ]
     observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
-    known = known | estimates(bench, observers)
+    known = known | collect_estimates(bench, observers)
     rows = zip(bench.controllers.members().values(), given.references, strict=True)
     found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
     controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
@@ -77,7 +84,7 @@ def begun(
     return observers, controllers, held, known
 
 
-def faulty(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
+def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
     """The plant as it is at a time [s]."""
     plant = bench.plant
     for fault in bench.faults.members().values():
@@ -85,7 +92,7 @@ def faulty(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
     return plant
 
 
-def arriving(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Named:
+def deliver_signals(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Named:
     """Signals as they arrive at the sources."""
     found = dict(signals)
     for fault in bench.faults.members().values():
@@ -94,18 +101,21 @@ def arriving(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Nam
     return found
 
 
-def pieces(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
+def split_period(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
     """Signals and lengths of what is repeated in a period."""
     length = bench.period / bench.turns
     if bench.switching == "averaged":
         return [(list(signals.values()), length)]
-    ((duty, share),) = _switched(bench, xp, signals)
-    on, off = closed(xp, duty, share), xp.where(share < 1.0, 0.0, closed(xp, duty, share))
+    ((duty, share),) = _switch_signals(bench, xp, signals)
+    on, off = (
+        close_switch(xp, duty, share),
+        xp.where(share < 1.0, 0.0, close_switch(xp, duty, share)),
+    )
     share = xp.clip(share, SLIGHT, 1.0 - SLIGHT)
     return [([on], share * length), ([off], (1.0 - share) * length)]
 
 
-def _switched(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scalar, Scalar]]:
+def _switch_signals(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scalar, Scalar]]:
     """Signal of every switch, and the share of the time for which it is closed."""
     sources = [one.source for one in bench.plant.actuators().values()]
     frequency = bench.turns / bench.period
@@ -113,25 +123,25 @@ def _switched(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scala
     return [(u, one.share(xp, u, frequency)) for one, u in rows if isinstance(one, AbstractSwitch)]
 
 
-def closed(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
+def close_switch(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
     """The signal of a switch in its pulse: 1, or -1 for a negative duty; 0 if none comes."""
     return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
 
 
-def truth(
+def collect_truth(
     bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals
 ) -> Named:
     """What sensors may look at; electrical outputs are those while the switch is closed."""
     applied = list(signals.values())
     if bench.switching == "pulses":
-        applied = [closed(xp, u, share) for u, share in _switched(bench, xp, signals)]
+        applied = [close_switch(xp, u, share) for u, share in _switch_signals(bench, xp, signals)]
     found: Named = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
     for port, one in plant.actuators().items():
         found[plant.label(port, AMBIENT)] = one.environment.temperature
     return found
 
 
-def sensed(
+def update_sensors(
     bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Named, given: Inputs, time: Scalar
 ) -> tuple[Sensed, ...]:
     """All sensors a period later."""
@@ -144,7 +154,7 @@ def sensed(
     )
 
 
-def watched(
+def update_observers(
     bench: Bench, xp: Namespace, before: Sequence[Watching], known: Named, signals: Named
 ) -> tuple[Watching, ...]:
     """All observers a period later."""
@@ -155,7 +165,7 @@ def watched(
     return tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in found)
 
 
-def answered(
+def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Named, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
@@ -164,7 +174,7 @@ def answered(
     return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
 
 
-def readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
+def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
     """What controllers may read: readings with their ages, or without sensors the truth."""
     found: Named = {}
     for name, held in zip(bench.sensors.members(), sensors, strict=True):
@@ -172,7 +182,7 @@ def readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
     return found or {**known, **dict.fromkeys((name + AGE for name in known), 0.0)}
 
 
-def estimates(bench: Bench, observers: Sequence[Watching]) -> Named:
+def collect_estimates(bench: Bench, observers: Sequence[Watching]) -> Named:
     """Estimates by name."""
     rows = zip(bench.observers.members().values(), observers, strict=True)
     return {

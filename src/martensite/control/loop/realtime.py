@@ -19,7 +19,7 @@ from martensite.base.parameters import values_at
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE
-from martensite.control.loop.realtime_program import Loop, Native, Plain, reads, trace
+from martensite.control.loop.realtime_program import Loop, Native, Plain, list_reads, trace_loop
 from martensite.kernels.c99 import find_compiler
 
 
@@ -34,13 +34,13 @@ class RealtimeStep:
             native: whether to run in C; by default if there is a compiler.
         """
         self.bench, self.count = bench, 0
-        self.readings = reads(bench)
+        self.readings = list_reads(bench)
         """Names of the readings that it needs, in the order of an array of them."""
         self.drives: tuple[str, ...] = tuple(drive.name for drive in bench.plant.drives())
         """Names of the signals that it gives, in their order."""
         self.free = tuple(n for n in self.drives if n not in bench.controllers.members())
         """Names of the signals that no controller has."""
-        traced = trace(bench)
+        traced = trace_loop(bench)
         in_c = find_compiler() is not None if native is None else native
         made = Native if in_c else Plain
         self._engine: Any = made(traced, values_at(bench, traced.paths))
@@ -105,4 +105,4 @@ class RealtimeStep:
     @property
     def estimates(self) -> dict[str, float]:
         """What the observers said in the last step, by name."""
-        return period.estimates(self.bench, self.state.observers)
+        return period.collect_estimates(self.bench, self.state.observers)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from martensite.base.parameters import Keyed
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, references
+from martensite.control.loop.names import AGE, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Named, Watching
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99 import c_source, load_library
@@ -43,7 +43,7 @@ class Loop(NamedTuple):
     """Of all drives of the plant, as the supervisor lets them pass."""
 
 
-def reads(bench: Bench) -> tuple[str, ...]:
+def list_reads(bench: Bench) -> tuple[str, ...]:
     """Names of the readings that the parts of a bench need from sensors."""
     parts: list[Any] = [
         *bench.observers.members().values(), *bench.controllers.members().values(),
@@ -57,31 +57,33 @@ def reads(bench: Bench) -> tuple[str, ...]:
 # ---------------------------------------------------------------- kernels
 
 
-def _begun(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
+def _begin_sample(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
     """The first sample, as at the start of a bench."""
-    observers, controllers, held, known = period.begun(bench, xp, known, given)
-    return _judged(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
+    observers, controllers, held, known = period.begin_loop(bench, xp, known, given)
+    return _judge_sample(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
 
 
-def _continued(bench: Bench, xp: Namespace, before: Loop, known: Named, given: Inputs) -> Loop:
+def _continue_sample(
+    bench: Bench, xp: Namespace, before: Loop, known: Named, given: Inputs
+) -> Loop:
     """Another sample, a period after the one before."""
-    signals = dict(zip(_drives(bench), before.signals, strict=True))
-    observers = period.watched(bench, xp, before.observers, known, signals)
-    known = known | period.estimates(bench, observers)
-    controllers = period.answered(bench, xp, before.controllers, known, given)
+    signals = dict(zip(_list_drives(bench), before.signals, strict=True))
+    observers = period.update_observers(bench, xp, before.observers, known, signals)
+    known = known | period.collect_estimates(bench, observers)
+    controllers = period.update_controllers(bench, xp, before.controllers, known, given)
     after = before._replace(observers=observers, controllers=controllers)
-    return _judged(bench, xp, after, known, given)
+    return _judge_sample(bench, xp, after, known, given)
 
 
-def _judged(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
+def _judge_sample(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
     """With the signals that the supervisor lets pass."""
-    ordered = period.wanted(bench, loop.controllers, given)
-    said = period.judged(bench, xp, loop.supervisor, ordered, known)
+    ordered = period.collect_wanted(bench, loop.controllers, given)
+    said = period.judge_signals(bench, xp, loop.supervisor, ordered, known)
     signals = tuple(said.signals[name] for name in ordered)
     return loop._replace(supervisor=tuple(said.memory), alarm=said.alarm, signals=signals)
 
 
-def _drives(bench: Bench) -> list[str]:
+def _list_drives(bench: Bench) -> list[str]:
     return [drive.name for drive in bench.plant.drives()]
 
 
@@ -102,19 +104,22 @@ class Traced:
     """Readings, their ages, references, signals that no controller has."""
 
 
-def trace(bench: Bench) -> Traced:
+def trace_loop(bench: Bench) -> Traced:
     """Trace the loop of a bench, or return that of an earlier one of the same structure."""
-    return _traced(Keyed(bench))
+    return _trace_keyed(Keyed(bench))
 
 
 @cache_answers(32)
-def _traced(keyed: Keyed[Bench]) -> Traced:
+def _trace_keyed(keyed: Keyed[Bench]) -> Traced:
     """Kernels of a first and of another sample as a program over flat states."""
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
-    names, free = reads(bench), [n for n in _drives(bench) if n not in bench.controllers.members()]
-    signals = [*names, *(name + AGE for name in names), *references(bench), *free]
+    names, free = (
+        list_reads(bench),
+        [n for n in _list_drives(bench) if n not in bench.controllers.members()],
+    )
+    signals = [*names, *(name + AGE for name in names), *list_references(bench), *free]
     labels = [f"i{i}" for i in range(len(signals))]
     found: list[Shape] = []
 
@@ -125,13 +130,13 @@ def _traced(keyed: Keyed[Bench]) -> Traced:
         return known, Inputs(tuple(numbers[split:end]), others, ())
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
-        loop = _begun(bench, xp, *sorted_out(numbers))
+        loop = _begin_sample(bench, xp, *sorted_out(numbers))
         found.append(Shape(loop))
         return flatten_numbers(loop)
 
     def step(xp: Any, *numbers: Any) -> list[Any]:
         before = found[0].rebuild(numbers[:size])
-        return flatten_numbers(_continued(bench, xp, before, *sorted_out(numbers[size:])))
+        return flatten_numbers(_continue_sample(bench, xp, before, *sorted_out(numbers[size:])))
 
     program.add("begin", labels, begin)
     size = len(flatten_numbers(found[0].example))
@@ -144,7 +149,7 @@ class Native:
 
     def __init__(self, traced: Traced, values: Sequence[float]) -> None:
         self.size, number = traced.size, ctypes.c_double
-        library, constants = _library(traced)
+        library, constants = _load_library(traced)
         self.c, self.x = (number * constants)(), (number * (traced.size + traced.inputs))()
         self.y = (number * traced.size)()
         library.prepare((number * max(1, len(values)))(*values), self.c)
@@ -181,7 +186,7 @@ class Plain:
 
 
 @cache_answers(32)
-def _library(traced: Traced) -> tuple[Any, int]:
+def _load_library(traced: Traced) -> tuple[Any, int]:
     program = traced.program
     source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
     return load_library(source), max(1, len(program.hoisted))

@@ -22,11 +22,11 @@ from martensite.control.loop.names import (
     JITTER,
     MEASURED,
     NOISE,
-    drives,
+    list_drives,
+    list_readings,
+    list_references,
     outside_references,
-    readings,
     reference_output,
-    references,
     wanted_name,
     wanted_output,
 )
@@ -82,7 +82,7 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
     Nobody answers at the end: the last signal is held.
     """
-    units = {name: output.unit for name, output in readings(bench).items()}
+    units = {name: output.unit for name, output in list_readings(bench).items()}
     signals = {drive.name: drive.unit for drive in bench.drives()}
     columns, beside = dict(result.columns), dict(result.beside)
     for drive, name in outside_references(bench, outside).items():
@@ -99,7 +99,7 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
     """What the controllers of a bench shall follow, by the name of the drive."""
     followed = bench.controllers.members().values()
-    return {name: one.reference for name, one in zip(references(bench), followed, strict=True)}
+    return {name: one.reference for name, one in zip(list_references(bench), followed, strict=True)}
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:
@@ -108,7 +108,7 @@ def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str
         return {}
     rng = np.random.default_rng(seed)
     count = int(duration / bench.period + 1e-6) + 2
-    names = [drive.name for drive in drives(bench)]
+    names = [drive.name for drive in list_drives(bench)]
     return {
         name: Held(values=tuple(rng.standard_normal(count).tolist()), frequency=1.0 / bench.period)
         for name in names
@@ -116,7 +116,7 @@ def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str
     }
 
 
-def opened(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
+def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
     """A bench without the controller of a drive, and that controller."""
     members = bench.controllers.members()
     controller = members.pop(drive)
@@ -136,10 +136,10 @@ class Seeing(AbstractDrive):
         self, time: float, measurement: Mapping[str, float], memory: Any
     ) -> tuple[float, Any]:
         """Its signal at `time` [s] and its new memory."""
-        return self.drive(time, seen(measurement), memory)
+        return self.drive(time, select_visible(measurement), memory)
 
 
-def seen(measurement: Mapping[str, float]) -> dict[str, float]:
+def select_visible(measurement: Mapping[str, float]) -> dict[str, float]:
     """Readings and estimates among the outputs of a bench; without any, all of them."""
     found = {n.removeprefix(MEASURED): v for n, v in measurement.items() if n.startswith(MEASURED)}
     if not found:

@@ -35,51 +35,51 @@ class Reading(NamedTuple):
     """1 if it counts, else 0."""
 
 
-def packed(matrix: Matrix) -> list[Scalar]:
+def pack_matrix(matrix: Matrix) -> list[Scalar]:
     """The lower triangle of a symmetric matrix, row by row."""
     return [x for i, row in enumerate(matrix) for x in row[: i + 1]]
 
 
-def unpacked(numbers: Sequence[Scalar]) -> Matrix:
+def unpack_matrix(numbers: Sequence[Scalar]) -> Matrix:
     """The symmetric matrix of a lower triangle."""
     size = int((2 * len(numbers)) ** 0.5)
     start = [k * (k + 1) // 2 for k in range(size)]
     return [[numbers[start[max(i, j)] + min(i, j)] for j in range(size)] for i in range(size)]
 
 
-def diagonal(numbers: Sequence[Scalar]) -> Matrix:
+def build_diagonal(numbers: Sequence[Scalar]) -> Matrix:
     """A diagonal matrix."""
     return [[x if i == j else 0.0 for j in range(len(numbers))] for i, x in enumerate(numbers)]
 
 
-def spread(rows: Matrix, matrix: Matrix) -> Matrix:
+def propagate_covariance(rows: Matrix, matrix: Matrix) -> Matrix:
     """J C Jᵀ of a symmetric matrix."""
-    half = [[_inner(row, column) for column in matrix] for row in rows]
-    below = [[_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
-    return unpacked(packed(below))
+    half = [[_multiply_inner(row, column) for column in matrix] for row in rows]
+    below = [[_multiply_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
+    return unpack_matrix(pack_matrix(below))
 
 
-def plus(a: Matrix, b: Matrix) -> Matrix:
+def add_matrices(a: Matrix, b: Matrix) -> Matrix:
     """Sum of two matrices."""
     return [[x + y for x, y in zip(r, s, strict=True)] for r, s in zip(a, b, strict=True)]
 
 
-def factor(xp: Namespace, matrix: Matrix) -> Matrix:
+def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
     """L with L Lᵀ = C, lower; a column of zeros where nothing is left unknown."""
     size = len(matrix)
     found: Matrix = [[0.0] * size for _ in range(size)]
     for k in range(size):
-        left = matrix[k][k] - _inner(found[k][:k], found[k][:k])
+        left = matrix[k][k] - _multiply_inner(found[k][:k], found[k][:k])
         some = left > LEAST
         root = xp.sqrt(xp.where(some, left, 1.0))
         found[k][k] = xp.where(some, root, 0.0)
         for i in range(k + 1, size):
-            rest = matrix[i][k] - _inner(found[i][:k], found[k][:k])
+            rest = matrix[i][k] - _multiply_inner(found[i][:k], found[k][:k])
             found[i][k] = xp.where(some, rest / root, 0.0)
     return found
 
 
-def conditioned(
+def condition_on_readings(
     xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[Reading]
 ) -> tuple[list[Scalar], Matrix, Scalar]:
     """Unknowns and covariance after readings, and their NIS."""
@@ -96,10 +96,10 @@ def conditioned(
             [xp.store(c - g * b) for c, b in zip(row, matrix[i], strict=True)]
             for row, g in zip(matrix, gain, strict=True)
         ]
-    return found, unpacked(packed(matrix)), nis
+    return found, unpack_matrix(pack_matrix(matrix)), nis
 
 
-def put(
+def put_unknown(
     xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar
 ) -> list[Scalar]:
     """Unknowns of which one is put at a value; the others follow as they are correlated."""
@@ -111,7 +111,7 @@ def put(
     return found
 
 
-def _inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+def _multiply_inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     result: Scalar = 0.0
     for x, y in zip(a, b, strict=True):
         result = result + x * y

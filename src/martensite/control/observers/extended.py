@@ -36,22 +36,22 @@ class ExtendedKalman(AbstractFilter):
         flat, slopes = self._moved(xp, before, going)
         state = Shape(before.state).rebuild(flat)
         mean, rows = self._seen(xp, before, flat, slopes, going)
-        matrix = covariance.spread(rows, before.covariance)
+        matrix = covariance.propagate_covariance(rows, before.covariance)
         added = self.disturbed(xp, state, drift, going)
-        return Forecast(state, mean, covariance.plus(matrix, added))
+        return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
     def _moved(self, xp: Namespace, before: Believed, going: Going) -> tuple[list[Scalar], Columns]:
         """The flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = Shape(before.state), self.unknowns()
         model = self.believed(before.drift)
-        at = [*hidden.values(xp, model, before.state, going.signals), *before.drift]
+        at = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
         size = len(flatten_numbers(before.state))
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
             model = self.believed(x[unknown:])
             return flatten_numbers(
-                hidden.placed(dual, model, before.state, x[:unknown], going.signals)
+                hidden.place_hidden(dual, model, before.state, x[:unknown], going.signals)
             )
 
         def turn(*numbers: Any) -> list[Any]:
@@ -59,18 +59,18 @@ class ExtendedKalman(AbstractFilter):
             after = list(flat)
             for k in range(count):
                 dual: Any = DualNamespace(xp)
-                model = self.believed(_seeded(dual, at, k)[unknown:])
+                model = self.believed(_seed_dual(dual, at, k)[unknown:])
                 slopes = numbers[size * (k + 1) : size * (k + 2)]
                 now = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, slopes, strict=True)])
                 then, _ = model.step(dual, now, *going.signals, dt=going.step)
-                after, tangents = _apart(dual, flatten_numbers(then))
+                after, tangents = _separate_dual(dual, flatten_numbers(then))
                 columns += tangents
             return [*after, *columns]
 
         begin = list(flatten_numbers(before.state))
         for k in range(count):
             dual: Any = DualNamespace(xp)
-            begin += _apart(dual, start(dual, _seeded(dual, at, k)))[1]
+            begin += _separate_dual(dual, start(dual, _seed_dual(dual, at, k)))[1]
         found = turn(*begin) if going.turns == 1 else xp.repeat(going.turns, turn, *begin)
         columns = [list(found[size * (k + 1) : size * (k + 2)]) for k in range(count)]
         return list(found[:size]), columns
@@ -88,17 +88,17 @@ class ExtendedKalman(AbstractFilter):
             if k >= unknown:
                 drift[k - unknown] = dual.pair(drift[k - unknown], 1.0)
             state = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, tangents, strict=True)])
-            mean, column = _apart(dual, self.told(dual, state, drift, going.signals))
+            mean, column = _separate_dual(dual, self.told(dual, state, drift, going.signals))
             columns.append(column)
         return mean, [list(row) for row in zip(*columns, strict=True)]
 
 
-def _seeded(dual: Any, at: Sequence[Any], k: int) -> list[Any]:
+def _seed_dual(dual: Any, at: Sequence[Any], k: int) -> list[Any]:
     """Numbers of which one is the variable."""
     return [dual.pair(x, 1.0) if i == k else x for i, x in enumerate(at)]
 
 
-def _apart(dual: Any, numbers: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+def _separate_dual(dual: Any, numbers: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """Values and slopes."""
     pairs = [dual.parts(x) for x in numbers]
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]

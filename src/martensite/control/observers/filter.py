@@ -33,7 +33,7 @@ from martensite.base.units import DEGREES, DIFFERENCE, of_reading
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import AbstractObserver, Column, Named
 from martensite.control.observers.covariance import Matrix, Reading
-from martensite.control.observers.going import Going, required, several
+from martensite.control.observers.going import Going, list_required, list_several
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import Shape, flatten_numbers
@@ -106,7 +106,7 @@ class AbstractFilter(AbstractObserver):
     def check(self) -> None:
         """Raise `ParameterError` unless the model can be gone along with and all names are its."""
         known = list(self.model.outputs())
-        for name in (*self.reads(), *several(self.wanted)):
+        for name in (*self.reads(), *list_several(self.wanted)):
             if name not in known:
                 raise ParameterError(
                     f"Observer `{self.registered_name}`: its model has no output `{name}`. "
@@ -117,34 +117,34 @@ class AbstractFilter(AbstractObserver):
                 raise ParameterError(
                     f"Parameter `{path}` cannot drift: it is 0, and drifts by a factor."
                 )
-        self.__dict__["_example"] = hidden.example(self.model)
+        self.__dict__["_example"] = hidden.build_example(self.model)
 
     def reads(self) -> tuple[str, ...]:
         """Readings that it uses."""
-        return several(self.measured)
+        return list_several(self.measured)
 
     def shown(self) -> list[str]:
         """Outputs of the model that are estimated beside what is hidden."""
         own = [self.model.label(port, "strain") for port in self.model.actuators()]
-        chosen = several(self.wanted) or (*self.model.mechanism.outputs(), *own)
-        unknown = hidden.names(self.model)
+        chosen = list_several(self.wanted) or (*self.model.mechanism.outputs(), *own)
+        unknown = hidden.list_names(self.model)
         return [name for name in dict.fromkeys((*chosen, *self.reads())) if name not in unknown]
 
     def estimates(self) -> dict[str, Output]:
         """Values, standard deviations, correlations, and the NIS."""
         known = self.model.outputs()
         leaves = {leaf.path: leaf.declared for leaf in self.model.leaves()}
-        found = {name: known[name] for name in hidden.names(self.model)}
+        found = {name: known[name] for name in hidden.list_names(self.model)}
         found |= {p: Output(leaves[p].unit, leaves[p].doc, p) for p in self._paths()}
         core = list(found)
         found |= {name: known[name] for name in self.shown()}
-        found |= {f"{name}_std": _deviation(output) for name, output in list(found.items())}
-        for a, b in _pairs(core):
+        found |= {f"{name}_std": _find_deviation(output) for name, output in list(found.items())}
+        for a, b in _list_pairs(core):
             found[f"{CORRELATION}.{a}.{b}"] = Output("1", f"correlation of {a} and {b}", "ρ")
         return found | {"nis": Output("1", "normalised innovation squared", "NIS")}
 
     def _paths(self) -> list[str]:
-        return [self.model.resolve(name) for name in several(self.drifting)]
+        return [self.model.resolve(name) for name in list_several(self.drifting)]
 
     # ---------------------------------------------------------------- kernels
 
@@ -154,31 +154,40 @@ class AbstractFilter(AbstractObserver):
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest under the signals, as sure as the first deviations say."""
-        applied = required(self, signals)
+        applied = list_required(self, signals)
         state = self.model.init(xp, *applied)
         drift = (1.0,) * len(self._paths())
         first = [self.first_temperature, self.first_fraction] * len(self.model.actuators())
         first += [self.first_drift] * len(drift)
-        matrix = covariance.diagonal([x * x for x in first])
+        matrix = covariance.build_diagonal([x * x for x in first])
         mean, slopes = self.outlook(xp, state, drift, applied)
-        return self._told(xp, Forecast(state, mean, covariance.spread(slopes, matrix)), 0.0)
+        return self._told(
+            xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0
+        )
 
     def update(
-        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar,
+        self,
+        xp: Namespace,
+        memory: Column,
+        readings: Named,
+        signals: Named,
+        dt: Scalar,
         turns: int,
-    ) -> tuple[Column, Column]:  # fmt: skip
+    ) -> tuple[Column, Column]:
         """Estimates after the readings of this sample, and what is believed."""
-        going = Going(required(self, signals), dt, turns)
+        going = Going(list_required(self, signals), dt, turns)
         expected = self.forecast(xp, self._recalled(memory), going)
         rows = self._readings(xp, expected.mean, readings, dt)
-        mean, matrix, nis = covariance.conditioned(xp, expected.mean, expected.covariance, rows)
+        mean, matrix, nis = covariance.condition_on_readings(
+            xp, expected.mean, expected.covariance, rows
+        )
         for i in range(1, 2 * len(self.model.actuators()), 2):
-            mean = covariance.put(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
-        unknown, count = len(hidden.names(self.model)), self.unknowns()
+            mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
+        unknown, count = len(hidden.list_names(self.model)), self.unknowns()
         mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
         model = self.believed(mean[unknown:count])
         at = mean[:unknown]
-        state = hidden.placed(xp, model, expected.state, at, going.signals)
+        state = hidden.place_hidden(xp, model, expected.state, at, going.signals)
         return self._told(xp, Forecast(state, mean, matrix), nis)
 
     def _readings(
@@ -195,11 +204,11 @@ class AbstractFilter(AbstractObserver):
         return found
 
     def _rows(self) -> list[str]:
-        return [*hidden.names(self.model), *self._paths(), *self.shown()]
+        return [*hidden.list_names(self.model), *self._paths(), *self.shown()]
 
     def unknowns(self) -> int:
         """Number of hidden values and of drifting parameters."""
-        return len(hidden.names(self.model)) + len(self._paths())
+        return len(hidden.list_names(self.model)) + len(self._paths())
 
     def believed(self, drift: Sequence[Scalar]) -> Any:
         """The model with drifting parameters at factors of their values."""
@@ -210,20 +219,20 @@ class AbstractFilter(AbstractObserver):
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
-        found = hidden.seen(xp, self.believed(drift), state, signals)
-        unknown = [found[name] for name in hidden.names(self.model)]
+        found = hidden.observe_model(xp, self.believed(drift), state, signals)
+        unknown = [found[name] for name in hidden.list_names(self.model)]
         return [*unknown, *drift, *(found[name] for name in self.shown())]
 
     def outlook(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> tuple[list[Scalar], Matrix]:
         """The same, and its slopes with respect to hidden values and factors."""
-        at = hidden.values(xp, self.believed(drift), state, signals)
+        at = hidden.read_hidden(xp, self.believed(drift), state, signals)
         count = len(at)
 
         def from_unknowns(xp: Namespace, x: Sequence[Scalar]) -> Sequence[Scalar]:
             model = self.believed(x[count:])
-            there = hidden.placed(xp, model, state, x[:count], signals)
+            there = hidden.place_hidden(xp, model, state, x[:count], signals)
             return [*x, *self.told(xp, there, x[count:], signals)[len(x) :]]
 
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
@@ -235,7 +244,9 @@ class AbstractFilter(AbstractObserver):
         walks = [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
         walks += [self.drift_noise] * len(drift)
         _, slopes = self.outlook(xp, state, drift, going.signals)
-        return covariance.spread(slopes, covariance.diagonal([w * w * going.dt for w in walks]))
+        return covariance.propagate_covariance(
+            slopes, covariance.build_diagonal([w * w * going.dt for w in walks])
+        )
 
     # ---------------------------------------------------------------- memory
 
@@ -243,32 +254,32 @@ class AbstractFilter(AbstractObserver):
         shape = Shape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
         drift = size + len(self._paths())
-        matrix = covariance.unpacked(memory[drift:])
+        matrix = covariance.unpack_matrix(memory[drift:])
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
     def _told(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
         """Estimates and memory."""
         state, mean, matrix = found
-        unknown, count = len(hidden.names(self.model)), self.unknowns()
+        unknown, count = len(hidden.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]
         sizes = [self.model.value_of(path) for path in self._paths()]
         scale = [*[1.0] * unknown, *sizes, *[1.0] * len(self.shown())]
         deviations = [xp.sqrt(matrix[i][i]) for i in range(len(mean))]
         estimates = [x * s for x, s in zip(mean, scale, strict=True)]
         estimates += [x * xp.abs(s) for x, s in zip(deviations, scale, strict=True)]
-        for i, j in _pairs(range(count)):
+        for i, j in _list_pairs(range(count)):
             both = deviations[i] * deviations[j]
             some = both > 0.0
             estimates.append(xp.where(some, matrix[i][j] / xp.where(some, both, 1.0), 0.0))
         left = [row[:count] for row in matrix[:count]]
-        memory = [*flatten_numbers(state), *drift, *covariance.packed(left)]
+        memory = [*flatten_numbers(state), *drift, *covariance.pack_matrix(left)]
         return [*estimates, nis], memory
 
 
-def _pairs(items: Sequence[Any]) -> list[tuple[Any, Any]]:
+def _list_pairs(items: Sequence[Any]) -> list[tuple[Any, Any]]:
     return [(a, b) for i, a in enumerate(items) for b in items[i + 1 :]]
 
 
-def _deviation(output: Output) -> Output:
+def _find_deviation(output: Output) -> Output:
     unit = of_reading(DIFFERENCE, output.unit)
     return Output(unit, f"standard deviation of {output.long_name}", f"s_{output.symbol}")

@@ -26,7 +26,7 @@ class Going(NamedTuple):
         return self.dt / self.turns
 
 
-def required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
+def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
     """Signals of the model of an observer, in their order.
 
     Raises:
@@ -41,6 +41,6 @@ def required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
     return [signals[drive.name] for drive in observer.model.drives()]
 
 
-def several(names: str | tuple[str, ...]) -> tuple[str, ...]:
+def list_several(names: str | tuple[str, ...]) -> tuple[str, ...]:
     """Names of one, or of several."""
     return (names,) if isinstance(names, str) else names

@@ -29,7 +29,7 @@ REST = 300.0
 """A temperature to begin with where a source sets it [K]."""
 
 
-def example(model: AbstractSystem) -> State:
+def build_example(model: AbstractSystem) -> State:
     """A state of a model: the shape of all of them.
 
     Raises:
@@ -48,41 +48,41 @@ def example(model: AbstractSystem) -> State:
         )
     signals = [REST if drive.unit == "K" else 0.0 for drive in model.drives()]
     state = model.init(floats, *signals)
-    placed(floats, model, state, values(floats, model, state, signals), signals)
+    place_hidden(floats, model, state, read_hidden(floats, model, state, signals), signals)
     return state
 
 
-def names(model: AbstractSystem) -> list[str]:
+def list_names(model: AbstractSystem) -> list[str]:
     """Names of all that is hidden."""
     return [model.label(port, name) for port in model.actuators() for name in HIDDEN]
 
 
-def seen(
+def observe_model(
     xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
 ) -> dict[str, Scalar]:
     """Outputs of a model by name."""
     return dict(zip(model.outputs(), model.observe(xp, state, *signals), strict=True))
 
 
-def values(
+def read_hidden(
     xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
 ) -> list[Scalar]:
     """What is hidden in a state."""
-    found = seen(xp, model, state, signals)
-    return [found[name] for name in names(model)]
+    found = observe_model(xp, model, state, signals)
+    return [found[name] for name in list_names(model)]
 
 
-def placed(
+def place_hidden(
     xp: Namespace, model: AbstractSystem, state: State, at: Sequence[Scalar],
     signals: Sequence[Scalar],
 ) -> State:  # fmt: skip
     """The state with other hidden values, under forces at which everything fits."""
     for _ in range(2):
-        found = seen(xp, model, state, signals)
+        found = observe_model(xp, model, state, signals)
         rows = zip(model.actuators().items(), state.elements, at[::2], at[1::2], strict=True)
         elements = [
             one.element.in_state(
-                xp, element, _fractions(xp, model, port, found, fraction), temperature,
+                xp, element, _scale_fractions(xp, model, port, found, fraction), temperature,
                 found[model.label(port, "force")],
             )
             for (port, one), element, temperature, fraction in rows
@@ -91,12 +91,12 @@ def placed(
     return state
 
 
-def legal(xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+def limit_fractions(xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
     """Hidden values with fractions in [0, 1]."""
     return [xp.clip(x, 0.0, 1.0) if k % 2 else x for k, x in enumerate(at)]
 
 
-def _fractions(
+def _scale_fractions(
     xp: Namespace, model: AbstractSystem, port: str, found: Mapping[str, Scalar], fraction: Scalar
 ) -> Fractions:
     """Phase state of a port at another martensite fraction, oriented in proportion."""

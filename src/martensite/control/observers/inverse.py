@@ -23,7 +23,7 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.control.observers import hidden
 from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named
-from martensite.control.observers.going import required, several
+from martensite.control.observers.going import list_required, list_several
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
@@ -47,13 +47,13 @@ class InverseModel(AbstractObserver):
     def check(self) -> None:
         """Raise `ParameterError` unless the model has one element and a resistance."""
         known = list(self.model.outputs())
-        for name in (self.measured, *several(self.wanted)):
+        for name in (self.measured, *list_several(self.wanted)):
             if name not in known:
                 raise ParameterError(
                     f"Observer `inverse-model`: its model has no output `{name}`. "
                     f"{suggest_name(name, known)}"
                 )
-        self.__dict__["_example"] = hidden.example(self.model)
+        self.__dict__["_example"] = hidden.build_example(self.model)
         if len(self.model.actuators()) != 1:
             raise ParameterError(
                 f"Observer `inverse-model` is for one element, but its model has "
@@ -72,24 +72,33 @@ class InverseModel(AbstractObserver):
 
     def _shown(self) -> list[str]:
         (port,) = self.model.actuators()
-        own = (*hidden.names(self.model), *self.model.mechanism.outputs())
-        chosen = several(self.wanted) or (*own, self.model.label(port, "strain"), self.measured)
+        own = (*hidden.list_names(self.model), *self.model.mechanism.outputs())
+        chosen = list_several(self.wanted) or (
+            *own,
+            self.model.label(port, "strain"),
+            self.measured,
+        )
         return list(dict.fromkeys(chosen))
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest."""
-        applied = required(self, signals)
+        applied = list_required(self, signals)
         return self._told(xp, self.model.init(xp, *applied), applied)
 
     def update(
-        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar,
+        self,
+        xp: Namespace,
+        memory: Column,
+        readings: Named,
+        signals: Named,
+        dt: Scalar,
         turns: int,
-    ) -> tuple[Column, Column]:  # fmt: skip
+    ) -> tuple[Column, Column]:
         """Estimates at the root, and the state of the model there."""
-        applied = required(self, signals)
+        applied = list_required(self, signals)
         before = Shape(self.__dict__["_example"]).rebuild(memory)
         state, _ = advanced(xp, self.model, before, [(applied, dt / turns)], turns)
-        temperature, expected = hidden.values(xp, self.model, state, applied)
+        temperature, expected = hidden.read_hidden(xp, self.model, state, applied)
 
         def ohms(xp: Namespace, fraction: Scalar) -> Scalar:
             return self._ohms(xp, state, (temperature, fraction), applied)
@@ -109,18 +118,18 @@ class InverseModel(AbstractObserver):
         fresh = readings[f"{self.measured}.age"] <= 1e-9 * dt
         share = xp.where(fresh, dt / (self.lag + dt), 0.0)
         fraction = xp.clip(expected + share * (root - expected), 0.0, 1.0)
-        there = hidden.placed(xp, self.model, state, (temperature, fraction), applied)
+        there = hidden.place_hidden(xp, self.model, state, (temperature, fraction), applied)
         return self._told(xp, there, applied)
 
     def _ohms(self, xp: Namespace, state: Any, at: Column, signals: Column) -> Scalar:
         """Resistance [ohm] of a state put elsewhere."""
-        there = hidden.placed(xp, self.model, state, at, signals)
-        return hidden.seen(xp, self.model, there, signals)[self.measured]
+        there = hidden.place_hidden(xp, self.model, state, at, signals)
+        return hidden.observe_model(xp, self.model, there, signals)[self.measured]
 
     def _told(self, xp: Namespace, state: Any, signals: Column) -> tuple[Column, Column]:
         """Estimates and memory."""
-        found = hidden.seen(xp, self.model, state, signals)
-        temperature, fraction = (found[name] for name in hidden.names(self.model))
+        found = hidden.observe_model(xp, self.model, state, signals)
+        temperature, fraction = (found[name] for name in hidden.list_names(self.model))
 
         def ohms(xp: Namespace, fraction: Scalar) -> Scalar:
             return self._ohms(xp, state, (temperature, fraction), signals)

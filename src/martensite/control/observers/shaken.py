@@ -34,7 +34,7 @@ class Shaken(AbstractSystem):
 
     def check(self) -> None:
         """Raise `ParameterError` if its elements have no single temperature."""
-        hidden.example(self.plant)
+        hidden.build_example(self.plant)
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
@@ -47,7 +47,7 @@ class Shaken(AbstractSystem):
 
     def drives(self) -> list[Drive]:
         """Those of the plant, then the numbers."""
-        own = [Drive(NOISE + name, "1", False) for name in hidden.names(self.plant)]
+        own = [Drive(NOISE + name, "1", False) for name in hidden.list_names(self.plant)]
         return [*self.plant.drives(), *own]
 
     def label(self, port: str, name: str) -> str:
@@ -80,9 +80,11 @@ class Shaken(AbstractSystem):
         after, report = self.plant.step(xp, state, *signals, dt=dt)
         share = dt / xp.sqrt(self.held)
         sizes = [self.temperature_noise, self.fraction_noise] * len(self.plant.actuators())
-        at = hidden.values(xp, self.plant, after, signals)
+        at = hidden.read_hidden(xp, self.plant, after, signals)
         moved = [x + q * n * share for x, q, n in zip(at, sizes, numbers, strict=True)]
-        return hidden.placed(xp, self.plant, after, hidden.legal(xp, moved), signals), report
+        return hidden.place_hidden(
+            xp, self.plant, after, hidden.limit_fractions(xp, moved), signals
+        ), report
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """What is seen of the plant."""

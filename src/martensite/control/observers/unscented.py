@@ -45,13 +45,13 @@ class UnscentedKalman(AbstractFilter):
         size = len(flatten_numbers(before.state))
         state = Shape(before.state).rebuild(rows[0][:size])
         added = self.disturbed(xp, state, before.drift, going)
-        return Forecast(state, mean, covariance.plus(matrix, added))
+        return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
     def points(self, xp: Namespace, before: Believed, going: Going) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
         model = self.believed(before.drift)
-        middle = [*hidden.values(xp, model, before.state, going.signals), *before.drift]
-        root, far = covariance.factor(xp, before.covariance), xp.sqrt(self._square())
+        middle = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
+        root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
         found = [middle]
         for k in range(len(middle)):
             way = [far * row[k] for row in root]
@@ -59,7 +59,7 @@ class UnscentedKalman(AbstractFilter):
             found.append([x - d for x, d in zip(middle, way, strict=True)])
         count = len(middle) - len(before.drift)
         return [
-            [*hidden.legal(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
+            [*hidden.limit_fractions(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
             for x in found
         ]
 
@@ -71,7 +71,7 @@ class UnscentedKalman(AbstractFilter):
 
         def begin(*x: Scalar) -> list[Scalar]:
             model = self.believed(x[unknown:])
-            state = hidden.placed(xp, model, before.state, x[:unknown], going.signals)
+            state = hidden.place_hidden(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
@@ -80,13 +80,13 @@ class UnscentedKalman(AbstractFilter):
             return [*flatten_numbers(then), *row[size:]]
 
         def turn(*numbers: Scalar) -> list[Scalar]:
-            columns = _cut(numbers, len(points))
+            columns = _cut_columns(numbers, len(points))
             return [x for column in xp.each(step, *columns) for x in column]
 
         columns = xp.each(begin, *zip(*points, strict=True))
         flat = [x for column in columns for x in column]
         found = turn(*flat) if going.turns == 1 else xp.repeat(going.turns, turn, *flat)
-        return [list(row) for row in zip(*_cut(found, len(points)), strict=True)]
+        return [list(row) for row in zip(*_cut_columns(found, len(points)), strict=True)]
 
     def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: Going) -> Matrix:
         """Hidden values, factors and outputs of every point."""
@@ -113,13 +113,13 @@ class UnscentedKalman(AbstractFilter):
             return sum_column([w * x * y for w, x, y in zip(weights, a, b, strict=True)])
 
         below = [product(off[i], off[j]) for i in range(len(off)) for j in range(i + 1)]
-        return mean, covariance.unpacked(below)
+        return mean, covariance.unpack_matrix(below)
 
     def _square(self) -> Scalar:
         """s²."""
         return self.alpha * self.alpha * float(max(GAUSSIAN, self.unknowns()))
 
 
-def _cut(numbers: Sequence[Scalar], count: int) -> list[Sequence[Scalar]]:
+def _cut_columns(numbers: Sequence[Scalar], count: int) -> list[Sequence[Scalar]]:
     """Columns of so many numbers."""
     return [numbers[k : k + count] for k in range(0, len(numbers), count)]

@@ -110,7 +110,7 @@ class Probe:
         return value
 
 
-def readings(
+def simulate_readings(
     sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator
 ) -> Numbers:
     """What a sensor says of a whole record, from rest.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from martensite.base.parameters import param
 from martensite.control.sensors.base import AbstractSensor, Column
-from martensite.control.sensors.lag import followed
+from martensite.control.sensors.lag import follow_lag
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -32,7 +32,7 @@ class AbstractChannel(AbstractSensor):
         self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
     ) -> tuple[Scalar, Column]:
         """What is felt, through the curve, with offset and noise."""
-        felt = followed(xp, state[0], truth[0], self.lag, dt)
+        felt = follow_lag(xp, state[0], truth[0], self.lag, dt)
         return self.curve(xp, felt) + self.offset + self.noise * noise, (felt,)
 
     def curve(self, xp: Namespace, felt: Scalar) -> Scalar:

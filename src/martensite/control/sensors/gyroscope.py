@@ -15,7 +15,7 @@ import math
 
 from martensite.base.parameters import param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
-from martensite.control.sensors.lag import followed
+from martensite.control.sensors.lag import follow_lag
 from martensite.kernels.namespace import Namespace, Scalar
 
 DEGREE = math.pi / 180.0
@@ -53,5 +53,5 @@ class GyroscopeSensor(AbstractSensor):
         before, felt = state
         some = dt > 0.0
         rate = xp.where(some, (truth[0] - before) / xp.where(some, dt, 1.0), felt)
-        felt = followed(xp, felt, rate, self.lag, dt)
+        felt = follow_lag(xp, felt, rate, self.lag, dt)
         return felt + self.bias + self.noise * noise, (truth[0], felt)

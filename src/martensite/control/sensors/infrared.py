@@ -24,7 +24,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.base.units import DEGREES
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
-from martensite.control.sensors.lag import followed
+from martensite.control.sensors.lag import follow_lag
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -71,7 +71,7 @@ class InfraredSensor(AbstractSensor):
     ) -> tuple[Scalar, Column]:
         """The lagged temperature with noise [K]; the lag is exact for a truth that is held."""
         time = state[1] + dt
-        felt = followed(xp, state[0], self._seen(xp, truth, time), self.lag, dt)
+        felt = follow_lag(xp, state[0], self._seen(xp, truth, time), self.lag, dt)
         return felt + self.noise * noise, (felt, time)
 
     def _seen(self, xp: Namespace, truth: Column, time: Scalar) -> Scalar:
@@ -80,9 +80,9 @@ class InfraredSensor(AbstractSensor):
         share = (self.factor + self.drift * time) * (self.emissivity / self.setting)
         if self.mixing == "linear":
             return behind + share * (wire - behind)
-        back = _fourth(behind)
-        return xp.sqrt(xp.sqrt(back + share * (_fourth(wire) - back)))
+        back = _raise_fourth(behind)
+        return xp.sqrt(xp.sqrt(back + share * (_raise_fourth(wire) - back)))
 
 
-def _fourth(x: Scalar) -> Scalar:
+def _raise_fourth(x: Scalar) -> Scalar:
     return x * x * (x * x)

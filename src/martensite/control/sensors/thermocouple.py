@@ -16,7 +16,7 @@ from __future__ import annotations
 from martensite.base.parameters import param
 from martensite.base.units import DEGREES
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
-from martensite.control.sensors.lag import followed
+from martensite.control.sensors.lag import follow_lag
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -43,7 +43,7 @@ class ThermocoupleSensor(AbstractSensor):
         self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
     ) -> tuple[Scalar, Column]:
         """The temperature of the bead with noise [K]."""
-        felt = followed(xp, state[0], self._bead(truth), self.lag, dt)
+        felt = follow_lag(xp, state[0], self._bead(truth), self.lag, dt)
         return felt + self.offset + self.noise * noise, (felt,)
 
     def _bead(self, truth: Column) -> Scalar:

@@ -62,12 +62,17 @@ def guard_for(
         ambient = hottest or one.environment.temperature
         cut = () if len(system.actuators()) == 1 else (drive,)
         found[f"bound_{drive}"] = ThermalBound(
-            drive=drive, drives=cut, limit=limit, band=band, ambient=ambient,
-            power=worst_power(one, limit, _full(one, full)), full=_full(one, full),
+            drive=drive,
+            drives=cut,
+            limit=limit,
+            band=band,
+            ambient=ambient,
+            power=worst_power(one, limit, _find_full_signal(one, full)),
+            full=_find_full_signal(one, full),
             rises="square" if one.source.unit in ("V", "A") else "linear",
             capacity=one.element.heat_capacity_total(),
             conductance=least_cooling * least_conductance(one, ambient, limit),
-        )  # fmt: skip
+        )
     return Guard(checks=Checks(**found), answer=answer, hold=hold)
 
 
@@ -79,7 +84,7 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
         hottest: highest temperature of the element [K].
         full: the signal.
     """
-    element, source = _lumped(actuator.element), actuator.source
+    element, source = _require_lumped(actuator.element), actuator.source
     ohms = [
         element.ohms(floats, fraction, strain, temperature)
         for fraction in (0.0, 1.0)
@@ -89,20 +94,20 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
     currents = (
         (source.current(floats, sign * full, one), one)
         for sign in (-1.0, 1.0)
-        for one in _grid(min(ohms), max(ohms))
+        for one in _build_grid(min(ohms), max(ohms))
     )
     return max(current * current * one for current, one in currents)
 
 
 def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:
     """Least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
-    element = _endless(_lumped(actuator.element))
+    element = _remove_ends(_require_lumped(actuator.element))
     around = Environment(temperature=ambient, cooling=actuator.environment.cooling)
-    warm = _grid(ambient, limit)[1:]
+    warm = _build_grid(ambient, limit)[1:]
     return min(element.heat_loss(floats, one, around) / (one - ambient) for one in warm)
 
 
-def _full(actuator: Actuator, full: float | None) -> float:
+def _find_full_signal(actuator: Actuator, full: float | None) -> float:
     """The full signal of a source."""
     if full is None and actuator.source.unit != "1":
         raise InputError(
@@ -112,7 +117,7 @@ def _full(actuator: Actuator, full: float | None) -> float:
     return 1.0 if full is None else full
 
 
-def _lumped(element: AbstractElement) -> AbstractLumped:
+def _require_lumped(element: AbstractElement) -> AbstractLumped:
     """The element, if it has one temperature."""
     if not isinstance(element, AbstractLumped):
         raise InputError(
@@ -122,14 +127,14 @@ def _lumped(element: AbstractElement) -> AbstractLumped:
     return element
 
 
-def _endless(element: AbstractElement) -> AbstractElement:
+def _remove_ends(element: AbstractElement) -> AbstractElement:
     """The element, and those that it is made of, with ends that lose nothing."""
     parts = dict(element.children())
-    inner = {n: _endless(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
+    inner = {n: _remove_ends(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
     ends = {n: AdiabaticEnds() for n, one in parts.items() if isinstance(one, AbstractEnds)}
     return element.with_parts(**inner, **ends)
 
 
-def _grid(low: float, high: float) -> list[float]:
+def _build_grid(low: float, high: float) -> list[float]:
     """Equally spaced values from low to high."""
     return [low + (high - low) * k / (GRID - 1) for k in range(GRID)]

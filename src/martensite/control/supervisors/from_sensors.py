@@ -58,7 +58,7 @@ def checks_for(
     """
     found: dict[str, AbstractCheck] = {}
     for name, one in bench.sensors.members().items():
-        for sort, check in _limits(bench, name, one, temperature_limit, band):
+        for sort, check in _build_limit_checks(bench, name, one, temperature_limit, band):
             found[f"{sort}_{name}"] = check
         if type(one.sensor).valid is AbstractSensor.valid:
             found[f"lost_{name}"] = SensorLost(reading=name, timeout=lost_after(one, bench.period))
@@ -71,7 +71,7 @@ def checks_for(
 def lost_after(mounted: Mounted, period: float) -> float:
     """Age beyond which a reading is that of a lost sensor, on a bench with that period [s]."""
     late = mounted.delay + WORST * mounted.jitter
-    return late + MISSED * _interval(mounted, period) + period
+    return late + MISSED * _find_interval(mounted, period) + period
 
 
 def stuck_after(mounted: Mounted, period: float) -> float | None:
@@ -83,15 +83,15 @@ def stuck_after(mounted: Mounted, period: float) -> float | None:
     if same >= CHANCE ** (1.0 / LONGEST):
         return None
     count = math.ceil(math.log(CHANCE) / math.log(same)) if same > 0.0 else 0
-    return max(count, LEAST) * _interval(mounted, period) + WORST * mounted.jitter
+    return max(count, LEAST) * _find_interval(mounted, period) + WORST * mounted.jitter
 
 
-def _interval(mounted: Mounted, period: float) -> float:
+def _find_interval(mounted: Mounted, period: float) -> float:
     """Time from one reading to the next, a whole number of periods [s]."""
     return max(1, math.ceil(mounted.sample_time / period - 1e-9)) * period
 
 
-def _limits(
+def _build_limit_checks(
     bench: Bench, name: str, mounted: Mounted, limit: float | None, band: float
 ) -> Iterator[tuple[str, AbstractCheck]]:
     """Checks of a reading by the limits of the element that it is of."""

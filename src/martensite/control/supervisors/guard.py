@@ -83,7 +83,9 @@ class Guard(AbstractSupervisor):
         kept: list[Scalar] = []
         for one, cut, left, own in rows:
             kept += [xp.where(cut, 1.0, 0.0), left, *one.passed(xp, own, allowed, dt)]
-        return Verdict(allowed, _alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept))
+        return Verdict(
+            allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept)
+        )
 
     def _cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
         """Whether a check cuts in this period."""
@@ -103,7 +105,7 @@ class Guard(AbstractSupervisor):
         return found
 
 
-def _alarm(xp: Namespace, rows: list[tuple[AbstractCheck, Flag]]) -> Scalar:
+def _find_alarm(xp: Namespace, rows: list[tuple[AbstractCheck, Flag]]) -> Scalar:
     """The lowest number of all checks that cut; 0 if none does."""
     alarm: Scalar = 0.0
     for one, cut in sorted(rows, key=lambda row: -row[0].alarm):

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, references
+from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
 from martensite.design.rules.formulas import FORMS, Ideal
@@ -185,7 +185,7 @@ def _run(
     members = bench.controllers.members()
     measured = members[drive].measured
     reading = MEASURED + measured if measured in bench.sensors.members() else measured
-    reference = references(bench)[list(members).index(drive)]
+    reference = list_references(bench)[list(members).index(drive)]
     wanted = reference.replace(REFERENCE, WANTED)
     return np.array(run.times), np.array(run[wanted]), np.array(run[reading])
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
-from martensite.control.loop.run import opened, simulate_bench
+from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.design.rules.first_order_fit import Response, fitted
 from martensite.design.rules.formulas import FirstOrder
 from martensite.design.tuning.loop_runs import loop_of
@@ -183,7 +183,7 @@ def _reading(
     waveforms: Waveforms | None,
 ) -> tuple[Numbers, Numbers]:  # fmt: skip
     """Times and the reading of the controller, with the loop open."""
-    free, controller = opened(bench, drive)
+    free, controller = open_loop(bench, drive)
     played = {**(waveforms or {}), drive: wave}
     run = simulate_bench(free, duration, waveforms=played, seed=seed).require()
     name = controller.measured

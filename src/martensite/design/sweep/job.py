@@ -23,7 +23,7 @@ from martensite.design.sweep.plan import CHUNK, Piece, Plan, Trace
 from martensite.design.sweep.salvage import kept
 from martensite.design.sweep.store import Store
 from martensite.design.sweep.subject import course_of, targets_of, waveforms_of
-from martensite.scenario.scenario import Scenario, read
+from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.measures.base import parse_measure
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
@@ -181,7 +181,7 @@ def _remade(spec: Mapping[str, Any]) -> Plan:
         InputError: this process has other files, or another version of the package.
     """
     import_modules(spec["modules"])
-    scenario = read(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
+    scenario = read_scenario(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
     wanted = Wanted.of_spec(spec)
     apart = differing(spec, spec_of(scenario, wanted))
     if apart:

@@ -91,12 +91,12 @@ def _of_system(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Ta
 
 def _references(bench: Bench) -> dict[str, str]:
     """Beginning of a path in a bench -> the name under which its waveform is played."""
-    from martensite.control.loop.names import references
+    from martensite.control.loop.names import list_references
 
     members = bench.controllers.members()
     return {
         f"controllers.{member}.reference.": name
-        for member, name in zip(members, references(bench), strict=True)
+        for member, name in zip(members, list_references(bench), strict=True)
     }
 
 

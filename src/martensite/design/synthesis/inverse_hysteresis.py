@@ -16,7 +16,7 @@ from martensite.base.errors import InputError
 from martensite.control.controllers.inverse_play import InversePlay
 from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
-from martensite.identify.chains.estimate import Estimate, Options, estimate
+from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
 from martensite.identify.operators.play import PlaySum
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
@@ -77,7 +77,7 @@ def identify_hysteresis(
             f"`{record.name}` has {record.inputs.shape[1]} and {record.outputs.shape[1]}."
         )
     blocks = (PrandtlIshlinskii(plays=float(plays)), PiecewiseLinear(knots=float(knots)))
-    found = estimate(blocks, record, options or Options(starts=4, refined=1))
+    found = estimate_chain(blocks, record, options or Options(starts=4, refined=1))
     (hysteresis, curve), (own, heights) = found.chain.blocks, found.chain.split()
     if not isinstance(hysteresis, PrandtlIshlinskii):
         raise InputError(f"The chain that was found has no plays: {found.chain.text()}.")

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, references
+from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
 from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99 import find_compiler
@@ -140,7 +140,7 @@ class LoopRuns:
         """Names of what is judged; several where they are put together."""
         plant = self.bench.plant
         row = list(self.bench.controllers.members()).index(self.drive)
-        reference = references(self.bench)[row]
+        reference = list_references(self.bench)[row]
         ports = list(plant.actuators())
         names: list[Any] = [
             (self.output,), (reference,), (reference.replace(REFERENCE, WANTED),),

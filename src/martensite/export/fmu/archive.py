@@ -17,12 +17,12 @@ from pathlib import Path
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_file
-from martensite.export.c_names import checked_identifier, identifier
-from martensite.export.fmu.binaries import TARGETS, build, checked_targets
-from martensite.export.fmu.description import build_description, description
+from martensite.export.c_names import checked_identifier, make_identifier
+from martensite.export.fmu.binaries import TARGETS, build_library, checked_targets
+from martensite.export.fmu.description import build_description, write_description
 from martensite.export.fmu.plan import Plan, Scenario, plan_of
-from martensite.export.fmu.variables import Variable, variables
-from martensite.export.fmu.wrapper import sources
+from martensite.export.fmu.variables import Variable, list_variables
+from martensite.export.fmu.wrapper import write_sources
 
 VERSIONS = ("2.0", "3.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -77,29 +77,33 @@ def to_fmu(
     if fmi not in VERSIONS:
         raise InputError(f"No version of FMI named `{fmi}`. {suggest_name(fmi, VERSIONS)}")
     targets = checked_targets(platforms)
-    called = checked_identifier(identifier(path.stem) if name is None else name)
+    called = checked_identifier(make_identifier(path.stem) if name is None else name)
     plan = plan_of(model, called, step)
-    shown = variables(plan)
-    token = _token([description(fmi, plan, shown, ""), *sources(plan, fmi, "").values()])
-    texts = sources(plan, fmi, token)
-    content: dict[str, str | bytes] = {"modelDescription.xml": description(fmi, plan, shown, token)}
+    shown = list_variables(plan)
+    token = _make_token(
+        [write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()]
+    )
+    texts = write_sources(plan, fmi, token)
+    content: dict[str, str | bytes] = {
+        "modelDescription.xml": write_description(fmi, plan, shown, token)
+    }
     for target in targets:
-        content[_library(fmi, target, called)] = build(texts, target)
+        content[_locate_library(fmi, target, called)] = build_library(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}
-    content |= _beside(fmi, plan)
+    content |= _write_beside(fmi, plan)
     with replace_file(path) as part:
-        _zip(content, part)
+        _zip_files(content, part)
     discrete = plan.period > 0.0
     return Fmu(path, fmi, called, token, plan.step, discrete, shown, tuple(targets))
 
 
-def _library(fmi: str, target: str, name: str) -> str:
+def _locate_library(fmi: str, target: str, name: str) -> str:
     """Where the library for a target is in the archive."""
     known = TARGETS[target]
     return f"binaries/{known.folder if fmi == '2.0' else target}/{name}{known.ending}"
 
 
-def _beside(fmi: str, plan: Plan) -> dict[str, str]:
+def _write_beside(fmi: str, plan: Plan) -> dict[str, str]:
     """How to build it, and what it was made of."""
     found: dict[str, str] = {}
     if fmi == "3.0":
@@ -109,13 +113,13 @@ def _beside(fmi: str, plan: Plan) -> dict[str, str]:
     return found
 
 
-def _token(texts: Sequence[str]) -> str:
+def _make_token(texts: Sequence[str]) -> str:
     """A hash in the form of a GUID."""
     digest = hashlib.sha256("\0".join(texts).encode()).hexdigest()
     return "{" + "-".join(digest[a:b] for a, b in _GROUPS) + "}"
 
 
-def _zip(files: Mapping[str, str | bytes], path: Path) -> None:
+def _zip_files(files: Mapping[str, str | bytes], path: Path) -> None:
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, _EPOCH)

@@ -53,16 +53,16 @@ TARGETS = {
 """By the names of FMI 3.0."""
 
 
-def here() -> str:
+def find_target() -> str:
     """The target that this machine is."""
     machine = platform.machine().lower()
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     return f"{machine}-{platform.system().lower()}"
 
 
-def command(target: str) -> list[str] | None:
+def find_command(target: str) -> list[str] | None:
     """The compiler that makes a library for a target, or None."""
-    found = _gcc(target)
+    found = _find_gcc(target)
     if found is not None:
         return [found]
     if shutil.which("zig"):
@@ -74,9 +74,9 @@ def command(target: str) -> list[str] | None:
     return [*zig, "cc", "-target", TARGETS[target].zig]
 
 
-def _gcc(target: str) -> str | None:
+def _find_gcc(target: str) -> str | None:
     """The compiler of this machine, or one of gcc for another."""
-    if target == here():
+    if target == find_target():
         return find_compiler()
     cross = TARGETS[target].cross
     return shutil.which(cross) if cross else None
@@ -89,8 +89,8 @@ def checked_targets(names: Sequence[str] | None) -> list[str]:
         InputError: there is no such target, or no compiler for it.
     """
     if names is None:
-        return [name for name in TARGETS if _gcc(name)]
-    found = [name for name in TARGETS if command(name)]
+        return [name for name in TARGETS if _find_gcc(name)]
+    found = [name for name in TARGETS if find_command(name)]
     for name in names:
         if name not in TARGETS:
             raise InputError(f"No platform named `{name}`. {suggest_name(name, TARGETS)}")
@@ -101,7 +101,7 @@ def checked_targets(names: Sequence[str] | None) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def build(sources: Mapping[str, str], target: str) -> bytes:
+def build_library(sources: Mapping[str, str], target: str) -> bytes:
     """The library that a compiler makes of all.c, with the other sources beside it.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
@@ -109,7 +109,7 @@ def build(sources: Mapping[str, str], target: str) -> bytes:
     Raises:
         MartensiteError: the compiler failed.
     """
-    known, cc = TARGETS[target], command(target)
+    known, cc = TARGETS[target], find_command(target)
     if cc is None:
         raise MartensiteError(f"There is no compiler for `{target}` on this machine.")
     more = os.environ.get("MARTENSITE_CFLAGS", "").split()

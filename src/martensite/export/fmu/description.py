@@ -14,9 +14,13 @@ from martensite.export.fmu.variables import TIME, Variable
 CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 
 
-def description(fmi: str, plan: Plan, variables: Sequence[Variable], token: str) -> str:
+def write_description(fmi: str, plan: Plan, variables: Sequence[Variable], token: str) -> str:
     """modelDescription.xml of an FMI version, 2.0 or 3.0."""
-    made = _second(plan, variables, token) if fmi == "2.0" else _third(plan, variables, token)
+    made = (
+        _write_version_2(plan, variables, token)
+        if fmi == "2.0"
+        else _write_version_3(plan, variables, token)
+    )
     return as_text(made)
 
 
@@ -37,9 +41,9 @@ def as_text(root: Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
-def _second(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+def _write_version_2(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
-    root.attrib |= {"description": plan.system.described(), "generationTool": _tool()}
+    root.attrib |= {"description": plan.system.described(), "generationTool": _name_tool()}
     slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
     slave.attrib |= {
         "canHandleVariableCommunicationStepSize": "true",
@@ -48,11 +52,11 @@ def _second(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
         "canSerializeFMUstate": "true",
     }
     SubElement(SubElement(slave, "SourceFiles"), "File", name="all.c")
-    _begin(root, plan, variables)
+    _write_head(root, plan, variables)
     rows = SubElement(root, "ModelVariables")
     for one in variables:
-        scalar = SubElement(rows, "ScalarVariable", _called(one))
-        SubElement(scalar, "Real", _typed(one))
+        scalar = SubElement(rows, "ScalarVariable", _name_variable(one))
+        SubElement(scalar, "Real", _type_variable(one))
     parts = SubElement(root, "ModelStructure")
     for name in ("Outputs", "InitialUnknowns"):
         unknowns = SubElement(parts, name)
@@ -62,12 +66,12 @@ def _second(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
     return root
 
 
-def _third(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+def _write_version_3(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="3.0", modelName=plan.title)
     root.attrib |= {
         "instantiationToken": token,
         "description": plan.system.described(),
-        "generationTool": _tool(),
+        "generationTool": _name_tool(),
     }
     simulated = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
     simulated.attrib |= {
@@ -75,12 +79,12 @@ def _third(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
     }
-    _begin(root, plan, variables)
+    _write_head(root, plan, variables)
     rows = SubElement(root, "ModelVariables")
     time = {"name": _time_name(variables), "valueReference": str(TIME)}
     SubElement(rows, "Float64", time, causality="independent", variability="continuous", unit="s")
     for one in variables:
-        SubElement(rows, "Float64", _called(one) | _typed(one))
+        SubElement(rows, "Float64", _name_variable(one) | _type_variable(one))
     parts = SubElement(root, "ModelStructure")
     for name in ("Output", "InitialUnknown"):
         for one in variables:
@@ -89,17 +93,17 @@ def _third(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
     return root
 
 
-def _begin(root: Element, plan: Plan, variables: Sequence[Variable]) -> None:
+def _write_head(root: Element, plan: Plan, variables: Sequence[Variable]) -> None:
     """What both versions have between what the FMU can do and its variables."""
     used = {one.unit: None for one in variables if one.unit is not None}
     add_units(root, list({**used, "s": None}))
     logged = SubElement(root, "LogCategories")
     for name in CATEGORIES:
         SubElement(logged, "Category", name=name)
-    SubElement(root, "DefaultExperiment", _experiment(plan))
+    SubElement(root, "DefaultExperiment", _write_experiment(plan))
 
 
-def _experiment(plan: Plan) -> dict[str, str]:
+def _write_experiment(plan: Plan) -> dict[str, str]:
     found, scenario = {"startTime": "0.0"}, plan.scenario
     interval = plan.period
     if scenario is not None:
@@ -108,7 +112,7 @@ def _experiment(plan: Plan) -> dict[str, str]:
     return found | ({"stepSize": repr(interval)} if interval else {})
 
 
-def _called(one: Variable) -> dict[str, str]:
+def _name_variable(one: Variable) -> dict[str, str]:
     initial = {"output": "calculated", "parameter": "exact", "local": "exact"}.get(one.causality)
     return {
         "name": one.name,
@@ -120,7 +124,7 @@ def _called(one: Variable) -> dict[str, str]:
     }
 
 
-def _typed(one: Variable) -> dict[str, str]:
+def _type_variable(one: Variable) -> dict[str, str]:
     found: dict[str, str] = {}
     if one.unit is not None:
         found["unit"] = one.unit
@@ -136,5 +140,5 @@ def _time_name(variables: Sequence[Variable]) -> str:
     return "simulation_time" if any(one.name == "time" for one in variables) else "time"
 
 
-def _tool() -> str:
+def _name_tool() -> str:
     return f"martensite {version('martensite')}"

@@ -107,8 +107,8 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
         ParameterError: the step is out of range, or is not to be chosen.
     """
     scenario = None if isinstance(model, AbstractSystem) else model
-    system = _settled(model if isinstance(model, AbstractSystem) else model.whole)
-    chosen = _step(system, scenario, step)
+    system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
+    chosen = _choose_step(system, scenario, step)
     core = build_c_core(system, name=f"{identifier}_core")
     return Plan(
         identifier=identifier,
@@ -116,20 +116,20 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
         system=system,
         core=core,
         step=chosen,
-        numbers=_numbers(core, system, scenario),
+        numbers=_list_numbers(core, system, scenario),
         first=_first_inputs(core, system),
         scenario=scenario,
     )
 
 
-def _settled(system: AbstractSystem) -> AbstractSystem:
+def _fix_steps(system: AbstractSystem) -> AbstractSystem:
     """A bench with as many steps in a period as it has now, whatever its numbers become."""
     if isinstance(system, Bench) and not system.substeps:
         return system.with_parts(substeps=system.turns)
     return system
 
 
-def _step(system: AbstractSystem, scenario: Scenario | None, step: float | None) -> float:
+def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float | None) -> float:
     period = system.sample_time()
     if step is not None and period:
         raise ParameterError(
@@ -160,7 +160,9 @@ def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
 # ---------------------------------------------------------------- numbers
 
 
-def _numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> tuple[Number, ...]:
+def _list_numbers(
+    core: CCore, system: AbstractSystem, scenario: Scenario | None
+) -> tuple[Number, ...]:
     places = {one.name: one.index for one in core.parameters}
     sampled = bool(system.sample_time())
     found: list[Number] = []
@@ -168,7 +170,7 @@ def _numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> 
         kind = FREE
         if leaf.path not in places or not math.isfinite(leaf.value):
             kind = HIDDEN
-        elif sampled and _decides(system, leaf):
+        elif sampled and _is_structural(system, leaf):
             kind = CONSTANT
         name = leaf.path if scenario is None else scenario.places.path(leaf.path)
         unit = leaf.declared.unit if scenario is None else scenario.places.unit(leaf)
@@ -176,7 +178,7 @@ def _numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> 
     return tuple(found)
 
 
-def _decides(system: AbstractSystem, leaf: Leaf) -> bool:
+def _is_structural(system: AbstractSystem, leaf: Leaf) -> bool:
     """Whether another value of a number makes another program, or another period.
 
     So it is with the period of a bench and the delays of its sensors. Found by trying.

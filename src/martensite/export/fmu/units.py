@@ -34,7 +34,7 @@ def add_units(parent: Element, names: list[str]) -> None:
             SubElement(unit, "BaseUnit", {key: str(power) for key, power in exponents.items()})
         shown = display_of(name)
         if shown is not None:
-            SubElement(unit, "DisplayUnit", {"name": shown, **_scale(shown, name)})
+            SubElement(unit, "DisplayUnit", {"name": shown, **_find_scale(shown, name)})
 
 
 def base_units(name: str) -> dict[str, int] | None:
@@ -47,7 +47,7 @@ def base_units(name: str) -> dict[str, int] | None:
     return {key: int(power) for key, power in exponents.items()} if whole else None
 
 
-def _scale(shown: str, name: str) -> dict[str, str]:
+def _find_scale(shown: str, name: str) -> dict[str, str]:
     factor, offset = units.find_conversion(shown, name)
     scale = {"factor": repr(1.0 / factor)}
     return scale | ({"offset": repr(-offset / factor)} if offset else {})

@@ -45,7 +45,7 @@ class Variable:
         return display_of(self.declared)
 
 
-def variables(plan: Plan) -> tuple[Variable, ...]:
+def list_variables(plan: Plan) -> tuple[Variable, ...]:
     """Inputs, outputs, parameters and the inner step."""
     pace = "discrete" if plan.period else "continuous"
     found = [
@@ -59,7 +59,7 @@ def variables(plan: Plan) -> tuple[Variable, ...]:
     for place, number in enumerate(plan.numbers):
         if number.kind != HIDDEN:
             name = _free_name(number.name, "parameter", taken)
-            found.append(_parameter(name, 2 * KIND + place, number))
+            found.append(_describe_parameter(name, 2 * KIND + place, number))
     if not plan.period:
         name = _free_name("inner_step", "parameter", taken)
         words = "longest step of the model within a step of the co-simulation (above 0)"
@@ -67,7 +67,7 @@ def variables(plan: Plan) -> tuple[Variable, ...]:
     return tuple(found)
 
 
-def _parameter(name: str, reference: int, number: Number) -> Variable:
+def _describe_parameter(name: str, reference: int, number: Number) -> Variable:
     declared, value = number.leaf.declared, float(number.leaf.value)
     if number.kind == CONSTANT:
         words = f"{declared.doc}; constant, for it decides what the program is"

@@ -20,25 +20,29 @@ MOST_STEPS = 1e9
 _LARGEST = 1.7e308
 
 
-def sources(plan: Plan, version: str, token: str) -> dict[str, str]:
+def write_sources(plan: Plan, version: str, token: str) -> dict[str, str]:
     """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
-    found = {"all.c": _all(plan, version), "model.h": _model(plan, token), **plan.core.files}
+    found = {
+        "all.c": _write_all(plan, version),
+        "model.h": _write_model(plan, token),
+        **plan.core.files,
+    }
     folder = files("martensite.export.fmu")
-    for name in (*SHARED, _interface(version)):
+    for name in (*SHARED, _read_interface(version)):
         found[name] = (folder / name).read_text(encoding="utf-8")
     return found
 
 
-def _interface(version: str) -> str:
+def _read_interface(version: str) -> str:
     return "fmi2.c" if version == "2.0" else "fmi3.c"
 
 
-def _all(plan: Plan, version: str) -> str:
-    included = (f"{plan.core.name}.c", "model.h", _interface(version))
+def _write_all(plan: Plan, version: str) -> str:
+    included = (f"{plan.core.name}.c", "model.h", _read_interface(version))
     return "".join(f'#include "{name}"\n' for name in included)
 
 
-def _model(plan: Plan, token: str) -> str:
+def _write_model(plan: Plan, token: str) -> str:
     """model.h: what the interface has to know of the core."""
     core = plan.core.name
     numbers = {
@@ -58,13 +62,13 @@ def _model(plan: Plan, token: str) -> str:
         "CORE_STATUS(s)": f"{core}_##s",
     }
     defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
-    rules = ",\n    ".join(_rule(number) for number in plan.numbers)
+    rules = ",\n    ".join(_write_rule(number) for number in plan.numbers)
     at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
     return (
         f"{defined}\n{_RULE}static const rule rules[] = {{\n    {rules}\n}};\n"
-        f"static const double first_inputs[] = {{{_numbers(plan.first)}}};\n"
+        f"static const double first_inputs[] = {{{_format_numbers(plan.first)}}};\n"
         "/* Where in an inner step an input is read. */\n"
-        f"static const double sampled_at[] = {{{_numbers(at_end)}}};\n"
+        f"static const double sampled_at[] = {{{_format_numbers(at_end)}}};\n"
     )
 
 
@@ -81,13 +85,13 @@ typedef struct {
 """
 
 
-def _rule(number: Number) -> str:
+def _write_rule(number: Number) -> str:
     declared = number.leaf.declared
     low, high = (max(-_LARGEST, min(_LARGEST, bound)) for bound in declared.bounds)
     is_open = int(declared.open_low)
     return f'{{"{number.name}", {number.kind}, {number.place}, {is_open}, {low!r}, {high!r}}}'
 
 
-def _numbers(values: Iterable[float]) -> str:
+def _format_numbers(values: Iterable[float]) -> str:
     """The numbers of an array; C has none without any."""
     return ", ".join([repr(float(value)) for value in values] or ["0.0"])

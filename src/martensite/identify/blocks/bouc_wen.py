@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
-from martensite.identify.operators.branches import logistic
+from martensite.identify.operators.branches import compute_logistic
 from martensite.identify.operators.sections import minus_expm1
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -46,12 +46,12 @@ class BoucWen(AbstractRanged):
         """Along two exponentials."""
         before, w = state
         half = 0.5 * (self.high - self.low)
-        line = logistic(xp, theta[0])
+        line = compute_logistic(xp, theta[0])
         stiffness = xp.exp(xp.clip(theta[1], -STRONGEST, STRONGEST))
         recovery = xp.exp(xp.clip(theta[2], -STRONGEST, STRONGEST))
         upward = x[0] > before
         v = xp.where(upward, w, -w)
-        v = _yielded(xp, v, stiffness * xp.abs(x[0] - before) / half, recovery)
+        v = _yield_way(xp, v, stiffness * xp.abs(x[0] - before) / half, recovery)
         w = xp.where(upward, v, -v)
         return (line * x[0] + (1.0 - line) * half * w / stiffness,), (x[0], w)
 
@@ -74,7 +74,7 @@ class BoucWen(AbstractRanged):
         ]
 
 
-def _yielded(xp: Namespace, v: Scalar, way: Scalar, recovery: Scalar) -> Scalar:
+def _yield_way(xp: Namespace, v: Scalar, way: Scalar, recovery: Scalar) -> Scalar:
     """v = ±w after a way ≥ 0: dv = (1 - c v) below 0, then dv = 1 - v; c = 2σ - 1."""
     below, above = xp.minimum(v, 0.0), xp.maximum(v, 0.0)
     to_zero = xp.log(1.0 - recovery * below) / recovery

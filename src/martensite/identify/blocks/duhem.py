@@ -43,7 +43,7 @@ class Duhem(AbstractRanged):
     def numbers(self) -> tuple[str, ...]:
         """Centres, widths and share of the rising branch, then of the falling one."""
         count = int(self.logistics)
-        return branches.names("rising", count) + branches.names("falling", count)
+        return branches.name_branch("rising", count) + branches.name_branch("falling", count)
 
     def states(self) -> int:
         """The input before, and z."""
@@ -68,7 +68,7 @@ class Duhem(AbstractRanged):
         before, z = state
         rising, falling = self._branches(xp, theta)
         r = self.unit(x[0])
-        z = branches.leg(xp, rising, falling, r > before, before, z).fraction(xp, r)
+        z = branches.follow_leg(xp, rising, falling, r > before, before, z).fraction(xp, r)
         return (z,), (r, z)
 
     def start(self) -> Numbers:

@@ -65,7 +65,11 @@ class Feedback(AbstractRanged):
     def numbers(self) -> tuple[str, ...]:
         """Poles, β_k, coefficients of φ by their powers of r and δ."""
         beta = (f"beta{k + 1}" for k in range(self._zeros))
-        return (*sections.names(int(self.order)), *beta, *(f"c{i}{j}" for i, j in self.powers()))
+        return (
+            *sections.name_sections(int(self.order)),
+            *beta,
+            *(f"c{i}{j}" for i, j in self.powers()),
+        )
 
     @property
     def _zeros(self) -> int:
@@ -89,9 +93,9 @@ class Feedback(AbstractRanged):
         root = xp.detach(u)
         held = [(i, xp.detach(c)) for i, c in fed]
         for _ in range(NEWTON):
-            root = root + _towards(xp, held, root, xp.detach(u), middle, half, half)
-        y = xp.solved(root, root + _towards(xp, fed, root, u, middle, half, 1e300))
-        return [u] * order + sections.resting(order, y) + [y] * self._earlier
+            root = root + _step_towards(xp, held, root, xp.detach(u), middle, half, half)
+        y = xp.solved(root, root + _step_towards(xp, fed, root, u, middle, half, 1e300))
+        return [u] * order + sections.rest_cascade(order, y) + [y] * self._earlier
 
     def step(
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
@@ -104,10 +108,10 @@ class Feedback(AbstractRanged):
         before = held[0] if order == 1 else held[-2]
         change = held[0] - state[-1] if order == 1 else held[-1]
         r, d = (before - 0.5 * (self.high + self.low)) / half, change / (half * size)
-        z = _shaped([x[0], *past] if self.feedthrough == "yes" else past, zeros, size)
+        z = _shape_inputs([x[0], *past] if self.feedthrough == "yes" else past, zeros, size)
         for (i, j), c in zip(self.powers(), theta[order + self._zeros :], strict=True):
-            z = z - half * c * _power(r, i) * _power(d, j)
-        made = sections.cascade(xp, order, poles, held, z, dt)
+            z = z - half * c * _raise_power(r, i) * _raise_power(d, j)
+        made = sections.step_cascade(xp, order, poles, held, z, dt)
         after = [x[0], *past[:-1], *made.state, *([before] * self._earlier)]
         return (made.signals[0],), after
 
@@ -126,7 +130,7 @@ class Feedback(AbstractRanged):
     def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Poles as those of a transfer function; little fed back."""
         made = rng.uniform(-0.1, 0.1, len(self.numbers()))
-        made[: int(self.order)] = sections.drawn(int(self.order), rng, duration, dt)
+        made[: int(self.order)] = sections.draw_numbers(int(self.order), rng, duration, dt)
         return made
 
     def twin(self) -> AbstractBlock:
@@ -158,8 +162,8 @@ class Feedback(AbstractRanged):
                 f"`{self.text()}` can begin as `oe({self._zeros + 1},{order},{delay})`, "
                 f"not as `{linear.text()}`."
             )
-        denominator = np.poly(sections.poles(order, theta[:order], dt)).real
-        response = _impulse(linear, theta, dt, order + 1)
+        denominator = np.poly(sections.find_poles(order, theta[:order], dt)).real
+        response = _respond_to_impulse(linear, theta, dt, order + 1)
         numerator = np.convolve(response, denominator)[delay : order + 1]
         size = self._size(floats, list(map(float, theta[:order])), dt)
         made = np.zeros(len(self.numbers()))
@@ -171,11 +175,11 @@ class Feedback(AbstractRanged):
         """Poles in their units, then the other numbers."""
         order = int(self.order)
         rest = zip(self.numbers()[order:], theta[order:], strict=True)
-        poles = sections.shown(self.numbers()[:order], theta[:order])
+        poles = sections.show_numbers(self.numbers()[:order], theta[:order])
         return [*poles, *((name, float(value), "1") for name, value in rest)]
 
 
-def _impulse(linear: TransferFunction, theta: Numbers, dt: float, count: int) -> Numbers:
+def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, count: int) -> Numbers:
     """Outputs to an input of 1 in the first sample."""
     state, found = [0.0] * linear.states(), np.zeros(count)
     for k in range(count):
@@ -194,14 +198,14 @@ def _in_differences(numerator: Numbers, size: float) -> Numbers:
     return powers[1:] * size ** np.arange(1, len(numerator)) / powers[0]
 
 
-def _power(x: Scalar, count: int) -> Scalar:
+def _raise_power(x: Scalar, count: int) -> Scalar:
     power: Scalar = 1.0
     for _ in range(count):
         power = power * x
     return power
 
 
-def _shaped(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar:
+def _shape_inputs(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar:
     """The newest input plus its weighted differences."""
     total, differences, scale = inputs[0], list(inputs), 1.0
     for weight in weights:
@@ -211,7 +215,7 @@ def _shaped(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar:
     return total
 
 
-def _towards(
+def _step_towards(
     xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, middle: Scalar,
     half: Scalar, most: Scalar,
 ) -> Scalar:  # fmt: skip
@@ -219,7 +223,7 @@ def _towards(
     r = (y - middle) / half
     value, slope = y - u, 1.0
     for power, c in fed:
-        value = value + half * c * _power(r, power)
-        slope = slope + c * power * _power(r, power - 1)
+        value = value + half * c * _raise_power(r, power)
+        slope = slope + c * power * _raise_power(r, power - 1)
     steep = xp.where(slope > 0.1, slope, xp.where(slope < -0.1, slope, 0.1))
     return xp.clip(-value / xp.detach(steep), -most, most)

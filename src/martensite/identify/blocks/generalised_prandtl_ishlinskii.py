@@ -24,7 +24,13 @@ from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.curves import AbstractCurve
-from martensite.identify.operators.play import FARTHEST, between, hinged, logistic, sized
+from martensite.identify.operators.play import (
+    FARTHEST,
+    compute_logistic,
+    compute_sizes,
+    evaluate_hinges,
+    keep_between,
+)
 from martensite.kernels.namespace import Namespace, Scalar
 
 OPEN = 0.15
@@ -75,10 +81,11 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         count = int(self.knots) - 2
         above, below = [0.0], [0.0]
         for alpha, beta in zip(logits[:count], logits[count:], strict=True):
-            above.append(above[-1] + (1.0 - above[-1]) * logistic(xp, alpha))
-            below.append(below[-1] + (above[-1] - below[-1]) * logistic(xp, beta))
+            above.append(above[-1] + (1.0 - above[-1]) * compute_logistic(xp, alpha))
+            below.append(below[-1] + (above[-1] - below[-1]) * compute_logistic(xp, beta))
         lower, upper = (
-            hinged(xp, self._slopes([*values, 1.0]), 1.0, r) - 1.0 for values in (below, above)
+            evaluate_hinges(xp, self._slopes([*values, 1.0]), 1.0, r) - 1.0
+            for values in (below, above)
         )
         return xp.minimum(lower, upper), xp.maximum(lower, upper)
 
@@ -104,8 +111,8 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         rise, weights, logits = self._parted(theta)
         lower, upper = self.curves(xp, logits, self.unit(x[0]))
         gap = 2.0 * self.reach / int(self.plays)
-        after = [between(xp, lower - i * gap, upper + i * gap, p) for i, p in enumerate(state)]
-        sizes, whole = sized(xp, weights)
+        after = [keep_between(xp, lower - i * gap, upper + i * gap, p) for i, p in enumerate(state)]
+        sizes, whole = compute_sizes(xp, weights)
         total: Scalar = 0.0
         for size, p in zip(sizes, after, strict=True):
             total = total + size * p

@@ -124,7 +124,7 @@ class HeatedDuhem(AbstractBlock):
         return _Heat(
             tau=xp.exp(xp.clip(theta[0], -14.0, 14.0)),
             gain=xp.exp(xp.clip(theta[1], -30.0, 30.0)),
-            growing=branches.logistic(xp, xp.clip(theta[2], -9.0, 9.0)),
+            growing=branches.compute_logistic(xp, xp.clip(theta[2], -9.0, 9.0)),
             latent=xp.exp(xp.clip(theta[3], -30.0, 30.0)),
             resistance=xp.clip(theta[4], -3.0, 3.0),
             rising=branches.branch_of(xp, theta[6:11]),
@@ -138,7 +138,7 @@ class HeatedDuhem(AbstractBlock):
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """Warm as the input holds it, reached from below."""
         heat = self._heat(xp, theta)
-        rise = _held(xp, heat, x[0])
+        rise = _hold_rise(xp, heat, x[0])
         z = branches.from_below(xp, heat.rising, rise)
         return rise, z, rise, z
 
@@ -147,13 +147,13 @@ class HeatedDuhem(AbstractBlock):
     ) -> tuple[Column, Column]:
         """What is measured now, and heat, transformation and lags until the next sample."""
         rise, z, seen, moved = state
-        new_rise, new_z = _heated(xp, self._heat(xp, theta), rise, z, x[0], dt)
+        new_rise, new_z = _heat_step(xp, self._heat(xp, theta), rise, z, x[0], dt)
         temperature = theta[5] + theta[16] * seen
         position = theta[18] * moved
         after = (
             new_rise, new_z,
-            _lagged(xp, theta[17], seen, rise, new_rise, dt),
-            _lagged(xp, theta[19], moved, z, new_z, dt),
+            _lag_ramp(xp, theta[17], seen, rise, new_rise, dt),
+            _lag_ramp(xp, theta[19], moved, z, new_z, dt),
         )  # fmt: skip
         if self.gives == "both":
             return (temperature, position), after
@@ -198,7 +198,7 @@ class HeatedDuhem(AbstractBlock):
         return name, value + ambient if "centre" in name else value, "1"
 
 
-def _lagged(
+def _lag_ramp(
     xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar
 ) -> Scalar:
     """A lag of first order over a step in which its input goes straight: exact."""
@@ -207,13 +207,13 @@ def _lagged(
     return y + p * (before - y) + (after - before) * (1.0 - p / steps)
 
 
-def _heated(
+def _heat_step(
     xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, dt: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Rise and z after a step: θ - θ₀ + Λ (z - z₀) = (dt/τ) (net heat)."""
     part = dt / heat.tau
     net = part * (heat.power(xp, u, z) - heat.loss(xp, rise))
-    leg = branches.leg(xp, heat.rising, heat.falling, net > 0.0, rise, z)
+    leg = branches.follow_leg(xp, heat.rising, heat.falling, net > 0.0, rise, z)
     own = xp.store(1.0 + part * heat.loss_slope(xp, rise))
     change = xp.store(net / (own + heat.latent * leg.slope(xp, rise)))
     missing = own * change + heat.latent * (leg.fraction(xp, rise + change) - z) - net
@@ -224,7 +224,7 @@ def _heated(
     return after, leg.fraction(xp, after)
 
 
-def _held(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
+def _hold_rise(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
     """The rise at which the loss is the power, on the rising branch, by Newton's method."""
 
     def newton(rise: Scalar) -> Scalar:
@@ -232,7 +232,7 @@ def _held(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
         power = heat.power(xp, u, z)
         away = heat.loss(xp, rise) - power
         slope = heat.loss_slope(xp, rise)
-        growth = power * heat.resistance * branches.density(xp, heat.rising, rise)
+        growth = power * heat.resistance * branches.compute_density(xp, heat.rising, rise)
         return rise - away / xp.maximum(slope - growth, 0.2 * slope)
 
     bare = heat.power(xp, u, 0.0)

@@ -92,7 +92,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
                 scaled.append((value - middle) / wide)
         scaled.append((u - middle) / half)
         limited = [xp.clip(r, -FARTHEST, FARTHEST) for r in scaled]
-        return [half * _product(limited, monomial) for monomial in self.monomials()]
+        return [half * _multiply_values(limited, monomial) for monomial in self.monomials()]
 
     def _fed(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
         """B u + h E φ: what enters every state."""
@@ -113,7 +113,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
             products = self._products(xp, own[:n], state, u, dt)
             return sections.fed_resting(xp, n, list(own[:n]), self._fed(own, u, products), dt)
 
-        found = fixed_point(xp, held, sections.resting(n, x[0]), [x[0], *theta])
+        found = fixed_point(xp, held, sections.rest_cascade(n, x[0]), [x[0], *theta])
         return [x[0]] * int(self.nk) + found
 
     def step(
@@ -125,7 +125,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         u, held = line[nk], state[nk:]
         products = self._products(xp, theta[:n], held, u, dt)
         fed = self._fed(theta, u, products)
-        made = sections.cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
+        made = sections.step_cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
         y = self._summed(theta[: self._linear], [*made.signals, *([u] if nk == 0 else [])])
         if self.output_terms == "yes":
             last = theta[len(theta) - p * len(products) :]
@@ -149,11 +149,11 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     def _reached(self, theta: Numbers, x: Numbers, dt: float) -> float:
         """Greatest departure of a state from the middle of the input, in half widths of that."""
         n = int(self.order)
-        poles, state = [float(p) for p in theta[:n]], sections.resting(n, float(x[0]))
+        poles, state = [float(p) for p in theta[:n]], sections.rest_cascade(n, float(x[0]))
         half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
         most = 0.0
         for u in map(float, x):
-            made = sections.cascade(floats, n, poles, state, u, dt)
+            made = sections.step_cascade(floats, n, poles, state, u, dt)
             state = made.state
             pairs = zip(made.signals, made.unit_gain, strict=True)
             most = max(most, *(abs(v - middle * gain) for v, gain in pairs))
@@ -178,7 +178,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return made
 
 
-def _product(values: Column, places: tuple[int, ...]) -> Scalar:
+def _multiply_values(values: Column, places: tuple[int, ...]) -> Scalar:
     product: Scalar = 1.0
     for i in places:
         product = product * values[i]

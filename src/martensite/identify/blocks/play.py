@@ -12,7 +12,7 @@ import numpy as np
 
 from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.operators.play import played, spread
+from martensite.identify.operators.play import find_range, move_play
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -49,7 +49,7 @@ class Play(AbstractBlock):
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
     ) -> tuple[Column, Column]:
         """Pushed along, or left."""
-        y = played(xp, x[0], self.radius(xp, theta), state[0])
+        y = move_play(xp, x[0], self.radius(xp, theta), state[0])
         return (y,), (y,)
 
     def radius(self, xp: Namespace, theta: Column) -> Scalar:
@@ -58,7 +58,7 @@ class Play(AbstractBlock):
 
     def adapted(self, x: Numbers, dt: float) -> Self:
         """Takes the range of the input."""
-        low, high = spread(x)
+        low, high = find_range(x)
         return self.with_parts(low=low, high=high)
 
     def start(self) -> Numbers:

@@ -20,10 +20,10 @@ from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.play import (
     FARTHEST,
     PlaySum,
-    logits,
-    played,
-    sized,
-    spread,
+    compute_logits,
+    compute_sizes,
+    find_range,
+    move_play,
 )
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -83,7 +83,7 @@ class PrandtlIshlinskii(AbstractBlock):
     ) -> tuple[Column, Column]:
         """Plays, and their sum."""
         radii = self.radii(xp, theta)
-        after = [played(xp, x[0], r, p) for r, p in zip(radii, state, strict=True)]
+        after = [move_play(xp, x[0], r, p) for r, p in zip(radii, state, strict=True)]
         sizes, whole = self._sizes(xp, theta)
         away: Scalar = 0.0
         for size, p in zip(sizes[1:], after, strict=True):
@@ -94,7 +94,7 @@ class PrandtlIshlinskii(AbstractBlock):
         """Weights of the input and of the plays, times a number that is returned too."""
         own = theta[: int(self.plays)]
         if self.weights == "positive":
-            return sized(xp, own)
+            return compute_sizes(xp, own)
         rest: Scalar = 1.0
         for weight in own:
             rest = rest - weight
@@ -118,7 +118,7 @@ class PrandtlIshlinskii(AbstractBlock):
 
     def adapted(self, x: Numbers, dt: float) -> PrandtlIshlinskii:
         """Takes the range of the input."""
-        low, high = spread(x)
+        low, high = find_range(x)
         return self.with_parts(low=low, high=high)
 
     def priors(self) -> tuple[Numbers, Numbers]:
@@ -134,7 +134,7 @@ class PrandtlIshlinskii(AbstractBlock):
         count = int(self.plays)
         each = np.full(count, PLAYING / count)
         positive = self.weights == "positive"
-        made[:count] = logits(np.array([1.0 - PLAYING, *each])) if positive else each
+        made[:count] = compute_logits(np.array([1.0 - PLAYING, *each])) if positive else each
         return made
 
     def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
@@ -144,7 +144,7 @@ class PrandtlIshlinskii(AbstractBlock):
         share = rng.uniform(0.05, 0.95)
         each = np.full(count, share / count)
         positive = self.weights == "positive"
-        made[:count] = logits(np.array([1.0 - share, *each])) if positive else each
+        made[:count] = compute_logits(np.array([1.0 - share, *each])) if positive else each
         if self.thresholds == "scaled":
             made[count:] = rng.uniform(-1.5, 0.7)
         return made

@@ -22,7 +22,7 @@ from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.curves import AbstractCurve
-from martensite.identify.operators.play import FARTHEST, hinged, played, sized
+from martensite.identify.operators.play import FARTHEST, compute_sizes, evaluate_hinges, move_play
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -77,7 +77,7 @@ class Preisach(AbstractCurve):
     ) -> tuple[Column, Column]:
         """Plays, and the sum of their curves."""
         half = 0.5 * (self.high - self.low)
-        after = [played(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
+        after = [move_play(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
         heights, places = self._parted(theta)
         made = self._sum(xp, heights, places, [self.unit(p) for p in (x[0], *after)])
         zero = self.curve(xp, heights, places, self.unit(0.0))
@@ -103,14 +103,16 @@ class Preisach(AbstractCurve):
         for level, p in enumerate(at):
             own = sizes[level * segments : (level + 1) * segments]
             half = 1.0 - self._radius(level)
-            total = total + (hinged(xp, own, half, p) - hinged(xp, own, half, 0.0))
+            total = total + (
+                evaluate_hinges(xp, own, half, p) - evaluate_hinges(xp, own, half, 0.0)
+            )
         return factor * total
 
     def _sizes(self, xp: Namespace, heights: Column, places: Column) -> tuple[list[Scalar], Scalar]:
         """Slopes of all segments on the scale of the range, but for a factor."""
         if self.slopes == "free":
             return list(heights), 1.0
-        sizes, whole = sized(xp, places)
+        sizes, whole = compute_sizes(xp, places)
         return sizes, (int(self.knots) - 1) * heights[0] / whole
 
     def line(self, slope: float, offset: float) -> Numbers:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, Numbers
-from martensite.identify.operators.networks import AbstractNetwork, logistic
+from martensite.identify.operators.networks import AbstractNetwork, compute_logistic
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -21,7 +21,7 @@ class SigmoidNetwork(AbstractNetwork):
 
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
         """The logistic function."""
-        return logistic(xp, q)
+        return compute_logistic(xp, q)
 
     def frame(self) -> tuple[Numbers, Numbers]:
         """b = 1.5 (n + 1) / range, centres in the middle of n equal shares."""

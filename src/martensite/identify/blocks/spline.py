@@ -21,7 +21,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 
-def bell(xp: Namespace, t: Scalar) -> Scalar:
+def evaluate_bell(xp: Namespace, t: Scalar) -> Scalar:
     """N(t), 2/3 at 0 and 0 beyond ±2."""
     away = xp.abs(t)
     wide, narrow = xp.maximum(2.0 - away, 0.0), xp.maximum(1.0 - away, 0.0)
@@ -55,7 +55,7 @@ class Spline(AbstractCurve):
         place = 0.5 * gaps * (inside + 1.0)
         total: Scalar = 0.0
         for k, coefficient in enumerate(all_):
-            total = total + coefficient * bell(xp, place - (k - 1.0))
+            total = total + coefficient * evaluate_bell(xp, place - (k - 1.0))
         slope = xp.where(r < 0.0, own[1] - own[0], own[-1] - own[-2])
         return total + 0.5 * gaps * slope * (r - inside)
 

@@ -57,7 +57,7 @@ class StateSpace(AbstractBlock):
         c = [f"c{j}_{k}" for j in range(1, p + 1) for k in range(1, n + 1)]
         d = [f"d{j}_{i}" for j in range(1, p + 1) for i in range(1, m + 1)]
         free = [f"offset{j}" for j in range(1, p + 1)] if self.offset == "yes" else []
-        return (*sections.names(n), *b, *c, *(d if self.nk < 1.0 else ()), *free)
+        return (*sections.name_sections(n), *b, *c, *(d if self.nk < 1.0 else ()), *free)
 
     def states(self) -> int:
         """Delayed inputs, then sections."""
@@ -65,7 +65,7 @@ class StateSpace(AbstractBlock):
 
     def poles(self, theta: Numbers, dt: float) -> Numbers:
         """Poles z of the sections."""
-        return sections.poles(int(self.order), theta, dt)
+        return sections.find_poles(int(self.order), theta, dt)
 
     def _entering(self, theta: Column, u: Column) -> list[Scalar]:
         """B u: what enters every state."""
@@ -84,7 +84,7 @@ class StateSpace(AbstractBlock):
         """Delays and sections under a constant input."""
         n = int(self.order)
         if self.inputs == 1:
-            return [x[0]] * int(self.nk) + sections.resting(n, x[0])
+            return [x[0]] * int(self.nk) + sections.rest_cascade(n, x[0])
         held = sections.fed_resting(xp, n, list(theta[:n]), self._entering(theta, x), dt)
         return [*list(x) * int(self.nk), *held]
 
@@ -97,7 +97,9 @@ class StateSpace(AbstractBlock):
         u = line[nk * m :]
         fed = self._entering(theta, u)
         more = fed[1:] if m > 1 else ()
-        made = sections.cascade(xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more)
+        made = sections.step_cascade(
+            xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more
+        )
         y = self._summed(theta, [*made.signals, *(u if nk == 0 else ())])
         return y, (*line[: nk * m], *made.state)
 
@@ -130,9 +132,9 @@ class StateSpace(AbstractBlock):
         """Time constants spread over a thousandth to a quarter of the record; B and C anywhere."""
         n = int(self.order)
         made = rng.uniform(-1.0, 1.0, len(self.numbers()))
-        made[:n] = sections.drawn(n, rng, duration, dt)
+        made[:n] = sections.draw_numbers(n, rng, duration, dt)
         return made
 
     def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Time constants, frequencies, damping ratios, then the matrices."""
-        return sections.shown(self.numbers(), theta)
+        return sections.show_numbers(self.numbers(), theta)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, Numbers
-from martensite.identify.operators.networks import AbstractNetwork, logistic
+from martensite.identify.operators.networks import AbstractNetwork, compute_logistic
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -21,7 +21,7 @@ class TanhNetwork(AbstractNetwork):
 
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
         """The hyperbolic tangent, from an exponential."""
-        share, slope = logistic(xp, 2.0 * q)
+        share, slope = compute_logistic(xp, 2.0 * q)
         return 2.0 * share - 1.0, 4.0 * slope
 
     def argument(self, xp: Namespace, first: Scalar, second: Scalar, r: Scalar) -> Scalar:

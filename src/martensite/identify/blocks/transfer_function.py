@@ -35,7 +35,10 @@ class TransferFunction(AbstractBlock):
 
     def numbers(self) -> tuple[str, ...]:
         """Poles, then weights of all signals but the one that carries the gain."""
-        return (*sections.names(int(self.nf)), *(f"weight{k}" for k in range(2, int(self.nb) + 1)))
+        return (
+            *sections.name_sections(int(self.nf)),
+            *(f"weight{k}" for k in range(2, int(self.nb) + 1)),
+        )
 
     def states(self) -> int:
         """Delayed inputs, sections, and inputs of the numerator beyond nf."""
@@ -48,7 +51,7 @@ class TransferFunction(AbstractBlock):
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """Everything has followed the input."""
         w = x[0]
-        return [w] * int(self.nk) + sections.resting(int(self.nf), w) + [w] * self._taps
+        return [w] * int(self.nk) + sections.rest_cascade(int(self.nf), w) + [w] * self._taps
 
     def step(
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
@@ -57,7 +60,7 @@ class TransferFunction(AbstractBlock):
         nk, nf = int(self.nk), int(self.nf)
         line = [x[0], *state[:nk]]
         w, poles, past = line[-1], list(theta[:nf]), list(state[nk + nf :])
-        made = sections.cascade(xp, nf, poles, list(state[nk : nk + nf]), w, dt)
+        made = sections.step_cascade(xp, nf, poles, list(state[nk : nk + nf]), w, dt)
         signals = [*made.signals, w, *past][: int(self.nb)]
         gains = [*made.unit_gain, True, *(True for _ in past)][: int(self.nb)]
         y, rest = 0.0, 1.0
@@ -73,12 +76,12 @@ class TransferFunction(AbstractBlock):
         """
         nf, nb = int(self.nf), int(self.nb)
         made = rng.uniform(-0.3, 1.3, len(self.numbers()))
-        made[:nf] = sections.drawn(nf, rng, duration, dt)
+        made[:nf] = sections.draw_numbers(nf, rng, duration, dt)
         count = min(nb - 1, nf)
         if count:
-            leads = np.exp(rng.uniform(*sections.spread(duration, dt), count))
+            leads = np.exp(rng.uniform(*sections.find_time_range(duration, dt), count))
             leads *= np.where(rng.random(count) < RIGHT, -1.0, 1.0)
-            made[nf : nf + count] = sections.weights(nf, made[:nf], leads)
+            made[nf : nf + count] = sections.compute_weights(nf, made[:nf], leads)
         return made
 
     def twin(self) -> AbstractBlock:
@@ -94,8 +97,8 @@ class TransferFunction(AbstractBlock):
 
     def poles(self, theta: Numbers, dt: float) -> Numbers:
         """Poles z of the sections."""
-        return sections.poles(int(self.nf), theta, dt)
+        return sections.find_poles(int(self.nf), theta, dt)
 
     def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Time constants, frequencies, damping ratios and weights."""
-        return sections.shown(self.numbers(), theta)
+        return sections.show_numbers(self.numbers(), theta)

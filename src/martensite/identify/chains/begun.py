@@ -13,26 +13,26 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
-from martensite.identify.chains.best_linear import polished
+from martensite.identify.chains.best_linear import polish_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Engine
 from martensite.identify.chains.informed import linear_twin
-from martensite.identify.chains.levenberg import minimise
+from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.wiener_hammerstein import through
+from martensite.identify.chains.wiener_hammerstein import fit_through
 from martensite.signals.sampling.sampled import Sampled
 
 STEPS = 40
 """Of the search by which a block follows another."""
 
 
-def begun(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:
+def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:
     """The chain with numbers with which it does about what a given one does.
 
     Raises:
         InputError: the given one has another number of blocks, or of signals between them.
     """
-    _check(chain, given)
+    _check_blocks(chain, given)
     dt = chain.interval
     given = replace(given, interval=dt)
     blocks: list[AbstractBlock] = []
@@ -44,14 +44,14 @@ def begun(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:
         if block.structure() == known.structure():
             made, numbers = known, own
         else:
-            made, numbers = _following(block, _between(reaching, leaving, dt))
+            made, numbers = _follow_block(block, _cut_record(reaching, leaving, dt))
         blocks.append(made)
         parts.append(numbers)
         reaching = leaving
     return replace(chain, blocks=tuple(blocks), theta=np.concatenate([np.zeros(0), *parts]))
 
 
-def _check(chain: Chain, given: Chain) -> None:
+def _check_blocks(chain: Chain, given: Chain) -> None:
     """Raise `InputError` unless blocks stand for each other one by one."""
     shapes = [[(b.inputs, b.outputs) for b in one.blocks] for one in (chain, given)]
     if shapes[0] != shapes[1]:
@@ -61,23 +61,25 @@ def _check(chain: Chain, given: Chain) -> None:
         )
 
 
-def _between(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[Sampled]:
+def _cut_record(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[Sampled]:
     """Records of one block."""
     ins = tuple(f"x{i + 1}" for i in range(x[0].shape[1]))
     outs = tuple(f"y{i + 1}" for i in range(y[0].shape[1]))
     return [Sampled("block", dt, a, b, ins, outs) for a, b in zip(x, y, strict=True)]
 
 
-def _following(block: AbstractBlock, records: Sequence[Sampled]) -> tuple[AbstractBlock, Numbers]:
+def _follow_block(
+    block: AbstractBlock, records: Sequence[Sampled]
+) -> tuple[AbstractBlock, Numbers]:
     """The block, adapted, with numbers with which it reproduces the records of another."""
     longest = max(records, key=len)
     dt, x = longest.interval, longest.inputs
     block = block.adapted(x, dt)
     if isinstance(block, AbstractStatic):
-        return block, through(block, x[:, 0], longest.outputs[:, 0])
+        return block, fit_through(block, x[:, 0], longest.outputs[:, 0])
     theta = block.start()
     if (twin := linear_twin(block)) is not None:
-        linear = polished(twin, records).split()[0]
+        linear = polish_linear(twin, records).split()[0]
         block, theta = block.as_linear(twin, linear, x, dt)
     squares = Squares(Engine([block], dt), [Aim(record) for record in records])
-    return block, minimise(squares, theta, STEPS).theta
+    return block, minimise_cost(squares, theta, STEPS).theta

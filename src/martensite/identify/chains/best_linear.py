@@ -20,13 +20,19 @@ from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.impulse_response import Pair, impulse_response
-from martensite.identify.chains.levenberg import minimise
-from martensite.identify.chains.linear_weights import LinearStart, weighted
-from martensite.identify.chains.realisation import Matched, Realised, entering, matched, realised
+from martensite.identify.chains.levenberg import minimise_cost
+from martensite.identify.chains.linear_weights import LinearStart, fit_weights
+from martensite.identify.chains.realisation import (
+    Matched,
+    Realised,
+    find_entering,
+    match_poles,
+    realise_responses,
+)
 from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.thinning import thinned
+from martensite.identify.chains.thinning import thin_records
 from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
@@ -58,12 +64,12 @@ def linear_start(
     """
     if not isinstance(block, TransferFunction | StateSpace) or not block.linear:
         raise InputError(f"Block `{block.text()}` is no `oe` or `ss`; there is no start for it.")
-    pairs = _paired(w, y)
-    short = _shortened(pairs)
-    factors = _factors(pairs) if _order(block) else [1]
-    firsts = [_found(block, thinned(pairs, factor), dt, factor) for factor in factors]
-    best = min(firsts, key=lambda known: weighted(block, known, short, dt).error)
-    return weighted(block, best, pairs, dt)
+    pairs = _pair_records(w, y)
+    short = _shorten_records(pairs)
+    factors = _list_factors(pairs) if _find_order(block) else [1]
+    firsts = [_find_poles(block, thin_records(pairs, factor), dt, factor) for factor in factors]
+    best = min(firsts, key=lambda known: fit_weights(block, known, short, dt).error)
+    return fit_weights(block, best, pairs, dt)
 
 
 def best_linear(
@@ -88,11 +94,11 @@ def best_linear(
     block: Linear = StateSpace(order=order, ins=ins, outs=outs, nk=nk, offset="yes")
     if (ins, outs) == (1, 1):
         block = TransferFunction(nb=order + (nk == 0), nf=order, nk=nk)
-    known = [r.with_outputs(_skipped(r.outputs, skip)) for r in records]
-    return polished(block, known, "rest", skip, iterations)
+    known = [r.with_outputs(_skip_start(r.outputs, skip)) for r in records]
+    return polish_linear(block, known, "rest", skip, iterations)
 
 
-def polished(
+def polish_linear(
     block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0,
     iterations: int = 60,
 ) -> Chain:  # fmt: skip
@@ -110,7 +116,7 @@ def polished(
     """
     first = max(records, key=len)
     lined = block.outputs == 1 and (isinstance(block, TransferFunction) or block.offset == "no")
-    chain = untrained([block, Polynomial(degree=1)] if lined else [block], first)
+    chain = build_untrained([block, Polynomial(degree=1)] if lined else [block], first)
     found = linear_start(
         block, [r.inputs for r in records], [r.outputs for r in records], first.interval
     )
@@ -119,17 +125,17 @@ def polished(
         theta = np.concatenate([theta, line.line(found.gain, found.offset)])
     squares = Squares(chain.engine, [Aim(record, skip, None, start) for record in records])
     if iterations:
-        theta = minimise(squares, squares.extended(theta), iterations).theta[: len(theta)]
+        theta = minimise_cost(squares, squares.extended(theta), iterations).theta[: len(theta)]
     return chain.with_theta(theta)
 
 
-def _skipped(y: Numbers, skip: int) -> Numbers:
+def _skip_start(y: Numbers, skip: int) -> Numbers:
     kept = y.copy()
     kept[:skip] = np.nan
     return kept
 
 
-def _paired(
+def _pair_records(
     w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]
 ) -> list[Pair]:  # fmt: skip
     inputs = [w] if isinstance(w, np.ndarray) else list(w)
@@ -142,27 +148,27 @@ def _paired(
     return [(columns(a), columns(b)) for a, b in zip(inputs, outputs, strict=True)]
 
 
-def _shortened(pairs: Sequence[Pair]) -> list[Pair]:
+def _shorten_records(pairs: Sequence[Pair]) -> list[Pair]:
     """The first samples of every record: enough to compare poles."""
     most = max(SCORED // len(pairs), FEWEST)
     return [(u[:most], y[:most]) for u, y in pairs]
 
 
-def _order(block: TransferFunction | StateSpace) -> int:
+def _find_order(block: TransferFunction | StateSpace) -> int:
     return int(block.nf if isinstance(block, TransferFunction) else block.order)
 
 
-def _factors(pairs: Sequence[Pair]) -> list[int]:
+def _list_factors(pairs: Sequence[Pair]) -> list[int]:
     """Multiples of the sample time at which records are looked at."""
     longest = max(len(u) for u, _ in pairs)
     return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= FEWEST]
 
 
-def _found(
+def _find_poles(
     block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int
 ) -> Numbers:
     """Poles, and the B of several inputs, from records at `factor` times the sample time."""
-    order = _order(block)
+    order = _find_order(block)
     if not order:
         return np.zeros(0)
     nk = int(block.nk)
@@ -171,15 +177,15 @@ def _found(
         max(LAGS // block.inputs, 32), max(2 * order + 4, max(len(u) for u, _ in pairs) // 4)
     )
     g = impulse_response(pairs, lags, nk // factor)
-    model = realised(g[max(nb - order, 0) if factor == 1 else 1 :], order)
+    model = realise_responses(g[max(nb - order, 0) if factor == 1 else 1 :], order)
     z = np.linalg.eigvals(model.a)
-    found = matched(z, dt * factor)
+    found = match_poles(z, dt * factor)
     if block.inputs == 1:
         return found.numbers
-    return np.concatenate([found.numbers, _mixing(block, model, z, found, dt * factor)])
+    return np.concatenate([found.numbers, _find_mixing(block, model, z, found, dt * factor)])
 
 
-def _mixing(
+def _find_mixing(
     block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float
 ) -> Numbers:  # fmt: skip
     """The free numbers of B."""
@@ -189,13 +195,13 @@ def _mixing(
     def after(state: Numbers, fed: Numbers) -> list[float]:
         one, *more = map(float, fed)
         held = list(map(float, state))
-        return sections.cascade(floats, n, numbers, held, one, dt, more or [0.0]).state
+        return sections.step_cascade(floats, n, numbers, held, one, dt, more or [0.0]).state
 
     zero = np.zeros(n)
     a = np.column_stack([after(unit, zero) for unit in np.eye(n)])
     fed = np.column_stack([after(zero, unit) for unit in np.eye(n)])
     summed = model.b @ (1.0 / np.arange(1, m + 1))
     joined = Realised(model.a, np.column_stack([model.b, summed]), model.c)
-    own = sections.poles(n, found.numbers, dt)
-    b = entering(joined, z[found.places], Realised(a, fed[:, :1], model.c), own)
+    own = sections.find_poles(n, found.numbers, dt)
+    b = find_entering(joined, z[found.places], Realised(a, fed[:, :1], model.c), own)
     return np.linalg.solve(fed, b)[:, :-1].ravel()

@@ -129,7 +129,9 @@ class Chain:
         )  # fmt: skip
 
 
-def untrained(blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None) -> Chain:
+def build_untrained(
+    blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None
+) -> Chain:
     """A chain for a record, its blocks one by one adapted to what reaches them from the start."""
     made: list[AbstractBlock] = []
     x, theta = record.inputs, np.zeros(0)

@@ -106,7 +106,7 @@ class Crossed:
         return self.lags[top], self.values[top]
 
 
-def crossed(
+def correlate_residuals(
     residuals: Any, signal: Any, interval: float, *, output: str = "y", name: str = "u",
     lags: Sequence[int] | None = None, level: float = LEVEL,
 ) -> Crossed | None:  # fmt: skip
@@ -141,7 +141,7 @@ def crossed(
     if any(abs(lag) >= len(e) for lag in chosen):
         raise DataError(f"A lag of {max(map(abs, chosen))} is beyond {len(e)} samples.")
     variance = max(1.0 + 2.0 * float(rho_e[1:] @ rho_w[1:]), 0.0) / count
-    values = [float(_shifted(e, w, lag)) / size for lag in chosen]
+    values = [float(_sum_shifted(e, w, lag)) / size for lag in chosen]
     return Crossed(
         output, name, tuple(chosen), tuple(values), math.sqrt(max(variance, 1.0 / count**2)),
         interval, level,
@@ -150,18 +150,18 @@ def crossed(
 
 def spread_lags(*autocorrelations: Numbers) -> list[int]:
     """Lags from -L to L in equal steps, over four times the time that signals remember."""
-    memory = max(_memory(rho) for rho in autocorrelations)
+    memory = max(_find_memory(rho) for rho in autocorrelations)
     most = len(autocorrelations[0]) // 5
     step = max(1, min(4 * memory, most) // LAGS)
     return [step * k for k in range(-LAGS, LAGS + 1) if abs(step * k) <= max(most, 1)]
 
 
-def _memory(rho: Numbers) -> int:
+def _find_memory(rho: Numbers) -> int:
     """First lag at which an autocorrelation has fallen to 1/e."""
     below = np.flatnonzero(rho < math.exp(-1.0))
     return int(below[0]) if len(below) else len(rho)
 
 
-def _shifted(e: Numbers, w: Numbers, lag: int) -> float:
+def _sum_shifted(e: Numbers, w: Numbers, lag: int) -> float:
     """Σ ε_{t+lag} w_t."""
     return float(e[lag:] @ w[: len(w) - lag]) if lag >= 0 else float(e[:lag] @ w[-lag:])

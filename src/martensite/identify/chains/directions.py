@@ -24,7 +24,7 @@ RISING, FALLING = "rising", "falling"
 Masks = Mapping[str, Any]
 
 
-def rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
+def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
     """True where a signal of shape (samples,) rises, or holds after it has risen.
 
     Args:
@@ -53,7 +53,7 @@ def rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
     return found
 
 
-def split(
+def split_by_direction(
     record: Sampled, masks: Masks | None = None, number: int = 0, reversal: float = REVERSAL
 ) -> dict[str, Numbers]:
     """Samples by name: those of a rising and of a falling input, or those that are given.
@@ -68,7 +68,7 @@ def split(
         DataError: a mask does not have one value per sample.
     """
     if masks is None:
-        up = rising(record.inputs[:, number], reversal)
+        up = find_rising(record.inputs[:, number], reversal)
         return {RISING: up, FALLING: ~up}
     found = {name: np.asarray(mask, dtype=bool) for name, mask in masks.items()}
     for name, mask in found.items():

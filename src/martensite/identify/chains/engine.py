@@ -10,10 +10,10 @@ import numpy as np
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.native import Native
-from martensite.identify.chains.native_columns import TILE, padded
+from martensite.identify.chains.native_columns import TILE, pad_count
 from martensite.identify.chains.native_source import Taps
 from martensite.identify.chains.plain import Plain
-from martensite.identify.chains.plan import Plan, plan
+from martensite.identify.chains.plan import Plan, plan_blocks
 from martensite.kernels.c99 import find_compiler
 
 CHUNK = 4032
@@ -63,7 +63,7 @@ class Engine:
     @cached_property
     def plan(self) -> Plan:
         """The traced blocks."""
-        return plan(self.blocks)
+        return plan_blocks(self.blocks)
 
     def _numbers(self, theta: Numbers) -> Numbers:
         given = [value for block in self.blocks for value in block.given()]
@@ -104,7 +104,7 @@ class Engine:
         u, numbers = np.ascontiguousarray(u, dtype=float), self._numbers(theta)
         start = self.rest(theta, u[0]) if start is None else start
         state, slopes = start.state.copy(), np.array(start.slopes)
-        shape = len(self.taps), slopes.shape[1], padded(min(chunk, len(u)), TILE)
+        shape = len(self.taps), slopes.shape[1], pad_count(min(chunk, len(u)), TILE)
         room = np.empty(shape)
         for first in range(0, len(u), chunk):
             part = u[first : first + chunk]

@@ -15,18 +15,18 @@ import numpy as np
 
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.identify.chains.begun import begun
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.begun import begin_from_chain
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.checks import check_enough, check_informative, check_records
-from martensite.identify.chains.goals import aims, squares_of
-from martensite.identify.chains.informed import begins
-from martensite.identify.chains.levenberg import Found, minimise
+from martensite.identify.chains.goals import build_aims, squares_of
+from martensite.identify.chains.informed import list_informed_starts
+from martensite.identify.chains.levenberg import Found, minimise_cost
 from martensite.identify.chains.options import Options as Options
-from martensite.identify.chains.residuals import Aim, Squares, settled
+from martensite.identify.chains.residuals import Aim, Squares, settle_states
 from martensite.identify.chains.scored import free_run
 from martensite.identify.chains.scores import fit_percent
-from martensite.identify.chains.thinning import MIDDLE, coarse
-from martensite.identify.chains.whitening import whitened
+from martensite.identify.chains.thinning import MIDDLE, coarsen_records
+from martensite.identify.chains.whitening import whiten_chain
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
 
@@ -72,7 +72,7 @@ class End(NamedTuple):
     chain: Chain
 
 
-def estimate(
+def estimate_chain(
     blocks: str | Sequence[AbstractBlock],
     records: Sampled | Sequence[Sampled],
     options: Options | None = None,
@@ -96,27 +96,27 @@ def estimate(
     check_informative(records, options.skip, options.start)
     made = parse_chain(blocks) if isinstance(blocks, str) else tuple(blocks)
     _check_signals(made, records[0])
-    chain = untrained(made, max(records, key=len))
+    chain = build_untrained(made, max(records, key=len))
     check_enough(chain, records, options.skip)
     tell = watch or (lambda text, share: None)
-    thin, middle = coarse(records), coarse(records, MIDDLE)
-    first = _first(chain, thin, _thin(options, thin, records), tell)
+    thin, middle = coarsen_records(records), coarsen_records(records, MIDDLE)
+    first = _search_thin(chain, thin, _thin_options(options, thin, records), tell)
     best = [end.chain for end in first[: max(options.refined, 1)]]
-    own = _thin(options, middle, records)
-    refined = _ends(best, middle, own, _told(tell, "refined", 0.5, 0.9))
+    own = _thin_options(options, middle, records)
+    refined = _refine_all(best, middle, own, _tell_searches(tell, "refined", 0.5, 0.9))
     if not refined:
         raise SolveError(
             f"No search for `{chain.text()}` gave a model that can be simulated; try more "
             "starts, fewer units or a lower order."
         )
-    last = _finished(refined, middle, records, options)
+    last = _finish_search(refined, middle, records, options)
     tell("full rate", 1.0)
-    wanted = tuple(aims(records, options))
+    wanted = tuple(build_aims(records, options))
     found, chain = last.found, last.chain
     if options.noise:
-        found, wanted = whitened(chain, found, wanted, options)
+        found, wanted = whiten_chain(chain, found, wanted, options)
         chain = chain.with_theta(found.theta[: len(chain.theta)])
-    fits = (_fit(end.chain, middle, own) for end in refined)
+    fits = (_compute_fit(end.chain, middle, own) for end in refined)
     return Estimate(
         chain, records, wanted, found, tuple(sorted(fits, reverse=True)),
         tuple(end.cost for end in first), options,
@@ -137,28 +137,30 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
             )
 
 
-def refine(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
+def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
     """The nearest minimum from the numbers of a chain, at the full rate."""
     squares = squares_of(chain, records, options)
-    return minimise(squares, squares.extended(chain.theta), options.iterations)
+    return minimise_cost(squares, squares.extended(chain.theta), options.iterations)
 
 
-def _thin(options: Options, thin: Sequence[Sampled], records: Sequence[Sampled]) -> Options:
+def _thin_options(options: Options, thin: Sequence[Sampled], records: Sequence[Sampled]) -> Options:
     """The options for thinner records: as long a start that does not count."""
     return replace(options, skip=round(options.skip * records[0].interval / thin[0].interval))
 
 
-def _first(chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell) -> list[End]:
+def _search_thin(
+    chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell
+) -> list[End]:
     """Ends of first searches over thin records, from given chains and from others."""
     slow = replace(chain, interval=records[0].interval)
-    given = [begun(slow, one, records) for one in options.begin]
+    given = [begin_from_chain(slow, one, records) for one in options.begin]
     rng = np.random.default_rng(options.seed)
-    begin = [*given, *begins(slow, records, rng, options.starts, options.start)]
+    begin = [*given, *list_informed_starts(slow, records, rng, options.starts, options.start)]
     half = replace(options, iterations=max(options.iterations // 2, 1))
-    return _ends(begin, records, half, _told(tell, "start", 0.0, 0.5))
+    return _refine_all(begin, records, half, _tell_searches(tell, "start", 0.0, 0.5))
 
 
-def _told(tell: Tell, word: str, low: float, high: float) -> Callable[[int, int], None]:
+def _tell_searches(tell: Tell, word: str, low: float, high: float) -> Callable[[int, int], None]:
     """What tells how many searches have ended of how many; none is an interruption."""
 
     def told(count: int, of: int) -> None:
@@ -170,14 +172,14 @@ def _told(tell: Tell, word: str, low: float, high: float) -> Callable[[int, int]
     return told
 
 
-def _ends(
+def _refine_all(
     chains: Sequence[Chain], records: Sequence[Sampled], options: Options,
     told: Callable[[int, int], None],
 ) -> list[End]:  # fmt: skip
     """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
     ends: list[End] = []
     with ThreadPoolExecutor(options.threads) as pool:
-        found = pool.map(lambda chain: _end(chain, records, options), chains)
+        found = pool.map(lambda chain: _refine_one(chain, records, options), chains)
         try:
             for end in found:
                 ends.append(end)
@@ -190,16 +192,16 @@ def _ends(
     return sorted((end for end in ends if np.isfinite(end.cost)), key=lambda end: end.cost)
 
 
-def _end(chain: Chain, records: Sequence[Sampled], options: Options) -> End:
+def _refine_one(chain: Chain, records: Sequence[Sampled], options: Options) -> End:
     """The nearest minimum over records of any sample time."""
     chain = replace(chain, interval=records[0].interval)
-    found = refine(chain, records, options)
+    found = refine_chain(chain, records, options)
     end = chain.with_theta(found.theta[: len(chain.theta)])
     known = sum(int(np.isfinite(r.outputs[options.skip :]).sum()) for r in records)
     return End(found.value / known, found, end)
 
 
-def _finished(
+def _finish_search(
     refined: Sequence[End], middle: Sequence[Sampled], records: Sequence[Sampled], options: Options
 ) -> End:
     """The end of the best search at the full rate.
@@ -210,8 +212,8 @@ def _finished(
     if all(a is b for a, b in zip(middle, records, strict=True)):
         return refined[0]
     full = [replace(end.chain, interval=records[0].interval) for end in refined]
-    best = min(full, key=lambda chain: _cost(chain, records, options))
-    last = _end(best, records, replace(options, iterations=max(options.iterations // 4, 1)))
+    best = min(full, key=lambda chain: _compute_cost(chain, records, options))
+    last = _refine_one(best, records, replace(options, iterations=max(options.iterations // 4, 1)))
     if not np.isfinite(last.cost):
         raise SolveError(
             f"`{best.text()}` fits thinner records, but cannot be simulated at the full rate; "
@@ -220,15 +222,15 @@ def _finished(
     return last
 
 
-def _cost(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
+def _compute_cost(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
     """What a search minimises, with the best initial states where these are estimated."""
     squares = squares_of(chain, records, options)
     if options.start != "estimate":
         return squares.value(chain.theta)
-    return settled(squares, chain.theta, 10).value
+    return settle_states(squares, chain.theta, 10).value
 
 
-def _fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
+def _compute_fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
     """Mean fit [%] over records and outputs."""
     runs = [(r.outputs, free_run(chain, r, options.start, options.skip)) for r in records]
     return float(np.mean([fit_percent(y, computed, options.skip) for y, computed in runs]))

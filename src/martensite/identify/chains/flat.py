@@ -77,7 +77,7 @@ class Inverse:
     flat: tuple[Flat, ...]
 
 
-def inverse(square: Numbers, names: Sequence[str], cut: float = CUT) -> Inverse:
+def invert_normal(square: Numbers, names: Sequence[str], cut: float = CUT) -> Inverse:
     """Invert JᵀJ where it can be inverted.
 
     Args:
@@ -99,28 +99,28 @@ def inverse(square: Numbers, names: Sequence[str], cut: float = CUT) -> Inverse:
     matrix = (own @ vectors.T) / np.outer(scale, scale)
     condition = largest / float(np.min(values[kept])) if kept.any() else np.inf
     root = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
-    flat = _flat(root, vectors[:, ~kept], scale, names, np.sqrt(cut * max(largest, 1e-300)))
+    flat = _find_flat(root, vectors[:, ~kept], scale, names, np.sqrt(cut * max(largest, 1e-300)))
     return Inverse(matrix, vectors[:, ~kept], scale, condition, tuple(flat))
 
 
-def _flat(
+def _find_flat(
     root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str], limit: float
 ) -> list[Flat]:
     """Directions that are cut, in the fewest numbers where these are few enough to try."""
     if not lost.shape[1]:
         return []
-    found = list(_parted(lost).T) if len(names) > MANY else weak_directions(root, limit)
-    return [_told(direction / scale, direction, names) for direction in found]
+    found = list(_part_directions(lost).T) if len(names) > MANY else weak_directions(root, limit)
+    return [_describe_direction(direction / scale, direction, names) for direction in found]
 
 
-def _parted(lost: Numbers) -> Numbers:
+def _part_directions(lost: Numbers) -> Numbers:
     """The same directions, combined: as many numbers as there are directions are in one each."""
     count = lost.shape[1]
     order = np.asarray(qr(lost.T, pivoting=True, mode="r")[-1], dtype=int)
     return lost @ np.linalg.inv(lost[order[:count]])
 
 
-def _told(moves: Numbers, direction: Numbers, names: Sequence[str]) -> Flat:
+def _describe_direction(moves: Numbers, direction: Numbers, names: Sequence[str]) -> Flat:
     size = np.abs(direction)
     order = [int(i) for i in np.argsort(-size, kind="stable") if size[i] > SMALL * size.max()]
     rest = int(np.sum(size > SLIGHT * size.max())) - len(order)

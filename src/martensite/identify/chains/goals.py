@@ -14,9 +14,9 @@ from martensite.identify.chains.residuals import Aim, Squares
 from martensite.signals.sampling.sampled import Sampled
 
 
-def aims(records: Sequence[Sampled], options: Options) -> list[Aim]:
+def build_aims(records: Sequence[Sampled], options: Options) -> list[Aim]:
     """What is fitted: the records, on one scale, and what they say of rest."""
-    weights = 1.0 / _spread(records, options)
+    weights = 1.0 / _find_spread(records, options)
     found = [Aim(r, options.skip, weights, options.start) for r in records]
     if options.anchor > 0.0:
         for record in records:
@@ -36,7 +36,7 @@ def at_rest(record: Sampled) -> Sampled:
     return first.with_outputs(levels[None, :])
 
 
-def _spread(records: Sequence[Sampled], options: Options) -> Numbers:
+def _find_spread(records: Sequence[Sampled], options: Options) -> Numbers:
     """What a residual of every output is measured in."""
     if not options.sigma:
         spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
@@ -49,7 +49,7 @@ def _spread(records: Sequence[Sampled], options: Options) -> Numbers:
     return np.array(options.sigma)
 
 
-def expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
+def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
     """Where θ is pulled, and the 1/σ of priors: to what blocks expect, else to where it is."""
     found = [block.priors() for block in chain.blocks]
     centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
@@ -59,4 +59,6 @@ def expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
 
 def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> Squares:
     """The sum of squares that a search from the numbers of a chain minimises."""
-    return Squares(chain.engine, aims(records, options), options.ridge, *expected(chain, options))
+    return Squares(
+        chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options)
+    )

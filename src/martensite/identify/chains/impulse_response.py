@@ -58,23 +58,23 @@ def impulse_response(pairs: Sequence[Pair], length: int, nk: int = 0) -> Numbers
         raise DataError(
             f"An impulse response needs at least 4 samples known in all outputs, not {known}."
         )
-    u_scale = _spread(np.concatenate([u for u, _ in pairs]))
-    y_scale = _spread(np.concatenate([y for _, y in pairs]))
-    sums = _summed([(u / u_scale, y / y_scale) for u, y in pairs], length, nk)
-    g = _likeliest(sums, length)
+    u_scale = _find_spread(np.concatenate([u for u, _ in pairs]))
+    y_scale = _find_spread(np.concatenate([y for _, y in pairs]))
+    sums = _sum_products([(u / u_scale, y / y_scale) for u, y in pairs], length, nk)
+    g = _find_likeliest(sums, length)
     return g.transpose(1, 2, 0) * y_scale[:, None] / u_scale
 
 
-def _spread(signals: Numbers) -> Numbers:
+def _find_spread(signals: Numbers) -> Numbers:
     spread = np.nanstd(signals, axis=0)
     return np.where(spread > 0.0, spread, 1.0)
 
 
-def _summed(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
+def _sum_products(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
     """Sums of products around the means, over rows whose outputs are all known."""
     columns, outputs = length * pairs[0][0].shape[1], pairs[0][1].shape[1]
     total = np.zeros((columns + outputs + 1,) * 2)
-    for x, y in _rows(pairs, length, nk):
+    for x, y in _build_regressors(pairs, length, nk):
         joined = np.hstack([x, y, np.ones((len(x), 1))])
         total += joined.T @ joined
     count, mean = total[-1, -1], total[-1, :-1]
@@ -83,7 +83,7 @@ def _summed(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
     return _Sums(int(count), centred[:cut, :cut], centred[:cut, cut:], centred[cut:, cut:])
 
 
-def _rows(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[Pair]:
+def _build_regressors(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[Pair]:
     """Regressors, input after input each over its lags, and outputs, piece by piece."""
     samples = sum(len(u) for u, _ in pairs)
     every = int(np.ceil(samples * (length * pairs[0][0].shape[1]) ** 2 / WORK))
@@ -99,7 +99,7 @@ def _rows(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[Pair]:
             yield x[known], y[rows][known]
 
 
-def _likeliest(sums: _Sums, length: int) -> Numbers:
+def _find_likeliest(sums: _Sums, length: int) -> Numbers:
     """Responses of shape (inputs, lags, outputs) with the likeliest κ and λ."""
     inputs = len(sums.square) // length
     best, found = np.inf, np.zeros((inputs, length, sums.cross.shape[1]))

@@ -20,10 +20,10 @@ from martensite.base.errors import DataError
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import Linear, linear_start, polished
+from martensite.identify.chains.best_linear import Linear, linear_start, polish_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.starts import aligned, drawn
+from martensite.identify.chains.starts import align_chain, draw_numbers
 from martensite.identify.chains.wiener_hammerstein import (
     is_wiener_hammerstein,
     wiener_hammerstein_starts,
@@ -34,7 +34,7 @@ POLISH = 40
 """Steps by which a linear model is refined before nonlinear terms are added to it."""
 
 
-def begins(
+def list_informed_starts(
     chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int,
     state: str = "rest",
 ) -> list[Chain]:  # fmt: skip
@@ -50,18 +50,18 @@ def begins(
     if count < 1:
         return []
     if count == 1:
-        return [aligned(chain, records)]
+        return [align_chain(chain, records)]
     if is_wiener_hammerstein(chain.blocks) and records[0].outputs.shape[1] == 1:
         return _shared_out(chain, records, rng, count)
     linear = from_linear(chain, records, state)
     made = [chain]
     if linear is not None:
         made.append(linear)
-        made += [_bent(linear, rng, records[0]) for _ in range(max(count // 4, 1))]
+        made += [_bend_start(linear, rng, records[0]) for _ in range(max(count // 4, 1))]
     for k in range(count - len(made)):
         base = linear if linear is not None and k % 2 else chain
-        made.append(base.with_theta(drawn(base, rng, records[0])))
-    return [aligned(one, records) for one in made[:count]]
+        made.append(base.with_theta(draw_numbers(base, rng, records[0])))
+    return [align_chain(one, records) for one in made[:count]]
 
 
 def _shared_out(
@@ -71,8 +71,8 @@ def _shared_out(
     shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
     base = shared[0] if shared else chain
     more = range(max(count - 1 - len(shared), 0))
-    others = [chain, *(base.with_theta(drawn(base, rng, records[0])) for _ in more)]
-    return [*shared, *(aligned(one, records) for one in others)]
+    others = [chain, *(base.with_theta(draw_numbers(base, rng, records[0])) for _ in more)]
+    return [*shared, *(align_chain(one, records) for one in others)]
 
 
 def linear_twin(block: AbstractBlock) -> Linear | None:
@@ -92,13 +92,13 @@ def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -
         return None
     reaching = [chain.before(place, record) for record in records]
     try:
-        own = _best(twin, twin is chain.blocks[place], reaching, records, state)
+        own = _fit_linear_start(twin, twin is chain.blocks[place], reaching, records, state)
     except DataError:
         return None
-    return None if own is None else _readapted(chain, place, own, max(records, key=len))
+    return None if own is None else _adapt_again(chain, place, own, max(records, key=len))
 
 
-def _best(
+def _fit_linear_start(
     twin: Linear, linear: bool, reaching: Sequence[Numbers], records: Sequence[Sampled], state: str
 ) -> Numbers | None:
     """Numbers of the best linear model; refined where nonlinear terms are to follow."""
@@ -109,11 +109,11 @@ def _best(
         names = tuple(f"x{i + 1}" for i in range(twin.inputs))
         pairs = zip(records, reaching, strict=True)
         between = [replace(r, inputs=x, input_names=names, units={}) for r, x in pairs]
-        theta = polished(twin, between, state, iterations=POLISH).split()[0]
+        theta = polish_linear(twin, between, state, iterations=POLISH).split()[0]
     return theta if np.all(np.isfinite(theta)) else None
 
 
-def _readapted(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain:
+def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain:
     """The chain, one block as a linear one, all adapted to what reaches them then."""
     blocks, theta, x = list(chain.blocks), list[Numbers](), record.inputs
     for i, block in enumerate(blocks):
@@ -126,7 +126,7 @@ def _readapted(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain
     return replace(chain, blocks=tuple(blocks), theta=np.concatenate([np.zeros(0), *theta]))
 
 
-def _bent(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chain:
+def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chain:
     """The same linear dynamics, between static blocks and with nonlinear terms as drawn."""
     parts: list[Numbers] = []
     for block, own in zip(chain.blocks, chain.split(), strict=True):

@@ -53,7 +53,7 @@ class Found:
     """False if it was stopped by its limit of iterations."""
 
 
-def minimise(
+def minimise_cost(
     cost: Cost, theta: Numbers, iterations: int = 100, tolerance: float = 1e-7, patience: int = 4,
     free: Numbers | None = None, watch: Callable[[int, float, Numbers], None] | None = None,
 ) -> Found:  # fmt: skip
@@ -73,7 +73,7 @@ def minimise(
     normal = cost.normal(theta)
     damping, little = 1e-3, 0
     for count in range(iterations):
-        step = _step(cost, theta, normal, damping, moving)
+        step = _try_step(cost, theta, normal, damping, moving)
         if step is None or not len(moving):
             return Found(theta, normal.value, count, True)
         theta, damping = step
@@ -86,7 +86,7 @@ def minimise(
     return Found(theta, normal.value, iterations, False)
 
 
-def _step(
+def _try_step(
     cost: Cost, theta: Numbers, normal: Normal, damping: float, moving: Numbers
 ) -> tuple[Numbers, float] | None:
     """The next point and damping, or None if no step makes it better."""

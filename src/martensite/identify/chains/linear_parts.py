@@ -33,7 +33,7 @@ class _KnowsPoles(Protocol):
     def poles(self, theta: Numbers, dt: float) -> Numbers: ...
 
 
-def orders(block: AbstractBlock) -> Orders | None:
+def find_orders(block: AbstractBlock) -> Orders | None:
     """Orders of an `oe` or `ss` of one input and one output."""
     if isinstance(block, TransferFunction):
         return Orders(int(block.nb), int(block.nf), int(block.nk))
@@ -43,7 +43,7 @@ def orders(block: AbstractBlock) -> Orders | None:
     return None
 
 
-def transfer(block: AbstractBlock, theta: Numbers, dt: float) -> Linear:
+def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear:
     """State space of a linear block at a sample time [s]; an offset is left out.
 
     Raises:
@@ -69,14 +69,14 @@ def transfer(block: AbstractBlock, theta: Numbers, dt: float) -> Linear:
     )  # fmt: skip
 
 
-def poles(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
+def find_poles(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
     """Poles z of a linear block, those at 0 of delays left out where it knows its own."""
     if isinstance(block, _KnowsPoles):
         return block.poles(theta, dt)
-    return np.linalg.eigvals(transfer(block, theta, dt).a)
+    return np.linalg.eigvals(build_state_space(block, theta, dt).a)
 
 
-def zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
+def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
     """Zeros z of a linear block of one input and one output.
 
     There is one fewer than the numerator has coefficients; those at 0 are left out.
@@ -88,17 +88,17 @@ def zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
         raise ParameterError(
             f"Block `{block.text()}` has several inputs or outputs; zeros are those of one of each."
         )
-    made = transfer(block, theta, dt)
-    numerator, _ = fraction(made)
+    made = build_state_space(block, theta, dt)
+    numerator, _ = find_fraction(made)
     size = np.abs(numerator)
     first = int(np.argmax(size > 1e-9 * size.max())) if size.max() > 0.0 else len(size)
     found = np.roots(numerator[first:])
-    known = orders(block)
+    known = find_orders(block)
     found = found[np.argsort(-np.abs(found))][: known.nb - 1 if known else None]
     return found[np.abs(found) > 1e-9]
 
 
-def fraction(system: Linear) -> tuple[Numbers, Numbers]:
+def find_fraction(system: Linear) -> tuple[Numbers, Numbers]:
     """Numerator and denominator in falling powers of z, of a system of one input and output."""
     denominator = np.atleast_1d(np.poly(system.a))
     # det(zI - A + B C) = det(zI - A) (1 + C (zI - A)⁻¹ B)

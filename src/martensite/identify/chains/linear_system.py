@@ -48,8 +48,8 @@ class Linear:
     @cached_property
     def active(self) -> Numbers:
         """Numbers of the states that inputs reach and outputs feel."""
-        reached = _closure(np.any(self.b != 0.0, axis=1), self.a != 0.0)
-        felt = _closure(np.any(self.c != 0.0, axis=0), self.a.T != 0.0)
+        reached = _find_reachable(np.any(self.b != 0.0, axis=1), self.a != 0.0)
+        felt = _find_reachable(np.any(self.c != 0.0, axis=0), self.a.T != 0.0)
         return np.flatnonzero(reached & felt)
 
     @property
@@ -126,7 +126,7 @@ class Linear:
         return self.interval * np.arange(len(u)), self.simulate(u)
 
 
-def _closure(first: Numbers, through: Numbers) -> Numbers:
+def _find_reachable(first: Numbers, through: Numbers) -> Numbers:
     """States that are reached from some, where `through[i, j]` says that j moves i."""
     reached = first
     while True:

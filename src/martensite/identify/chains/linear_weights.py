@@ -27,14 +27,14 @@ class LinearStart(NamedTuple):
     """Sum of squared errors over the outputs' variances."""
 
 
-def weighted(
+def fit_weights(
     block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float
 ) -> LinearStart:
     """The start with given first numbers; all others are linear and follow from least squares."""
     theta = np.zeros(len(block.numbers()))
     theta[: len(known)] = known
-    own = _weighing(block, len(known))
-    found, error = _squares(Engine([block], dt), theta, own, pairs)
+    own = _find_weights(block, len(known))
+    found, error = _solve_squares(Engine([block], dt), theta, own, pairs)
     if not np.isfinite(error):
         return LinearStart(theta, 1.0, 0.0, np.inf)
     if isinstance(block, TransferFunction):
@@ -53,21 +53,21 @@ def weighted(
     return LinearStart(theta, 1.0, float(found[-1, 0]) if single else 0.0, error)
 
 
-def _weighing(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
+def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
     """Places of the linear numbers; those of the first output, as all sum the same signals."""
     first = ("weight", "c1_", "d1_")
     names = block.numbers()
     return np.array([i for i in range(known, len(names)) if names[i].startswith(first)], np.intp)
 
 
-def _squares(
+def _solve_squares(
     engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> tuple[Numbers, float]:
     """Weights of the signals and a constant (the last), and the error over the variances."""
     outputs = np.concatenate([y for _, y in pairs])
     outs = outputs.shape[1]
     total: Numbers | None = None
-    for x, y in _signals(engine, theta, own, pairs):
+    for x, y in _collect_signals(engine, theta, own, pairs):
         rows = np.hstack([x, y])
         rows = rows if total is None else np.vstack([total, rows])
         if not np.all(np.isfinite(rows)):
@@ -84,7 +84,7 @@ def _squares(
     return found, float(np.sum(left / np.where(spread > 0.0, spread, 1.0)))
 
 
-def _signals(
+def _collect_signals(
     engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> Iterator[Pair]:
     """What the linear numbers weigh, with a constant, and the outputs: rows known in all."""

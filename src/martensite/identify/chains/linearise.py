@@ -57,15 +57,15 @@ def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None 
     if history is None:
         state = chain.engine.rest(chain.theta, u).state
     else:
-        rows = _rows(chain, history)
+        rows = _convert_history(chain, history)
         state = chain.engine.rest(chain.theta, rows[0]).state
         chain.engine.simulate(chain.theta, rows, state)
-        _settle(chain, u, state)
+        _settle_state(chain, u, state)
     y = chain.engine.simulate(chain.theta, u[None], state.copy())[0]
     return Point(u, state, y)
 
 
-def _rows(chain: Chain, history: Numbers | Sampled) -> Numbers:
+def _convert_history(chain: Chain, history: Numbers | Sampled) -> Numbers:
     rows = history.inputs if isinstance(history, Sampled) else np.asarray(history, dtype=float)
     rows = rows[:, None] if rows.ndim == 1 else rows
     if rows.ndim != 2 or rows.shape[1] != chain.inputs or not len(rows):
@@ -73,7 +73,7 @@ def _rows(chain: Chain, history: Numbers | Sampled) -> Numbers:
     return rows
 
 
-def _settle(chain: Chain, u: Numbers, state: Numbers) -> None:
+def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
     """Hold an input until the state, changed in place, stays."""
     samples = 256
     for _ in range(DOUBLINGS):
@@ -89,7 +89,7 @@ def _settle(chain: Chain, u: Numbers, state: Numbers) -> None:
     )
 
 
-def linearise(
+def linearise_chain(
     chain: Chain, level: Any, history: Numbers | Sampled | None = None, push: Any = 0.0
 ) -> Linear:
     """The linear system of a chain around an operating point (see `operating_point`).
@@ -107,13 +107,13 @@ def linearise(
     """
     point = operating_point(chain, level, history)
     if not np.any(push):
-        return around(chain, point)
+        return linearise_around(chain, point)
     u, state = point.inputs + np.asarray(push, dtype=float), point.state.copy()
-    _settle(chain, u, state)
-    return around(chain, point, _entering(chain, u, state))
+    _settle_state(chain, u, state)
+    return linearise_around(chain, point, _find_entering(chain, u, state))
 
 
-def around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) -> Linear:
+def linearise_around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) -> Linear:
     """The linear system around any state and input: also one that does not rest.
 
     Args:
@@ -123,8 +123,8 @@ def around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) 
     """
     engine = chain.engine
     states, inputs = engine.plan.states, chain.inputs
-    functions = _bound(chain)
-    entering = _entering(chain, point.inputs, point.state)
+    functions = _bind_blocks(chain)
+    entering = _find_entering(chain, point.inputs, point.state)
     a, b = np.zeros((states, states)), np.zeros((states, inputs))
     reach = np.hstack([np.zeros((inputs, states)), np.eye(inputs)])
     seen = np.zeros((len(engine.taps), states + inputs))
@@ -153,16 +153,16 @@ def around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) 
     )  # fmt: skip
 
 
-def _bound(chain: Chain) -> Any:
+def _bind_blocks(chain: Chain) -> Any:
     """The functions of all blocks on floats."""
     given = [float(value) for block in chain.blocks for value in block.given()]
     program = chain.engine.plan.program
     return program.bind_floats(*map(float, chain.theta), *given, float(chain.interval))
 
 
-def _entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
+def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
     """What enters every block in a state."""
-    functions, x, found, first = _bound(chain), u, [], 0
+    functions, x, found, first = _bind_blocks(chain), u, [], 0
     for piece in chain.engine.plan.pieces:
         last = first + piece.block.states()
         found.append(x[: piece.block.inputs])
@@ -192,7 +192,7 @@ def static_curve(
     Raises:
         InputError: a number of points below 2, or levels that do not fit.
     """
-    levels = _levels(low, high, points)
+    levels = _list_levels(low, high, points)
     base = np.zeros(chain.inputs) if others is None else np.asarray(others, dtype=float)
     rows = np.tile(base, (points, 1))
     rows[:, number] = levels
@@ -217,14 +217,14 @@ def static_loop(
     Raises:
         InputError: a number of points below 2, or a model of several inputs.
     """
-    levels = _levels(low, high, points)
+    levels = _list_levels(low, high, points)
     path = np.concatenate([levels, levels[-2::-1]])
     count = max(round(hold / chain.interval), 1)
     y = chain.simulate(np.repeat(path, count))
     return path, y[count - 1 :: count]
 
 
-def _levels(low: float, high: float, points: int) -> Numbers:
+def _list_levels(low: float, high: float, points: int) -> Numbers:
     if points < 2 or not np.isfinite(low) or not np.isfinite(high):
         raise InputError("A static curve needs at least 2 points between finite levels.")
     return np.linspace(low, high, points)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.native_columns import TILE, room
+from martensite.identify.chains.native_columns import TILE, count_room
 from martensite.identify.chains.native_source import Taps, chain_source
 from martensite.identify.chains.plan import Plan
 from martensite.kernels.c99 import load_library
@@ -23,17 +23,29 @@ class Native:
 
     def __init__(self, plan: Plan, taps: Taps) -> None:
         self._plan, self._taps, self._width = plan, taps, plan.width
-        self._library = _library(plan, taps, False)
+        self._library = _load_library(plan, taps, False)
         self._with_slopes: dict[int, tuple[Any, int]] = {}
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
         """State at rest under constant inputs x, with its derivatives (states, columns)."""
-        scratch = _aligned(scratch_size(self._plan, self._plan.columns))
-        self._library.rest(_at(p), _at(x), _at(s), _at(ds), _at(scratch))
+        scratch = _allocate_aligned(scratch_size(self._plan, self._plan.columns))
+        self._library.rest(
+            _get_address(p),
+            _get_address(x),
+            _get_address(s),
+            _get_address(ds),
+            _get_address(scratch),
+        )
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
         """Simulate inputs u (samples, inputs) from a state, into y (samples, outputs)."""
-        self._library.run(ctypes.c_long(len(u)), _at(p), _at(u), _at(s), _at(y))
+        self._library.run(
+            ctypes.c_long(len(u)),
+            _get_address(p),
+            _get_address(u),
+            _get_address(s),
+            _get_address(y),
+        )
 
     def slopes(
         self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers
@@ -46,17 +58,24 @@ class Native:
         """
         columns = ds.shape[1]
         if columns not in self._with_slopes:
-            library = _library(self._plan, self._taps, columns > self._plan.columns)
+            library = _load_library(self._plan, self._taps, columns > self._plan.columns)
             self._with_slopes[columns] = library.slopes, scratch_size(self._plan, columns)
         slopes, size = self._with_slopes[columns]
-        scratch = _aligned(size)
+        scratch = _allocate_aligned(size)
         slopes(
-            ctypes.c_long(len(u)), _at(p), _at(u), _at(s), _at(ds), _at(scratch), _at(y), _at(dy),
+            ctypes.c_long(len(u)),
+            _get_address(p),
+            _get_address(u),
+            _get_address(s),
+            _get_address(ds),
+            _get_address(scratch),
+            _get_address(y),
+            _get_address(dy),
             ctypes.c_long(dy.strides[2] // 8),
-        )  # fmt: skip
+        )
 
 
-def _aligned(count: int) -> Numbers:
+def _allocate_aligned(count: int) -> Numbers:
     """Zeros from the start of a cache line."""
     room = np.zeros(count + 8)
     first = -room.ctypes.data % 64 // 8
@@ -65,14 +84,14 @@ def _aligned(count: int) -> Numbers:
 
 def scratch_size(plan: Plan, columns: int) -> int:
     """Numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
-    beside = sum(room(piece, columns - plan.columns) for piece in plan.pieces)
+    beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
 
 
-def _at(array: Numbers) -> ctypes.c_void_p:
+def _get_address(array: Numbers) -> ctypes.c_void_p:
     return ctypes.c_void_p(array.ctypes.data)
 
 
 @cache_answers(64)
-def _library(plan: Plan, taps: Taps, extra: bool) -> Any:
+def _load_library(plan: Plan, taps: Taps, extra: bool) -> Any:
     return load_library(chain_source(plan, taps, extra), FLAGS)

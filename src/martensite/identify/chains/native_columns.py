@@ -21,50 +21,51 @@ LANES = 8
 """Columns are padded to a multiple of these."""
 
 
-def padded(count: int, unit: int = LANES) -> int:
+def pad_count(count: int, unit: int = LANES) -> int:
     """The next multiple of a unit, at least one."""
     return -(-max(count, 1) // unit) * unit
 
 
-def room(piece: Piece, extra: int) -> int:
+def count_room(piece: Piece, extra: int) -> int:
     """Numbers that a block needs beside the tile; they begin as zeros."""
     block = piece.block
     if not block.states():
         return 0
-    signals, rows = max(block.inputs, block.outputs), block.outputs + _begun(piece)
-    return TILE * (signals * padded(piece.first + extra) + rows * padded(piece.count))
+    signals, rows = max(block.inputs, block.outputs), block.outputs + _count_begun(piece)
+    return TILE * (signals * pad_count(piece.first + extra) + rows * pad_count(piece.count))
 
 
-def moving(piece: Piece) -> int:
+def list_moving(piece: Piece) -> int:
     """Columns of partial derivatives that are of inputs and states."""
     return piece.block.inputs + piece.block.states()
 
 
-def through(piece: Piece) -> list[Entry]:
+def list_through(piece: Piece) -> list[Entry]:
     """The partial derivatives with respect to inputs and states."""
-    return [e for e in piece.step.entries if e.column < moving(piece)]
+    return [e for e in piece.step.entries if e.column < list_moving(piece)]
 
 
-def own(piece: Piece) -> list[Entry]:
+def list_own(piece: Piece) -> list[Entry]:
     """The partial derivatives with respect to free numbers."""
-    return [e for e in piece.step.entries if e.column >= moving(piece)]
+    return [e for e in piece.step.entries if e.column >= list_moving(piece)]
 
 
-def _begun(piece: Piece) -> int:
+def _count_begun(piece: Piece) -> int:
     """How many outputs and states depend directly on free numbers."""
-    return max(len({e.row for e in own(piece)}), 1)
+    return max(len({e.row for e in list_own(piece)}), 1)
 
 
 def at_once(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
     """A block without memory: lines before its loop over samples, in the loop, and behind it."""
-    block, entries = piece.block, through(piece)
+    block, entries = piece.block, list_through(piece)
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(entries)}
     kept = [f"{values[e.place]} = {results[e.place]};" for e in entries]
     kept += [
-        f"to[({e.row} * M + lo + {e.column - moving(piece)}) * stride + t] = {results[e.place]};"
-        for e in own(piece)
+        f"to[({e.row} * M + lo + {e.column - list_moving(piece)}) * stride + t] = "
+        f"{results[e.place]};"
+        for e in list_own(piece)
     ]
-    known = {(e.row, e.column - moving(piece)) for e in own(piece)}
+    known = {(e.row, e.column - list_moving(piece)) for e in list_own(piece)}
     zeros = [(r, c) for r in range(block.outputs) for c in range(piece.count)]
     lines = [
         "for (long q = 0; q < lo; q++) {",
@@ -72,7 +73,7 @@ def at_once(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str],
         "    for (long t = 0; t < TILE; t++) {",
         *(f"        const double q{i} = dw[({i} * M + q) * TILE + t];"
           for i in sorted({e.column for e in entries})),
-        *(f"        to[({row} * M + q) * stride + t] = {_sum(row, entries, values)};"
+        *(f"        to[({row} * M + q) * stride + t] = {_print_sum(row, entries, values)};"
           for row in range(block.outputs)),
         "    }",
         "}",
@@ -85,30 +86,30 @@ def at_once(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str],
 def in_sequence(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
     """A block with memory: lines before its loop over samples, in the loop, and behind it."""
     block = piece.block
-    varying = [e for e in through(piece) if not e.constant]
-    rows = sorted({e.row for e in own(piece)})
-    signals, begun = max(block.inputs, block.outputs), _begun(piece)
+    varying = [e for e in list_through(piece) if not e.constant]
+    rows = sorted({e.row for e in list_own(piece)})
+    signals, begun = max(block.inputs, block.outputs), _count_begun(piece)
     before = [
         f"enum {{ LP = lo ? (lo + {LANES - 1}) / {LANES} * {LANES} : {LANES}, "
-        f"CP = {padded(piece.count)} }};",
+        f"CP = {pad_count(piece.count)} }};",
         f"double j[{max(len(varying), 1)}][TILE];",
         "(void)j;",
         f"double *restrict o = z + TILE * {signals} * LP, *restrict g = o + TILE * {begun} * CP;",
     ]
     inside = [f"j[{k}][t] = {results[e.place]};" for k, e in enumerate(varying)]
     inside += [
-        f"o[(t * {begun} + {rows.index(e.row)}) * CP + {e.column - moving(piece)}] "
+        f"o[(t * {begun} + {rows.index(e.row)}) * CP + {e.column - list_moving(piece)}] "
         f"= {results[e.place]};"
-        for e in own(piece)
+        for e in list_own(piece)
     ]
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(varying)}
-    values |= {e.place: results[e.place] for e in through(piece) if e.constant}
-    return before, inside, _carried(piece, values, rows)
+    values |= {e.place: results[e.place] for e in list_through(piece) if e.constant}
+    return before, inside, _print_carried(piece, values, rows)
 
 
-def _carried(piece: Piece, values: dict[int, str], rows: list[int]) -> list[str]:
+def _print_carried(piece: Piece, values: dict[int, str], rows: list[int]) -> list[str]:
     """All columns through the samples of a tile: those of before as e, its own as f."""
-    block, entries, begun = piece.block, through(piece), _begun(piece)
+    block, entries, begun = piece.block, list_through(piece), _count_begun(piece)
     inputs, outputs, states = block.inputs, block.outputs, block.states()
     signals = max(inputs, outputs)
     reads = {i: f"z[(t * {signals} + {i}) * LP + q]" for i in range(inputs)}
@@ -117,38 +118,40 @@ def _carried(piece: Piece, values: dict[int, str], rows: list[int]) -> list[str]
     first = {row: f"o[(t * {begun} + {k}) * CP + q]" for k, row in enumerate(rows)}
     held = [e for e in entries if e.column >= inputs]
     lines = [
-        *_turned(inputs, "lo", f"z[(t * {signals} + i) * LP + q] = dw[(i * M + q) * TILE + t];"),
+        *_print_turned(
+            inputs, "lo", f"z[(t * {signals} + i) * LP + q] = dw[(i * M + q) * TILE + t];"
+        ),
         f"double e[{states}][LP], f[{states}][CP];",
         "memset(e, 0, sizeof(e)); memset(f, 0, sizeof(f));",
-        *_moved(states, "e[i]", "ds + i * M", "lo"),
-        *_moved(states, "f[i]", "ds + i * M + lo", "count"),
+        *_print_moved(states, "e[i]", "ds + i * M", "lo"),
+        *_print_moved(states, "f[i]", "ds + i * M + lo", "count"),
         "for (long t = 0; t < n; t++) {",
         "    if (lo > 0) {",
-        *_columns("LP", _rows(piece, entries, values, reads, writes, {}, "e")),
+        *_print_columns("LP", _print_rows(piece, entries, values, reads, writes, {}, "e")),
         "    }",
         "    if (count > 0) {",
-        *_columns("CP", _rows(piece, held, values, {}, given, first, "f")),
+        *_print_columns("CP", _print_rows(piece, held, values, {}, given, first, "f")),
         "    }",
         "}",
-        *_moved(states, "ds + i * M", "e[i]", "lo"),
-        *_moved(states, "ds + i * M + lo", "f[i]", "count"),
+        *_print_moved(states, "ds + i * M", "e[i]", "lo"),
+        *_print_moved(states, "ds + i * M + lo", "f[i]", "count"),
     ]
     back = f"to[(i * M + q) * stride + t] = z[(t * {signals} + i) * LP + q];"
     mine = f"to[(i * M + lo + q) * stride + t] = g[(t * {outputs} + i) * CP + q];"
-    return [*lines, *_turned(outputs, "lo", back), *_turned(outputs, "count", mine)]
+    return [*lines, *_print_turned(outputs, "lo", back), *_print_turned(outputs, "count", mine)]
 
 
-def _turned(signals: int, columns: str, body: str) -> list[str]:
+def _print_turned(signals: int, columns: str, body: str) -> list[str]:
     return [f"for (long i = 0; i < {signals}; i++) for (long q = 0; q < {columns}; q++)",
             "    for (long t = 0; t < TILE; t++)", f"        {body}"]  # fmt: skip
 
 
-def _moved(states: int, target: str, source: str, count: str) -> list[str]:
+def _print_moved(states: int, target: str, source: str, count: str) -> list[str]:
     return [f"for (long i = 0; i < {states}; i++) "
             f"memcpy({target}, {source}, sizeof(double) * {count});"]  # fmt: skip
 
 
-def _columns(lanes: str, body: Sequence[str]) -> list[str]:
+def _print_columns(lanes: str, body: Sequence[str]) -> list[str]:
     return [
         "        #pragma omp simd",
         f"        for (long q = 0; q < {lanes}; q++) {{",
@@ -157,7 +160,7 @@ def _columns(lanes: str, body: Sequence[str]) -> list[str]:
     ]
 
 
-def _rows(
+def _print_rows(
     piece: Piece, entries: Sequence[Entry], values: dict[int, str], reads: dict[int, str],
     writes: Sequence[str], begun: dict[int, str], state: str,
 ) -> list[str]:  # fmt: skip
@@ -167,13 +170,13 @@ def _rows(
     places = reads | {inputs + k: place for k, place in enumerate(held)}
     lines = [f"const double q{c} = {places[c]};" for c in sorted({e.column for e in entries})]
     for row, target in enumerate([*writes, *held]):
-        text = _sum(row, entries, values)
+        text = _print_sum(row, entries, values)
         if row in begun:
             text = begun[row] if text == "0.0" else f"{begun[row]} + {text}"
         lines.append(f"{target} = {text};")
     return lines
 
 
-def _sum(row: int, entries: Sequence[Entry], values: dict[int, str]) -> str:
+def _print_sum(row: int, entries: Sequence[Entry], values: dict[int, str]) -> str:
     terms = [f"{values[e.place]} * q{e.column}" for e in entries if e.row == row]
     return " + ".join(terms) or "0.0"

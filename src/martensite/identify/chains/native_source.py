@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from martensite.identify.chains.native_columns import TILE, at_once, in_sequence, room
+from martensite.identify.chains.native_columns import TILE, at_once, count_room, in_sequence
 from martensite.identify.chains.native_kernels import Kernels
 from martensite.identify.chains.plan import Piece, Plan
 from martensite.kernels.c99 import write_prelude
@@ -62,8 +62,13 @@ class _Writer:
                 "(void)ds; (void)dw; (void)z;"] if slopes else []  # fmt: skip
         head += ["enum { stride = TILE };", "double *const to = dw;"] if slopes and not last else []
         head += ["(void)to;"] if slopes else []
-        lines = [*head, *before, *_loop(piece, named.lines, named.results, inside, slopes), *after]
-        return _function(
+        lines = [
+            *head,
+            *before,
+            *_print_loop(piece, named.lines, named.results, inside, slopes),
+            *after,
+        ]
+        return _print_function(
             f"static void block{k}{'d' if slopes else ''}(long n, const double *restrict c,\n"
             f"    double *restrict w, double *restrict s{tail})",
             ["(void)n; (void)c; (void)s;", *lines],
@@ -79,7 +84,7 @@ class _Writer:
             tail += ", dy, stride" if last else ""
             steps.append(f"block{k}{'d' if slopes else ''}(n, c, w, s + {state}{tail});")
             state += piece.block.states()
-            beside += room(piece, self.columns - plan.columns)
+            beside += count_room(piece, self.columns - plan.columns)
             steps += self._tapped(k, slopes and not last)
         zeros = f"memset(dw + i * M * TILE, 0, sizeof(double) * TILE * (M - {plan.columns}));"
         scratch = [f"double *restrict z = dw + {plan.width} * TILE * M;"] if slopes else []
@@ -99,7 +104,7 @@ class _Writer:
         more = "double *restrict ds, double *restrict dw, " if slopes else ""
         tail = ", double *restrict dy, long stride" if slopes else ""
         name = "slopes" if slopes else "run"
-        return _function(
+        return _print_function(
             f"void {name}(long samples, const double *restrict p, const double *restrict u,\n"
             f"    double *restrict s, {more}double *restrict y{tail})",
             lines,
@@ -146,8 +151,8 @@ class _Writer:
                     f"block{k}d(1, c, w, s1, ds1, dw, z + {beside});",
                 ]
             state += count
-            beside += room(piece, 0)
-        return _function(
+            beside += count_room(piece, 0)
+        return _print_function(
             "void rest(const double *restrict p, const double *restrict x, double *restrict s,\n"
             "    double *restrict ds, double *restrict dw)",
             lines,
@@ -171,7 +176,7 @@ class _Writer:
         return lines
 
 
-def _loop(
+def _print_loop(
     piece: Piece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
 ) -> list[str]:
     """The loop over samples; the state is in local variables meanwhile."""
@@ -197,6 +202,6 @@ def _loop(
     ]
 
 
-def _function(head: str, lines: Sequence[str]) -> str:
+def _print_function(head: str, lines: Sequence[str]) -> str:
     body = "".join(f"    {line}\n" for line in lines)
     return f"{head} {{\n{body}}}\n"

@@ -17,7 +17,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 _RANGE = re.compile(r"\s*(\d+)\s*\.\.\s*(\d+)\s*")
 
 
-def expanded(pattern: str) -> list[str]:
+def expand_pattern(pattern: str) -> list[str]:
     """All structures of a pattern, each once.
 
     Raises:
@@ -26,7 +26,7 @@ def expanded(pattern: str) -> list[str]:
     words = _BRACES.split(pattern)
     if any(sign in word for word in words for sign in "{}"):
         raise InputError(f"The braces of `{pattern}` are nested or not closed.")
-    choices = [_choices(word, pattern) if k % 2 else [word] for k, word in enumerate(words)]
+    choices = [_list_choices(word, pattern) if k % 2 else [word] for k, word in enumerate(words)]
     count = 1
     for choice in choices:
         count *= len(choice)
@@ -35,7 +35,7 @@ def expanded(pattern: str) -> list[str]:
     return list(dict.fromkeys("".join(words).strip() for words in product(*choices)))
 
 
-def _choices(inner: str, pattern: str) -> list[str]:
+def _list_choices(inner: str, pattern: str) -> list[str]:
     found: list[str] = []
     for word in inner.split(","):
         ends = _RANGE.fullmatch(word)

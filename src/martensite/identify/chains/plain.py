@@ -36,7 +36,7 @@ class Plain:
                         ds[state + e.row] += found[e.place] * dw[e.column]
                     else:
                         ds[state + e.row, own[e.column - inputs]] += found[e.place]
-            y, dy, _, _ = _stepped(piece, functions, w, dw, s[rows], ds[rows], 0)
+            y, dy, _, _ = _step_block(piece, functions, w, dw, s[rows], ds[rows], 0)
             w, dw, state = y, dy, state + block.states()
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
@@ -63,7 +63,7 @@ class Plain:
             x, dx, state = row, np.zeros((len(row), m)), 0
             for k, piece in enumerate(self._plan.pieces):
                 rows = slice(state, state + piece.block.states())
-                x, dx, s[rows], ds[rows] = _stepped(
+                x, dx, s[rows], ds[rows] = _step_block(
                     piece, functions, x, dx, s[rows], ds[rows], extra
                 )
                 state = rows.stop
@@ -75,7 +75,7 @@ class Plain:
         return self._plan.program.bind_floats(*map(float, p))
 
 
-def _stepped(
+def _step_block(
     piece: Piece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
     """One block in one sample: outputs, their columns, the next state, its columns."""

@@ -85,9 +85,9 @@ class Plan:
         return max(max(p.block.inputs, p.block.outputs) for p in self.pieces)
 
 
-def plan(blocks: Sequence[AbstractBlock]) -> Plan:
+def plan_blocks(blocks: Sequence[AbstractBlock]) -> Plan:
     """The plan of some blocks in series, traced once per structure."""
-    return _planned(tuple(_Shaped(block) for block in blocks))
+    return _plan_keyed(tuple(_Shaped(block) for block in blocks))
 
 
 class _Shaped:
@@ -104,7 +104,7 @@ class _Shaped:
 
 
 @cache_answers(64)
-def _planned(shaped: tuple[_Shaped, ...]) -> Plan:
+def _plan_keyed(shaped: tuple[_Shaped, ...]) -> Plan:
     program = Program()
     blocks = [one.block for one in shaped]
     theta = [[program.parameter(n) for n in block.numbers()] for block in blocks]
@@ -114,12 +114,12 @@ def _planned(shaped: tuple[_Shaped, ...]) -> Plan:
     first = 0
     for k, block in enumerate(blocks):
         twin = block.with_given(given[k])
-        pieces.append(_piece(program, twin, k, first, theta[k], dt))
+        pieces.append(_build_piece(program, twin, k, first, theta[k], dt))
         first += len(theta[k])
     return Plan(program, tuple(pieces))
 
 
-def _piece(
+def _build_piece(
     program: Program, block: AbstractBlock, k: int, first: int, theta: list[Any], dt: Any
 ) -> Piece:
     x = [f"x{i}" for i in range(block.inputs)]
@@ -136,18 +136,18 @@ def _piece(
 
     return Piece(
         block, first,
-        _traced(program, f"b{k}", [*x, *s], theta, step),
-        _traced(program, f"r{k}", x, theta, rest),
+        _trace_block(program, f"b{k}", [*x, *s], theta, step),
+        _trace_block(program, f"r{k}", x, theta, rest),
     )  # fmt: skip
 
 
-def _traced(
+def _trace_block(
     program: Program, name: str, inputs: list[str], theta: list[Any],
     kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
 ) -> Traced:  # fmt: skip
     """Add a kernel to the program with its derivatives, and once more without."""
     moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
-    values, rows = _differentiated(program, kernel, moving)
+    values, rows = _differentiate_block(program, kernel, moving)
     entries: list[Entry] = []
     slopes: list[Any] = []
     for row, found in enumerate(rows):
@@ -160,7 +160,7 @@ def _traced(
     return Traced(name, len(values), tuple(entries))
 
 
-def _differentiated(
+def _differentiate_block(
     program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
 ) -> tuple[list[Any], list[dict[int, Any]]]:
     """Values and derivatives: of a single value backwards, if that takes less."""
@@ -168,12 +168,12 @@ def _differentiated(
     if len(values) == 1:
         back = compute_gradient(values[0], moving)
         ahead = rows[0]
-        if back is not None and _work(program, back) < _work(program, ahead):
+        if back is not None and _count_work(program, back) < _count_work(program, ahead):
             return values, [back]
     return values, rows
 
 
-def _work(program: Program, slopes: dict[int, Any]) -> int:
+def _count_work(program: Program, slopes: dict[int, Any]) -> int:
     """Operations in every sample that derivatives take."""
     graph, seen = program.graph, set[int]()
     stack = [slope.index for slope in slopes.values()]

@@ -33,7 +33,7 @@ SI = ("1", "K", "m", "s", "N", "Pa", "V", "A", "W", "ohm", "rad", "rad/s", "m/s"
 """Units that signals are read as, if theirs can be converted to one of them."""
 
 
-def plant(chain: Chain) -> Machine:
+def build_plant(chain: Chain) -> Machine:
     """A chain as a system: its drives are called after its inputs, its outputs after its outputs.
 
     Raises:
@@ -64,7 +64,7 @@ class ModelMechanism(AbstractMechanism):
             tuple(chain.output_names),
             tuple(sorted(chain.units.items())),
         )
-        for name, value in zip(_paths(chain), _values(chain), strict=True):
+        for name, value in zip(_list_paths(chain), _list_values(chain), strict=True):
             self.__dict__[name] = value
 
     @property
@@ -72,12 +72,12 @@ class ModelMechanism(AbstractMechanism):
         """One parameter per free or fixed number, and the structure as an option."""
         chain: Chain = self.__dict__["chain"]
         found = {name: Declared("parameter", "number of a block", REQUIRED)
-                 for name in _paths(chain)}  # fmt: skip
+                 for name in _list_paths(chain)}  # fmt: skip
         return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with some numbers changed."""
-        own = {**{name: self.__dict__[name] for name in _paths(self.model)}, **values}
+        own = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}
         blocks = tuple(
             block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
             for k, block in enumerate(self.model.blocks, start=1)
@@ -105,12 +105,12 @@ class ModelMechanism(AbstractMechanism):
 
     def signals(self) -> dict[str, str]:
         """The inputs with their SI units."""
-        return {name: _conversion(self.model, name)[0] for name in self.model.input_names}
+        return {name: _find_conversion(self.model, name)[0] for name in self.model.input_names}
 
     def outputs(self) -> dict[str, Output]:
         """The outputs with their SI units."""
         return {
-            name: Output(_conversion(self.model, name)[0], name.replace("_", " "), "y")
+            name: Output(_find_conversion(self.model, name)[0], name.replace("_", " "), "y")
             for name in self.model.output_names
         }
 
@@ -169,29 +169,29 @@ class ModelMechanism(AbstractMechanism):
 
     def _inside(self, signals: Column) -> list[Scalar]:
         """Inputs in SI in the units of the model."""
-        kinds = [_conversion(self.model, name) for name in self.model.input_names]
+        kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
         return [(u - offset) * (1.0 / factor)
                 for u, (_, factor, offset) in zip(signals, kinds, strict=True)]  # fmt: skip
 
     def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
         """Outputs in the units of the model in SI."""
-        kinds = [_conversion(self.model, name) for name in self.model.output_names]
+        kinds = [_find_conversion(self.model, name) for name in self.model.output_names]
         return [y * factor + offset
                 for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]  # fmt: skip
 
 
-def _paths(chain: Chain) -> list[str]:
+def _list_paths(chain: Chain) -> list[str]:
     """Names of all fixed and free numbers, with the number of their block."""
     return [f"b{k}_{name}" for k, block in enumerate(chain.blocks, start=1)
             for name in (*block.fixed, *block.numbers())]  # fmt: skip
 
 
-def _values(chain: Chain) -> list[float]:
+def _list_values(chain: Chain) -> list[float]:
     return [float(value) for block, theta in zip(chain.blocks, chain.split(), strict=True)
             for value in (*block.given(), *theta)]  # fmt: skip
 
 
-def _conversion(chain: Chain, name: str) -> tuple[str, float, float]:
+def _find_conversion(chain: Chain, name: str) -> tuple[str, float, float]:
     """SI unit of a signal, and the factor and offset that lead to it."""
     spelling = chain.units.get(name, "1") or "1"
     for unit in SI:

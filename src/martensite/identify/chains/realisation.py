@@ -28,7 +28,7 @@ class Realised(NamedTuple):
     c: Numbers
 
 
-def realised(g: Numbers, order: int) -> Realised:
+def realise_responses(g: Numbers, order: int) -> Realised:
     """State space of an order from responses of shape (lags, outputs, inputs)."""
     length, outputs, inputs = g.shape
     half = max(length // 2, 1)
@@ -49,7 +49,7 @@ class Matched(NamedTuple):
     """Which of the given poles each of `sections.poles` stands for."""
 
 
-def matched(z: Numbers, dt: float) -> Matched:
+def match_poles(z: Numbers, dt: float) -> Matched:
     """Free numbers of the sections with given poles z, moved to the nearest that they can have.
 
     Poles outside the unit circle are mirrored into it. Of poles on the negative real axis two
@@ -73,12 +73,17 @@ def matched(z: Numbers, dt: float) -> Matched:
     first = [positive.pop()] if len(positive) % 2 else []
     pairs += list(zip(positive[::2], positive[1::2], strict=True))
     return Matched(
-        np.array([*(-np.log(-s[i].real) for i in first), *(n for p in pairs for n in _pair(s, p))]),
+        np.array(
+            [
+                *(-np.log(-s[i].real) for i in first),
+                *(n for p in pairs for n in _describe_pair(s, p)),
+            ]
+        ),
         np.array([*first, *(i for pair in pairs for i in pair)], dtype=int),
-    )  # fmt: skip
+    )
 
 
-def _pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
+def _describe_pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
     """log ω and log ζ of two poles, the faster or lower one first."""
     a, b = s[pair[0]], s[pair[1]]
     if abs(a.imag) > 0.0:
@@ -88,7 +93,7 @@ def _pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
     return float(np.log(omega)), float(np.log(-0.5 * (a + b).real / omega))
 
 
-def entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) -> Numbers:
+def find_entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) -> Numbers:
     """B of a realisation in the state of a cascade.
 
     Mode by mode: the modes of both are scaled so that the sum of the inputs excites them alike.
@@ -99,14 +104,14 @@ def entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) -> Nu
         cascade: the cascade with its input.
         own: poles of the cascade.
     """
-    excited = _modal(found, z)[1]
-    modes, wanted = _modal(cascade, own)
+    excited = _find_modes(found, z)[1]
+    modes, wanted = _find_modes(cascade, own)
     whole = excited[:, -1:]
     whole = np.where(np.abs(whole) > 1e-9 * np.abs(excited).max(), whole, 1e-9)
     return np.real(modes @ (wanted / whole * excited[:, :-1]))
 
 
-def _modal(system: Realised, z: Numbers) -> tuple[Numbers, Numbers]:
+def _find_modes(system: Realised, z: Numbers) -> tuple[Numbers, Numbers]:
     """Modes as columns in the order of given poles, and how the inputs excite them."""
     values, modes = np.linalg.eig(system.a)
     left, order = list(range(len(values))), list[int]()

@@ -20,7 +20,7 @@ from scipy.signal import lfilter
 from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import Engine, Start
-from martensite.identify.chains.levenberg import Found, Normal, minimise
+from martensite.identify.chains.levenberg import Found, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
@@ -123,7 +123,9 @@ class Squares:
                 y = self.engine.simulate(
                     theta[: self.columns], aim.record.inputs, start.state.copy()
                 )
-                total += float(np.sum(_filtered(aim, _weighed(aim, y, slice(None))) ** 2))
+                total += float(
+                    np.sum(_filter_residuals(aim, _weigh_residuals(aim, y, slice(None))) ** 2)
+                )
         return total if np.isfinite(total) else np.inf
 
     def normal(self, theta: Numbers) -> Normal:
@@ -194,40 +196,40 @@ class Squares:
         memory: Memory | None = None
         own, inputs = theta[: self.columns], aim.record.inputs
         for chunk in self.engine.sensitivities(own, inputs, start, reuse=reuse):
-            residuals, slopes = _weighed(aim, chunk.outputs, chunk.rows), chunk.slopes
-            counts = _counts(aim, chunk.rows)
+            residuals, slopes = _weigh_residuals(aim, chunk.outputs, chunk.rows), chunk.slopes
+            counts = _find_counted(aim, chunk.rows)
             if not counts.all():
                 slopes[~counts] = 0.0
             if len(aim.whitening) > 1:
-                residuals, slopes, memory = _whitened(aim.whitening, residuals, slopes, memory)
+                residuals, slopes, memory = _whiten_piece(aim.whitening, residuals, slopes, memory)
             yield Part(chunk.rows, residuals, slopes)
 
 
-def settled(squares: Squares, theta: Numbers, steps: int) -> Found:
+def settle_states(squares: Squares, theta: Numbers, steps: int) -> Found:
     """The initial states that are estimated, found for a θ of the chain that is held."""
     theta = squares.extended(theta)
-    return minimise(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
+    return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 
 
-def _weighed(aim: Aim, y: Numbers, rows: slice) -> Numbers:
+def _weigh_residuals(aim: Aim, y: Numbers, rows: slice) -> Numbers:
     """Weighted residuals, 0 where nothing counts."""
-    return np.where(_counts(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
+    return np.where(_find_counted(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
 
 
-def _counts(aim: Aim, rows: slice) -> NDArray[np.bool_]:
+def _find_counted(aim: Aim, rows: slice) -> NDArray[np.bool_]:
     """Which outputs of some samples count."""
     counts = np.isfinite(aim.record.outputs[rows])
     counts[: max(aim.skip - (rows.start or 0), 0)] = False
     return counts
 
 
-def _filtered(aim: Aim, residuals: Numbers) -> Numbers:
+def _filter_residuals(aim: Aim, residuals: Numbers) -> Numbers:
     """Residuals of a whole record through L(q)."""
     whole = len(aim.whitening) == 1
     return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
 
 
-def _whitened(
+def _whiten_piece(
     whitening: Numbers, residuals: Numbers, slopes: Numbers, memory: Memory | None
 ) -> tuple[Numbers, Numbers, Memory]:
     """Residuals and slopes through L(q), going on from the samples before."""

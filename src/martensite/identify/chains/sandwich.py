@@ -59,7 +59,7 @@ def block_lengths(squares: Squares, theta: Numbers) -> list[int]:
     return found
 
 
-def sums(squares: Squares, theta: Numbers, blocks: Sequence[int]) -> Sums:
+def sum_blocks(squares: Squares, theta: Numbers, blocks: Sequence[int]) -> Sums:
     """One pass over all records, with blocks of so many samples in each."""
     p, outputs = squares.columns, len(squares.engine.taps)
     square, middle = np.diag(squares.pull.astype(float)), np.zeros((p, p))

@@ -13,8 +13,8 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.residuals import Aim, Squares, settled
-from martensite.identify.chains.scores import fit_percent, rms
+from martensite.identify.chains.residuals import Aim, Squares, settle_states
+from martensite.identify.chains.scores import compute_rms, fit_percent
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
@@ -58,11 +58,11 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
     if start == "zero":
         return chain.simulate(record, np.zeros(states))
     squares = Squares(chain.engine, [Aim(record, skip, start=start)])
-    found = settled(squares, chain.theta, 20)
+    found = settle_states(squares, chain.theta, 20)
     return chain.simulate(record, squares.initial(found.theta)[0])
 
 
-def scored(
+def score_chain(
     chain: Chain, records: Iterable[Sampled], role: str, start: str = "rest", skip: int = 0,
     model: str = "model",
 ) -> list[Score]:  # fmt: skip
@@ -75,7 +75,7 @@ def scored(
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
             record = resample_record(record, chain.interval)
         computed = free_run(chain, record, start, skip)
-        fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, rms))
+        fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
         found += [
             Score(

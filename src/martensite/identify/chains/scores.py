@@ -14,6 +14,6 @@ def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
     return 100.0 * (1.0 - np.sqrt(np.nansum(error**2, axis=0)) / away)
 
 
-def rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
+def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
     """Root mean square of the error of every output."""
     return np.sqrt(np.nanmean((measured - computed)[skip:] ** 2, axis=0))

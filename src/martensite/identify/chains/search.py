@@ -17,11 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError
-from martensite.identify.chains.chain import untrained
+from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.checks import check_informative, check_records
-from martensite.identify.chains.estimate import Estimate, Options, estimate
-from martensite.identify.chains.patterns import expanded
-from martensite.identify.chains.scored import free_run, mean_fit, scored
+from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.patterns import expand_pattern
+from martensite.identify.chains.scored import free_run, mean_fit, score_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
@@ -103,7 +103,7 @@ def search(
     records = (records,) if isinstance(records, Sampled) else tuple(records)
     validation = (validation,) if isinstance(validation, Sampled) else tuple(validation)
     patterns = [structures] if isinstance(structures, str) else list(structures)
-    texts = list(dict.fromkeys(text for pattern in patterns for text in expanded(pattern)))
+    texts = list(dict.fromkeys(text for pattern in patterns for text in expand_pattern(pattern)))
     if not texts:
         raise InputError("A search needs at least one structure.")
     check_records((*records, *validation))
@@ -149,12 +149,12 @@ def _candidate(
     watch: Callable[[str, float], None] | None,
 ) -> Candidate:  # fmt: skip
     begun = time.perf_counter()
-    numbers = len(untrained(parse_chain(text), records[0]).theta)
+    numbers = len(build_untrained(parse_chain(text), records[0]).theta)
     try:
-        found = estimate(text, records, options, watch)
-        own = mean_fit(scored(found.chain, records, "estimation", options.start, options.skip))
+        found = estimate_chain(text, records, options, watch)
+        own = mean_fit(score_chain(found.chain, records, "estimation", options.start, options.skip))
         if validation:
-            scores = scored(found.chain, validation, "validation", options.start, options.skip)
+            scores = score_chain(found.chain, validation, "validation", options.start, options.skip)
             score = mean_fit(scores)
         else:
             score = cross_validated(text, records, options)
@@ -174,9 +174,9 @@ def cross_validated(
     """
     left_out: list[list[np.ndarray]] = [[] for _ in records]
     for fold in range(folds):
-        blocks = [_block(record, fold, folds) for record in records]
-        seen = [_without(r, block) for r, block in zip(records, blocks, strict=True)]
-        chain = estimate(structure, seen, options).chain
+        blocks = [_cut_block(record, fold, folds) for record in records]
+        seen = [_hide_block(r, block) for r, block in zip(records, blocks, strict=True)]
+        chain = estimate_chain(structure, seen, options).chain
         for parts, record, block in zip(left_out, seen, blocks, strict=True):
             parts.append(free_run(chain, record, options.start, options.skip)[block])
     fits = [
@@ -186,12 +186,12 @@ def cross_validated(
     return float(np.mean(fits))
 
 
-def _block(record: Sampled, fold: int, folds: int) -> slice:
+def _cut_block(record: Sampled, fold: int, folds: int) -> slice:
     ends = np.linspace(0, len(record), folds + 1).astype(int)
     return slice(int(ends[fold]), int(ends[fold + 1]))
 
 
-def _without(record: Sampled, block: slice) -> Sampled:
+def _hide_block(record: Sampled, block: slice) -> Sampled:
     """The record with the outputs of a block missing."""
     outputs = record.outputs.copy()
     outputs[block] = np.nan

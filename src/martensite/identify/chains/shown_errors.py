@@ -26,7 +26,7 @@ class Shown(NamedTuple):
     unit: str
 
 
-def shown(
+def list_rows(
     number: int, block: AbstractBlock, theta: Numbers, slopes: Numbers, covariance: Numbers,
     undetermined: Numbers, moved: Numbers,
 ) -> list[Shown]:  # fmt: skip

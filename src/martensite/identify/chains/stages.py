@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Estimate, Options, estimate
-from martensite.identify.chains.scored import ROLES, Score, scored
+from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.scored import ROLES, Score, score_chain
 from martensite.identify.chains.search import Searched, search
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.resampling import collect_experiments, select_signals
@@ -93,35 +93,35 @@ def identify_stages(
         SolveError: no search gave a model that can be simulated.
     """
     options = options or Options()
-    groups = [_group(records), _group(validation), _group(other)]
+    groups = [_group_records(records), _group_records(validation), _group_records(other)]
     collect_experiments(*groups[0], *groups[1], *groups[2])
-    planned = _planned(stages, groups[0][0])
+    planned = _plan_stages(stages, groups[0][0])
     inputs: tuple[str, ...] = groups[0][0].input_names
     found: list[tuple[Estimate, Searched | None]] = []
     scores: list[Score] = []
     for k, stage in enumerate(planned):
         parts = [[select_signals(r, inputs, stage.outputs) for r in group] for group in groups]
-        tell = _share(watch, k, len(planned))
-        found.append(_one(stage, parts[0], parts[1], options, tell))
+        tell = _share_progress(watch, k, len(planned))
+        found.append(_identify_stage(stage, parts[0], parts[1], options, tell))
         name = f"stage {k + 1}" if len(planned) > 1 else "model"
-        scores += _scores(found[-1][0].chain, parts, options, name)
+        scores += _score_stage(found[-1][0].chain, parts, options, name)
         inputs = stage.outputs
-    model = _series([e.chain for e, _ in found])
+    model = _join_series([e.chain for e, _ in found])
     if len(planned) > 1:
         ends = [
             [select_signals(r, r.input_names, planned[-1].outputs) for r in group]
             for group in groups
         ]
-        scores += _scores(model, ends, options, SERIES)
+        scores += _score_stage(model, ends, options, SERIES)
     estimates, searches = zip(*found, strict=True)
     return Identified(tuple(planned), estimates, model, tuple(scores), searches, options)
 
 
-def _group(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
+def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
     return [records] if isinstance(records, Sampled) else list(records)
 
 
-def _planned(stages: str | Sequence[str | Stage], record: Sampled) -> list[Stage]:
+def _plan_stages(stages: str | Sequence[str | Stage], record: Sampled) -> list[Stage]:
     """The stages, their outputs named; each structure well written."""
     given = [stages] if isinstance(stages, str) else list(stages)
     if not given:
@@ -137,17 +137,17 @@ def _planned(stages: str | Sequence[str | Stage], record: Sampled) -> list[Stage
     return planned
 
 
-def _one(
+def _identify_stage(
     stage: Stage, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
     watch: Callable[[str, float], None] | None,
 ) -> tuple[Estimate, Searched | None]:  # fmt: skip
     if "{" not in stage.structure:
-        return estimate(stage.structure, records, options, watch), None
+        return estimate_chain(stage.structure, records, options, watch), None
     made = search(stage.structure, records, validation, options, watch)
     return made.found, made
 
 
-def _share(
+def _share_progress(
     watch: Callable[[str, float], None] | None, k: int, count: int
 ) -> Callable[[str, float], None] | None:
     if watch is None or count == 1:
@@ -155,17 +155,17 @@ def _share(
     return lambda text, share: watch(f"stage {k + 1}: {text}", (k + share) / count)
 
 
-def _scores(
+def _score_stage(
     chain: Chain, groups: Sequence[Sequence[Sampled]], options: Options, model: str
 ) -> list[Score]:
     return [
         score
         for role, group in zip(ROLES, groups, strict=True)
-        for score in scored(chain, group, role, options.start, options.skip, model)
+        for score in score_chain(chain, group, role, options.start, options.skip, model)
     ]
 
 
-def _series(chains: Sequence[Chain]) -> Chain:
+def _join_series(chains: Sequence[Chain]) -> Chain:
     model = chains[0]
     for chain in chains[1:]:
         model = model.then(chain)

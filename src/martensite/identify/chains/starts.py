@@ -15,13 +15,13 @@ from martensite.identify.chains.chain import Chain
 from martensite.signals.sampling.sampled import Sampled
 
 
-def drawn(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:
+def draw_numbers(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:
     """Random free numbers of all blocks."""
     parts = [b.drawn(rng, record.duration, record.interval) for b in chain.blocks]
     return np.concatenate([np.zeros(0), *parts])
 
 
-def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
+def align_chain(chain: Chain, records: Sequence[Sampled]) -> Chain:
     """The chain with the line of its last static block fitted to the outputs.
 
     If linear blocks follow it, which have unit gain, the outputs are those of a slow system and
@@ -29,24 +29,24 @@ def aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
     number by least squares. A chain with neither stays as it is.
     """
     with np.errstate(all="ignore"):  # a drawn chain may grow without bound
-        return _aligned(_proportional(chain, records), records)
+        return _align_last(_fit_gains(chain, records), records)
 
 
-def _aligned(chain: Chain, records: Sequence[Sampled]) -> Chain:
+def _align_last(chain: Chain, records: Sequence[Sampled]) -> Chain:
     static = [(i, b) for i, b in enumerate(chain.blocks) if isinstance(b, AbstractStatic)]
     if not static or len(chain.output_names) != 1:
         return chain
     place, block = static[-1]
-    pairs = [(_reaching(chain, place, record), record.outputs[:, 0]) for record in records]
+    pairs = [(_find_reaching(chain, place, record), record.outputs[:, 0]) for record in records]
     x, y = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
     known = np.isfinite(x) & np.isfinite(y)
-    slope, offset = _line(x[known], y[known])
+    slope, offset = _fit_line(x[known], y[known])
     parts = chain.split()
-    parts[place] = _curved(parts[place], block, slope, offset)
+    parts[place] = _curve_around(parts[place], block, slope, offset)
     return chain.with_theta(np.concatenate(parts))
 
 
-def _proportional(chain: Chain, records: Sequence[Sampled]) -> Chain:
+def _fit_gains(chain: Chain, records: Sequence[Sampled]) -> Chain:
     """The chain with the gains of the outputs of its last block fitted, one by one."""
     block = chain.blocks[-1]
     if not any(block.gains()) or chain.taps is not None:
@@ -63,7 +63,7 @@ def _proportional(chain: Chain, records: Sequence[Sampled]) -> Chain:
     return chain.with_theta(theta)
 
 
-def _reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
+def _find_reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
     """What enters a block, delayed as much as the linear blocks after it delay."""
     own = chain.before(place, record)[:, 0]
     after = chain.blocks[place + 1 :]
@@ -73,7 +73,7 @@ def _reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
     return rest.simulate(own)[:, 0]
 
 
-def _line(x: Numbers, y: Numbers) -> tuple[float, float]:
+def _fit_line(x: Numbers, y: Numbers) -> tuple[float, float]:
     spread = float(np.var(x))
     if not spread > 0.0 or not np.isfinite(spread):
         return 0.0, float(np.mean(y)) if len(y) else 0.0
@@ -81,7 +81,7 @@ def _line(x: Numbers, y: Numbers) -> tuple[float, float]:
     return slope, float(y.mean() - slope * x.mean())
 
 
-def _curved(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
+def _curve_around(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
     """The drawn departure from the identity, scaled with the slope, around the line."""
     departure = theta - block.line(1.0, 0.0)
     scaled = block.scaled(departure, slope)

@@ -31,7 +31,9 @@ class Stretch:
         return asdict(self)
 
 
-def stretches(times: Numbers, residuals: Numbers, output: str, count: int = COUNT) -> list[Stretch]:
+def summarise_segments(
+    times: Numbers, residuals: Numbers, output: str, count: int = COUNT
+) -> list[Stretch]:
     """Errors in stretches of equal length, without those in which nothing is known."""
     found: list[Stretch] = []
     for t, e in zip(np.array_split(times, count), np.array_split(residuals, count), strict=True):

@@ -31,18 +31,21 @@ LIVELY = 0.5
 """Least variance of the outputs of such a part, over that of the whole."""
 
 
-def coarse(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
+def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
     """Records of one sample time with about as many samples each, at most twice as many.
 
     Where the outputs change too fast for means, only the first part of a record is taken.
     """
     factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
-    if (kept := thinnest(records, factor)) < factor:
-        factor, records = kept, [_part(r, min(int(PART * most), MIDDLE) * kept) for r in records]
+    if (kept := find_thinnest(records, factor)) < factor:
+        factor, records = (
+            kept,
+            [_cut_part(r, min(int(PART * most), MIDDLE) * kept) for r in records],
+        )
     return [r if factor < 2 else resample_record(r, ratio=float(factor)) for r in records]
 
 
-def _part(record: Sampled, count: int) -> Sampled:
+def _cut_part(record: Sampled, count: int) -> Sampled:
     """The first samples, as many more as it takes until outputs move as in the whole."""
     whole = np.nanvar(record.outputs, axis=0)
     while count < len(record):
@@ -54,23 +57,25 @@ def _part(record: Sampled, count: int) -> Sampled:
     return record.rows(0, count)
 
 
-def thinnest(records: Sequence[Sampled], factor: int) -> int:
+def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
     """The largest factor, up to a given one, whose averages keep the outputs' variance.
 
     White noise, which averages away as well, is told by what averages of two samples lose.
     """
     if factor <= 1:
         return factor
-    most, pair = factor, _lost(records, 2)
-    while factor > 1 and np.any(_lost(records, factor) - 2.0 * (1.0 - 1.0 / factor) * pair > LOST):
+    most, pair = factor, _measure_loss(records, 2)
+    while factor > 1 and np.any(
+        _measure_loss(records, factor) - 2.0 * (1.0 - 1.0 / factor) * pair > LOST
+    ):
         factor //= 2
     return factor if factor >= min(WORTH, most) else 1
 
 
-def _lost(records: Sequence[Sampled], factor: int) -> Numbers:
+def _measure_loss(records: Sequence[Sampled], factor: int) -> Numbers:
     """Share of the variance of every output that averages over some samples lose."""
     pairs = [(r.inputs, r.outputs) for r in records]
-    means = np.concatenate([y for _, y in thinned(pairs, factor)])
+    means = np.concatenate([y for _, y in thin_records(pairs, factor)])
     outputs = np.concatenate([y for _, y in pairs])
     if np.any(np.isfinite(means).sum(axis=0) < 2):
         return np.ones(outputs.shape[1])
@@ -78,7 +83,7 @@ def _lost(records: Sequence[Sampled], factor: int) -> Numbers:
     return 1.0 - np.nanvar(means, axis=0) / np.where(whole > 0.0, whole, 1.0)
 
 
-def thinned(pairs: Sequence[Pair], factor: int) -> list[Pair]:
+def thin_records(pairs: Sequence[Pair], factor: int) -> list[Pair]:
     """Records averaged over so many samples, inputs and outputs alike."""
     if factor <= 1:
         return list(pairs)

@@ -26,10 +26,10 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import Start
-from martensite.identify.chains.flat import Flat, inverse
+from martensite.identify.chains.flat import Flat, invert_normal
 from martensite.identify.chains.residuals import Squares
-from martensite.identify.chains.sandwich import Sums, block_lengths, sums
-from martensite.identify.chains.shown_errors import Shown, shown, slopes_of_shown
+from martensite.identify.chains.sandwich import Sums, block_lengths, sum_blocks
+from martensite.identify.chains.shown_errors import Shown, list_rows, slopes_of_shown
 from martensite.search.words import number
 from martensite.signals.sampling.sampled import Sampled
 
@@ -105,7 +105,7 @@ class Uncertainty:
             gone = np.linalg.norm(scaled @ self.null[own], axis=1)
             open_ = gone > UNDETERMINED * np.linalg.norm(scaled, axis=1)
             moved = np.linalg.norm(slopes[:, lost[own]], axis=1)
-            found += shown(k + 1, block, theta, slopes, self.covariance[own, own], open_, moved)
+            found += list_rows(k + 1, block, theta, slopes, self.covariance[own, own], open_, moved)
             first = own.stop
         return found
 
@@ -154,7 +154,7 @@ class Uncertainty:
         return vectors[:, kept] * np.sqrt(values[kept])
 
 
-def uncertainty(
+def estimate_chain_uncertainty(
     chain: Chain, squares: Squares, blocks: Sequence[int] | int | None = None
 ) -> Uncertainty:
     """The covariance of an estimated chain.
@@ -170,25 +170,32 @@ def uncertainty(
         ParameterError: a block is shorter than a sample, or there is not one for every record.
     """
     theta = chain.theta
-    lengths = _lengths(squares, theta, blocks)
-    found = sums(squares, theta, lengths)
+    lengths = _choose_lengths(squares, theta, blocks)
+    found = sum_blocks(squares, theta, lengths)
     count = float(found.counts.sum())
     p = len(theta)
     if not count or not np.all(np.isfinite(found.square)):
         raise DataError("The covariance of a model needs residuals that are finite.")
-    inverted = inverse(found.square, chain.names())
+    inverted = invert_normal(found.square, chain.names())
     freedom = max(count - (p - inverted.null.shape[1]), 1.0)
     spread = found.blocks / max(found.blocks - 1, 1) * count / freedom
     covariance = spread * inverted.matrix @ found.middle @ inverted.matrix
     covariance = 0.5 * (covariance + covariance.T)
     white = float(found.squares.sum()) / freedom * inverted.matrix
     return Uncertainty(
-        chain, covariance, inverted.null, inverted.scale, inverted.flat,
-        _residual(squares, found), lengths, inverted.condition, _ratio(covariance, white),
-    )  # fmt: skip
+        chain,
+        covariance,
+        inverted.null,
+        inverted.scale,
+        inverted.flat,
+        _find_residual_deviation(squares, found),
+        lengths,
+        inverted.condition,
+        _find_ratio(covariance, white),
+    )
 
 
-def coverage(band: Band, record: Sampled, skip: int = 0) -> Numbers:
+def measure_coverage(band: Band, record: Sampled, skip: int = 0) -> Numbers:
     """Share of the measurements within the band, of every output.
 
     Raises:
@@ -202,7 +209,7 @@ def coverage(band: Band, record: Sampled, skip: int = 0) -> Numbers:
     return np.sum(inside & known, axis=0) / np.sum(known, axis=0)
 
 
-def _lengths(
+def _choose_lengths(
     squares: Squares, theta: Numbers, blocks: Sequence[int] | int | None
 ) -> tuple[int, ...]:
     if blocks is None:
@@ -216,7 +223,7 @@ def _lengths(
     return given
 
 
-def _residual(squares: Squares, found: Sums) -> Numbers:
+def _find_residual_deviation(squares: Squares, found: Sums) -> Numbers:
     """Standard deviation of the residuals of every output, without records of one sample."""
     long = np.array([len(aim.record) > 1 for aim in squares.aims])
     weights = np.array([aim.scale() for aim in squares.aims])
@@ -225,7 +232,7 @@ def _residual(squares: Squares, found: Sums) -> Numbers:
     return np.sqrt(total / number_of)
 
 
-def _ratio(covariance: Numbers, white: Numbers) -> float:
+def _find_ratio(covariance: Numbers, white: Numbers) -> float:
     """Root of the mean ratio of the variances."""
     own, plain = np.diag(covariance), np.diag(white)
     seen = plain > 0.0

@@ -16,9 +16,9 @@ import numpy as np
 from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.correlations import LEVEL, Crossed, crossed
-from martensite.identify.chains.directions import REVERSAL, Masks, split
-from martensite.identify.chains.stretches import Stretch, known_stretch, stretches
+from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
+from martensite.identify.chains.directions import REVERSAL, Masks, split_by_direction
+from martensite.identify.chains.stretches import Stretch, known_stretch, summarise_segments
 from martensite.search.scores import Score, score
 from martensite.search.whiteness import FEWEST, Whiteness, whiteness
 from martensite.search.words import joined, number
@@ -162,7 +162,7 @@ class Validation:
         ]
 
 
-def validate(
+def validate_chain(
     chain: Chain, record: Sampled, skip: int = 0, masks: Masks | None = None, *,
     reversal: float = REVERSAL, level: float = LEVEL, state: Numbers | None = None,
 ) -> Validation:  # fmt: skip
@@ -190,20 +190,29 @@ def validate(
         )
     if not np.all(np.isfinite(computed)):
         raise DataError(f"Model `{chain.name}` does not stay finite along `{record.name}`.")
-    parts = split(record, masks, reversal=reversal)
+    parts = split_by_direction(record, masks, reversal=reversal)
     whole = {WHOLE: np.ones(len(record), dtype=bool), **parts}
     residuals = record.outputs - computed
     residuals[:skip] = np.nan
     found = Validation(
-        chain, record, computed, skip, parts, tuple(_scores(record, computed, skip, whole)),
-        tuple(one for k, name in enumerate(record.output_names)
-              for one in stretches(record.times, residuals[:, k], name)),
-        tuple(_white(record, residuals)), tuple(_crossed(record, residuals, level)),
-    )  # fmt: skip
+        chain,
+        record,
+        computed,
+        skip,
+        parts,
+        tuple(_score_parts(record, computed, skip, whole)),
+        tuple(
+            one
+            for k, name in enumerate(record.output_names)
+            for one in summarise_segments(record.times, residuals[:, k], name)
+        ),
+        tuple(_test_whiteness(record, residuals)),
+        tuple(_test_correlation(record, residuals, level)),
+    )
     return found
 
 
-def _scores(
+def _score_parts(
     record: Sampled, computed: Numbers, skip: int, parts: dict[str, Numbers]
 ) -> Iterable[Score]:
     late = np.arange(len(record)) >= skip
@@ -224,20 +233,20 @@ def _scores(
                 )  # fmt: skip
 
 
-def _white(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
+def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
     for k, output in enumerate(record.output_names):
         piece = residuals[known_stretch(residuals[:, k]), k]
         if len(piece) >= FEWEST:
             yield whiteness(piece, f"{record.name}, {output}")
 
 
-def _crossed(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
+def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
     for k, output in enumerate(record.output_names):
         for i, given in enumerate(record.input_names):
             u = record.inputs[:, i]
             middle = u - u.mean()
             for name, signal in ((f"`{given}`", middle), (f"`{given}`²", middle**2)):
-                found = crossed(
+                found = correlate_residuals(
                     residuals[:, k], signal, record.interval, output=output, name=name,
                     level=level,
                 )  # fmt: skip
@@ -245,7 +254,7 @@ def _crossed(record: Sampled, residuals: Numbers, level: float) -> Iterable[Cros
                     yield found
 
 
-def compared(validations: Iterable[Validation]) -> str:
+def compare_validations(validations: Iterable[Validation]) -> str:
     """Best and worst of several records, in a sentence.
 
     Raises:

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.goals import expected
-from martensite.identify.chains.levenberg import Found, minimise
+from martensite.identify.chains.goals import find_expected
+from martensite.identify.chains.levenberg import Found, minimise_cost
 from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.options import Options
 from martensite.identify.chains.residuals import Aim, Squares
@@ -17,12 +17,12 @@ TURNS = 3
 """How often noise model and chain follow each other."""
 
 
-def whitened(
+def whiten_chain(
     chain: Chain, found: Found, wanted: Sequence[Aim], options: Options
 ) -> tuple[Found, tuple[Aim, ...]]:
     """The minimum of the prediction error: noise model and chain in turns, from a minimum."""
     aims_ = tuple(wanted)
-    prior = expected(chain, options)
+    prior = find_expected(chain, options)
     for _ in range(TURNS):
         squares = Squares(chain.engine, aims_, options.ridge, *prior)
         left: list[Numbers] = []
@@ -34,5 +34,5 @@ def whitened(
         # a record of one sample, such as that of rest, has no noise to be whitened
         aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
         squares = Squares(chain.engine, aims_, options.ridge, *prior)
-        found = minimise(squares, found.theta, options.iterations)
+        found = minimise_cost(squares, found.theta, options.iterations)
     return found, aims_

@@ -22,12 +22,12 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import linear_start
-from martensite.identify.chains.chain import Chain, untrained
+from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.levenberg import minimise
-from martensite.identify.chains.linear_parts import Orders, orders, poles, zeros
-from martensite.identify.chains.linear_weights import weighted
-from martensite.identify.chains.realisation import matched
+from martensite.identify.chains.levenberg import minimise_cost
+from martensite.identify.chains.linear_parts import Orders, find_orders, find_poles, find_zeros
+from martensite.identify.chains.linear_weights import fit_weights
+from martensite.identify.chains.realisation import match_poles
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.signals.sampling.sampled import Sampled
 
@@ -58,7 +58,7 @@ def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
     return (
         len(blocks) == 3
         and isinstance(blocks[1], AbstractStatic)
-        and all(orders(block) is not None for block in (blocks[0], blocks[2]))
+        and all(find_orders(block) is not None for block in (blocks[0], blocks[2]))
     )
 
 
@@ -72,7 +72,7 @@ def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> 
         record: a record of one input and one output.
         most: how many.
     """
-    first, last = orders(chain.blocks[0]), orders(chain.blocks[2])
+    first, last = find_orders(chain.blocks[0]), find_orders(chain.blocks[2])
     if first is None or last is None or not is_wiener_hammerstein(chain.blocks):
         return []
     short = record.rows(0, SCORED)
@@ -83,7 +83,7 @@ def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> 
     found.sort(key=lambda one: one.error)
     refined = [_with_polynomial(chain, one, short) for one in found[: 2 * most]]
     refined.sort(key=lambda one: one[0])
-    return [_begun(chain, one, short) for _, one in refined[:most]]
+    return [_begin_chain(chain, one, short) for _, one in refined[:most]]
 
 
 def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers]]:
@@ -94,15 +94,17 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
     made: list[tuple[Numbers, Numbers]] = []
     for late in (0, 1) if both.nb > 1 else (0,):
         block = TransferFunction(nb=both.nb - late, nf=both.nf, nk=both.nk + late)
-        chain = untrained([block, Polynomial(degree=1)], record)
+        chain = build_untrained([block, Polynomial(degree=1)], record)
         start = linear_start(block, record.inputs, record.outputs, record.interval)
         line = chain.blocks[1]
         made_line = line.line(start.gain, start.offset) if isinstance(line, Polynomial) else ()
         theta = np.concatenate([start.theta, made_line])
         squares = Squares(chain.engine, [Aim(record.rows(0, POLISHED))])
-        for one in (theta, minimise(squares, theta, 40).theta):
+        for one in (theta, minimise_cost(squares, theta, 40).theta):
             own = one[: len(start.theta)]
-            made.append((poles(block, own, record.interval), zeros(block, own, record.interval)))
+            made.append(
+                (find_poles(block, own, record.interval), find_zeros(block, own, record.interval))
+            )
     return made
 
 
@@ -112,18 +114,18 @@ def shared_out(
     """All ways to share out poles and zeros, best first."""
     ways = [
         (p, z)
-        for p in _choices(z_poles, first.nf, last.nf)
-        for z in _choices(z_zeros, first.nb - 1, last.nb - 1)
+        for p in _list_choices(z_poles, first.nf, last.nf)
+        for z in _list_choices(z_zeros, first.nb - 1, last.nb - 1)
     ]
     every = max(len(ways) // MOST, 1)
     delay = first.nk + last.nk
     u = record.inputs[:, 0]
     u = np.concatenate([np.full(delay, u[0]), u])[: len(u)]
-    scored = [_scored(p, z, u, record.outputs[:, 0]) for p, z in ways[::every]]
+    scored = [_score_sharing(p, z, u, record.outputs[:, 0]) for p, z in ways[::every]]
     return sorted(scored, key=lambda one: one.error)
 
 
-def _choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]:
+def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]:
     """All ways to give at most `first` of the roots to one and `last` to the other."""
     pairs = [np.array([one, one.conj()]) for one in z if one.imag > 0.0]
     groups = pairs + [np.array([one]) for one in z if one.imag == 0.0]
@@ -138,16 +140,16 @@ def _choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]
     return made
 
 
-def _scored(
+def _score_sharing(
     p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers
 ) -> Shared:
     """Filters of unit gain at rest (or of unit size), and the best polynomial between them."""
-    filters = tuple(_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
-    x = _filtered(filters[0], u)
+    filters = tuple(_build_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
+    x = _filter_signal(filters[0], u)
     size = max(float(np.abs(x).max()), 1e-300)
     basis = [
         np.ones(len(u)),
-        *(_filtered(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1)),
+        *(_filter_signal(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1)),
     ]
     known = np.isfinite(y)
     columns = np.column_stack(basis)[known]
@@ -159,20 +161,20 @@ def _scored(
     return Shared((filters[0], filters[1]), found / size ** np.arange(DEGREE + 1), error)
 
 
-def _filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
+def _build_filter(zeros_: Numbers, poles_: Numbers) -> tuple[Numbers, Numbers]:
     b, a = np.real(np.atleast_1d(np.poly(zeros_))), np.real(np.atleast_1d(np.poly(poles_)))
     gain = float(b.sum() / a.sum())
     return b / (gain if abs(gain) > 1e-3 * np.abs(b).max() else 1.0), a
 
 
-def _filtered(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
+def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
     """From rest under the first sample."""
     b, a = one
     gain = float(b.sum() / a.sum())
     return gain * x[0] + np.asarray(lfilter(b, a, x - x[0]))
 
 
-def _placed(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
+def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
     """The chain with the numbers for a way to share out, and some static block between."""
     probe = np.random.default_rng(0).normal(size=PROBE)
     probe[0] = 0.0
@@ -180,12 +182,12 @@ def _placed(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -
     parts: list[Numbers] = []
     gains: list[float] = []
     for block, (b, a) in zip((chain.blocks[0], chain.blocks[2]), way.filters, strict=True):
-        shape = orders(block)
+        shape = find_orders(block)
         if shape is None or not isinstance(block, TransferFunction | StateSpace):
             return chain
         wanted = np.asarray(lfilter(b, a, np.concatenate([np.zeros(shape.nk), probe])[:PROBE]))
-        known = matched(_padded(a, shape.nf), dt).numbers
-        start = weighted(block, known, [(probe[:, None], wanted[:, None])], dt)
+        known = match_poles(_pad_poles(a, shape.nf), dt).numbers
+        start = fit_weights(block, known, [(probe[:, None], wanted[:, None])], dt)
         parts.append(start.theta)
         gains.append(start.gain)
     x = Engine(chain.blocks[:1], dt).simulate(parts[0], u)
@@ -193,19 +195,19 @@ def _placed(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -
     curve = gains[1] * np.polyval(way.curve[::-1], gains[0] * x[:, 0])
     return replace(
         chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
-        theta=np.concatenate([parts[0], through(static, x[:, 0], curve), parts[1]]),
+        theta=np.concatenate([parts[0], fit_through(static, x[:, 0], curve), parts[1]]),
     )  # fmt: skip
 
 
 def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
     """Cost and chain of a way, refined with a polynomial between the blocks."""
-    placed = _placed(chain, way, Polynomial(degree=DEGREE), record)
+    placed = _place_poles(chain, way, Polynomial(degree=DEGREE), record)
     squares = Squares(placed.engine, [Aim(record)])
-    found = minimise(squares, placed.theta, 25)
+    found = minimise_cost(squares, placed.theta, 25)
     return found.value, placed.with_theta(found.theta)
 
 
-def _begun(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
+def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
     """The chain with the dynamics of another and a static block near its polynomial."""
     first, curve, last = with_polynomial.split()
     dt = chain.interval
@@ -214,17 +216,17 @@ def _begun(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
     static = chain.blocks[1].adapted(x, dt)
     return replace(
         chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
-        theta=np.concatenate([first, through(static, x[:, 0], y[:, 0]), last]),
+        theta=np.concatenate([first, fit_through(static, x[:, 0], y[:, 0]), last]),
     )  # fmt: skip
 
 
-def _padded(a: Numbers, count: int) -> Numbers:
+def _pad_poles(a: Numbers, count: int) -> Numbers:
     """Poles of a denominator, with fast ones to fill up the order."""
     z = np.roots(a)
     return np.concatenate([z, np.full(count - len(z), 1e-3)])
 
 
-def through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400) -> Numbers:
+def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400) -> Numbers:
     """Free numbers of a static block near the curve through points (x, y)."""
     order = np.argsort(x)[np.linspace(0, len(x) - 1, min(points, len(x))).astype(int)]
     record = Sampled("curve", 1.0, x[order], y[order], ("x",), ("y",))
@@ -232,4 +234,4 @@ def through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400) -> 
     theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (
         block.start())  # fmt: skip
     squares = Squares(Engine([block], 1.0), [Aim(record)], ridge=1e-6, reference=theta)
-    return minimise(squares, theta, 30).theta
+    return minimise_cost(squares, theta, 30).theta

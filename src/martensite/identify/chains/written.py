@@ -38,7 +38,7 @@ def parse_block(text: str) -> AbstractBlock:
     """
     text = text.strip()
     if text.startswith("["):
-        return _beside(text)
+        return _parse_beside(text)
     found = _BLOCK.fullmatch(text.lower())
     if found is None:
         raise InputError(
@@ -50,10 +50,10 @@ def parse_block(text: str) -> AbstractBlock:
     if name not in known:
         raise InputError(f"There is no block `{name}`. {suggest_name(name, known)}")
     words = [w.strip() for w in (inner or digits or "").split(",") if w.strip()]
-    return _built(known[name], text, words)
+    return _build_block(known[name], text, words)
 
 
-def _beside(text: str) -> AbstractBlock:
+def _parse_beside(text: str) -> AbstractBlock:
     """Blocks between square brackets."""
     words = text[1:-1].split("&")
     if not text.endswith("]") or any(not w.strip() or set(w) & set("[]|") for w in words):
@@ -65,7 +65,7 @@ def _beside(text: str) -> AbstractBlock:
     return blocks[0] if len(blocks) == 1 else SideBySide(blocks=tuple(blocks))
 
 
-def _built(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractBlock:
+def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractBlock:
     if len(words) > len(block.shape):
         allowed = f"at most {len(block.shape)}: {', '.join(block.shape)}" if block.shape else "none"
         raise InputError(
@@ -73,7 +73,7 @@ def _built(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractB
         )
     try:
         pairs = zip(block.shape, words, strict=False)
-        made = block(**{name: _value(block, name, word) for name, word in pairs})
+        made = block(**{name: _parse_value(block, name, word) for name, word in pairs})
         check_whole(made)
     except ValueError:
         raise InputError(f"The numbers of block `{text}` must be plain numbers.") from None
@@ -82,7 +82,7 @@ def _built(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractB
     return made
 
 
-def _value(block: type[AbstractBlock], name: str, word: str) -> float | str:
+def _parse_value(block: type[AbstractBlock], name: str, word: str) -> float | str:
     """A choice as it is; anything else as a number."""
     return word if block.declarations[name].kind == "option" else float(word)
 
@@ -99,7 +99,7 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
         raise InputError(
             f"`{text}` is no chain; write blocks between bars, such as `poly2 | oe(3,3,1) | pwl10`."
         )
-    return gauged([parse_block(word) for word in words])
+    return fix_gauge([parse_block(word) for word in words])
 
 
 def _check_brackets(text: str) -> None:
@@ -114,7 +114,7 @@ def _check_brackets(text: str) -> None:
         raise InputError(f"In `{text}` nothing closes the bracket `{opened[-1]}`.")
 
 
-def gauged(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
+def fix_gauge(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
     """Blocks of which only the last static one on the way of a signal has an offset.
 
     Two could not be told apart. Where signals mix, an offset on any way counts. Saturations and
@@ -123,16 +123,16 @@ def gauged(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
     made: list[AbstractBlock] = []
     after = [False] * (blocks[-1].outputs if blocks else 0)
     for block in reversed(blocks):
-        changed, after = _without(block, after)
+        changed, after = _drop_offset(block, after)
         made.append(changed)
     return tuple(reversed(made))
 
 
-def _without(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
+def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
     """A block without an offset if one follows, and for each input whether one follows."""
     if isinstance(block, SideBySide):
         shares = block.split(after, lambda child: child.outputs)
-        found = [_without(child, own) for child, own in shares]
+        found = [_drop_offset(child, own) for child, own in shares]
         children = tuple(child for child, _ in found)
         return block.with_parts(blocks=children), [flag for _, flags in found for flag in flags]
     follows = any(after)

@@ -33,7 +33,7 @@ class Branch(NamedTuple):
     widths: Sequence[Scalar]
 
 
-def names(branch: str, logistics: int) -> tuple[str, ...]:
+def name_branch(branch: str, logistics: int) -> tuple[str, ...]:
     """Free numbers of a branch: centres, logarithms of widths, and the logit of the first share."""
     places = ("",) if logistics == 1 else ("1", "2")
     centres = tuple(f"{branch}_centre{k}" for k in places)
@@ -41,7 +41,7 @@ def names(branch: str, logistics: int) -> tuple[str, ...]:
     return (*centres, *widths) + ((f"{branch}_logit",) if logistics == 2 else ())
 
 
-def logistic(xp: Namespace, x: Scalar) -> Scalar:
+def compute_logistic(xp: Namespace, x: Scalar) -> Scalar:
     """1/(1 + exp(-x))."""
     return 0.5 + 0.5 * xp.tanh(0.5 * x)
 
@@ -50,19 +50,19 @@ def branch_of(xp: Namespace, theta: Column) -> Branch:
     """The branch of 2 free numbers (one logistic function) or 5 (two)."""
     count = len(theta) // 2
     widths = [xp.exp(xp.clip(w, -FLATTEST, FLATTEST)) for w in theta[count : 2 * count]]
-    first = logistic(xp, theta[4]) if count == 2 else 1.0
+    first = compute_logistic(xp, theta[4]) if count == 2 else 1.0
     return Branch([first, 1.0 - first][:count], theta[:count], widths)
 
 
-def share(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+def compute_share(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
     """F(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
-        total = total + part * logistic(xp, (x - centre) / width)
+        total = total + part * compute_logistic(xp, (x - centre) / width)
     return total
 
 
-def density(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+def compute_density(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
     """F'(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
@@ -83,21 +83,23 @@ class Leg(NamedTuple):
 
     def fraction(self, xp: Namespace, x: Scalar) -> Scalar:
         """z at x; exactly z₀ at x₀."""
-        return self.z + self.scale * (share(xp, self.branch, x) - self.at_start)
+        return self.z + self.scale * (compute_share(xp, self.branch, x) - self.at_start)
 
     def slope(self, xp: Namespace, x: Scalar) -> Scalar:
         """dz/dx at x, never negative."""
-        return self.scale * density(xp, self.branch, x)
+        return self.scale * compute_density(xp, self.branch, x)
 
 
-def leg(xp: Namespace, rising: Branch, falling: Branch, upward: bool, x: Scalar, z: Scalar) -> Leg:
+def follow_leg(
+    xp: Namespace, rising: Branch, falling: Branch, upward: bool, x: Scalar, z: Scalar
+) -> Leg:
     """The way on from x and z, upward or not."""
 
     def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
         return [xp.store(xp.where(upward, p, q)) for p, q in zip(a, b, strict=True)]
 
     branch = Branch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
-    start = xp.store(share(xp, branch, x))
+    start = xp.store(compute_share(xp, branch, x))
     left = xp.where(upward, 1.0 - start, start)
     going = xp.where(upward, 1.0 - z, z)
     return Leg(branch, xp.store(going / (left + GUARD)), start, z)
@@ -105,9 +107,9 @@ def leg(xp: Namespace, rising: Branch, falling: Branch, upward: bool, x: Scalar,
 
 def from_below(xp: Namespace, rising: Branch, x: Scalar) -> Scalar:
     """z after x has come from far below, where z was 0."""
-    return share(xp, rising, x) / (1.0 + GUARD)
+    return compute_share(xp, rising, x) / (1.0 + GUARD)
 
 
 def from_above(xp: Namespace, falling: Branch, x: Scalar) -> Scalar:
     """z after x has come from far above, where z was 1."""
-    return (share(xp, falling, x) + GUARD) / (1.0 + GUARD)
+    return (compute_share(xp, falling, x) + GUARD) / (1.0 + GUARD)

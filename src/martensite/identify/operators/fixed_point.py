@@ -23,16 +23,18 @@ def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[
     fixed = [xp.detach(value) for value in given]
 
     def turn(*state: Scalar) -> Column:
-        step = _step(xp, held, state, fixed, fixed)
+        step = _compute_newton_step(xp, held, state, fixed, fixed)
         return [s - d for s, d in zip(state, step, strict=True)]
 
     root = xp.repeat(TURNS, turn, *(xp.detach(s) for s in start))
     root = [xp.detach(s) for s in root]
-    newton = _step(xp, held, root, fixed, given)
+    newton = _compute_newton_step(xp, held, root, fixed, given)
     return [xp.solved(s, s - d) for s, d in zip(root, newton, strict=True)]
 
 
-def _step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
+def _compute_newton_step(
+    xp: Namespace, held: Map, state: Column, fixed: Column, given: Column
+) -> list[Scalar]:
     """Newton's step: the matrix at what is fixed, the residual at what is given."""
 
     def away(xp: Namespace, s: Column) -> Column:

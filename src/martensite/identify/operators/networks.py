@@ -24,7 +24,7 @@ STEEPEST = 9.0
 """Limit of |log b|."""
 
 
-def logistic(xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
+def compute_logistic(xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
     """1/(1 + exp(-q)) and its slope; an exponential is what compilers can vectorise."""
     away = xp.exp(-q)
     share = 1.0 / (1.0 + away)

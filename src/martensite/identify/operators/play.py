@@ -28,28 +28,28 @@ A share that is not needed would else send its logit away, step by step, and the
 """
 
 
-def spread(x: Numbers) -> tuple[float, float]:
+def find_range(x: Numbers) -> tuple[float, float]:
     """Ends of the range of an input; of a constant one, some range from it."""
     low, high = float(np.min(x)), float(np.max(x))
     return low, high if high > low else low + max(abs(low), 1.0)
 
 
-def played(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
+def move_play(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
     """The next value of a play of threshold r ≥ 0 that was at p."""
-    return between(xp, x - r, x + r, p)
+    return keep_between(xp, x - r, x + r, p)
 
 
-def between(xp: Namespace, lower: Scalar, upper: Scalar, p: Scalar) -> Scalar:
+def keep_between(xp: Namespace, lower: Scalar, upper: Scalar, p: Scalar) -> Scalar:
     """The next value of a play that is kept between two bounds, lower ≤ upper."""
     return xp.maximum(lower, xp.minimum(upper, p))
 
 
-def logistic(xp: Namespace, z: Scalar) -> Scalar:
+def compute_logistic(xp: Namespace, z: Scalar) -> Scalar:
     """1/(1 + exp(-z)), between 0 and 1."""
     return 1.0 / (1.0 + xp.exp(xp.clip(-z, -STRONGEST, STRONGEST)))
 
 
-def sized(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
+def compute_sizes(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
     """Positive sizes, one more than logits: the first has the logit 0; and their sum.
 
     Shares are sizes over the sum. A kernel divides what it has summed up with sizes: each
@@ -62,7 +62,7 @@ def sized(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
     return sizes, whole
 
 
-def hinged(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Scalar) -> Scalar:
+def evaluate_hinges(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Scalar) -> Scalar:
     """0 at -half, and from there lines of given slopes between even knots up to half.
 
     The end lines go on beyond.
@@ -75,7 +75,7 @@ def hinged(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Scalar) -> S
     return total
 
 
-def logits(shares: Numbers) -> Numbers:
+def compute_logits(shares: Numbers) -> Numbers:
     """The logits that give positive shares."""
     return np.log(shares[1:] / shares[0])
 

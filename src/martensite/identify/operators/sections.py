@@ -73,14 +73,14 @@ class Cascade(NamedTuple):
     state: list[Scalar]
 
 
-def names(order: int) -> tuple[str, ...]:
+def name_sections(order: int) -> tuple[str, ...]:
     """Free numbers of the sections that make up an order."""
     first = ("log_tau",) if order % 2 else ()
     pairs = (f"log_{symbol}{k + 1}" for k in range(order // 2) for symbol in ("omega", "zeta"))
     return (*first, *pairs)
 
 
-def cascade(
+def step_cascade(
     xp: Namespace, order: int, poles: list[Scalar], state: list[Scalar], w: Scalar, dt: Scalar,
     more: Sequence[Scalar] = (),
 ) -> Cascade:  # fmt: skip
@@ -111,7 +111,7 @@ def cascade(
     return Cascade(signals, gains, after)
 
 
-def resting(order: int, w: Scalar) -> list[Scalar]:
+def rest_cascade(order: int, w: Scalar) -> list[Scalar]:
     """State of a cascade at rest under a constant input."""
     return [w] * (order % 2) + [w, 0.0] * (order // 2)
 
@@ -129,7 +129,7 @@ def fed_resting(
     return held
 
 
-def poles(order: int, numbers: Numbers, dt: float) -> Numbers:
+def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
     """Poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
     first = order % 2
     s: list[complex] = [
@@ -144,12 +144,12 @@ def poles(order: int, numbers: Numbers, dt: float) -> Numbers:
     return np.array([np.exp(complex(max(one.real * dt, -700.0), one.imag * dt)) for one in s])
 
 
-def spread(duration: float, dt: float) -> tuple[float, float]:
+def find_time_range(duration: float, dt: float) -> tuple[float, float]:
     """Logarithms of the shortest and longest time constants [s] that a record may tell."""
     return float(np.log(max(5.0 * dt, 1e-3 * duration))), float(np.log(0.25 * duration))
 
 
-def weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
+def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
     """Weights of the second signal on, from the last section back, for zeros at s = -1/lead.
 
     As many signals take part as there are zeros and one, the input of all last; as if samples
@@ -158,7 +158,7 @@ def weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
     """
     count = len(leads) + 1
     matrix = np.zeros((count, count))
-    for k, signal in enumerate(_numerators(order, numbers)[:count]):
+    for k, signal in enumerate(_compute_numerators(order, numbers)[:count]):
         matrix[: len(signal), k] = signal
     wanted = np.poly1d([1.0])
     for lead in leads:
@@ -168,7 +168,7 @@ def weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
     return np.linalg.solve(matrix, full)[1:]
 
 
-def _numerators(order: int, numbers: Numbers) -> list[Numbers]:
+def _compute_numerators(order: int, numbers: Numbers) -> list[Numbers]:
     """Numerators of the signals, coefficients of s^0, s^1, …, from the last section back."""
     made: list[Numbers] = []
     behind = np.ones(1)
@@ -182,9 +182,9 @@ def _numerators(order: int, numbers: Numbers) -> list[Numbers]:
     return [*made, behind]
 
 
-def drawn(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+def draw_numbers(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
     """Time constants spread over a thousandth to a quarter of a record; damping near 1."""
-    short, long = spread(duration, dt)
+    short, long = find_time_range(duration, dt)
     made, first = np.zeros(order), order % 2
     made[:first] = rng.uniform(short, long, first)
     made[first::2] = -rng.uniform(short, long, order // 2)
@@ -192,7 +192,7 @@ def drawn(order: int, rng: np.random.Generator, duration: float, dt: float) -> N
     return made
 
 
-def shown(named: Sequence[str], theta: Numbers) -> list[tuple[str, float, str]]:
+def show_numbers(named: Sequence[str], theta: Numbers) -> list[tuple[str, float, str]]:
     """Names without `log_`, with the values and units of what they stand for."""
     units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
     rows: list[tuple[str, float, str]] = []

@@ -14,8 +14,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import (
     ALARM,
     MEASURED,
+    list_references,
     outside_references,
-    references,
     wanted_name,
 )
 from martensite.control.observers.base import ESTIMATED
@@ -61,7 +61,7 @@ def loops(result: Result, outside: Mapping[str, AbstractController] | None = Non
     members = bench.controllers.members()
     found = [
         _loop(result, bench, drive, one, name)
-        for (drive, one), name in zip(members.items(), references(bench), strict=True)
+        for (drive, one), name in zip(members.items(), list_references(bench), strict=True)
     ]
     outer = outside or {}
     for drive, name in outside_references(bench, outer).items():

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.identify.chains.directions import rising
+from martensite.identify.chains.directions import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.show.figures.fit import SEEN, headline, plain_title
 from martensite.show.figures.labels import around
@@ -144,7 +144,7 @@ def _loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words:
     record = validation.record
     step = max(1, len(record) // LOOPED)
     u, y = record.inputs[::step, number], y[::step]
-    up = rising(record.inputs[:, number])[::step]
+    up = find_rising(record.inputs[:, number])[::step]
     for mask, name, colour in ((up, "rising", HEATING), (~up, "falling", COOLING)):
         path = np.where(mask | np.roll(mask, 1), y, np.nan)
         axes.plot(u, path, color=colour, linewidth=0.9, alpha=0.8, label=name)

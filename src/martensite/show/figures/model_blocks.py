@@ -14,7 +14,7 @@ from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractStatic
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import Linear
-from martensite.identify.chains.linearise import linearise
+from martensite.identify.chains.linearise import linearise_chain
 from martensite.show.figures.fit import SEEN, headline, plain_title
 from martensite.show.figures.style import FAINT, INK, SIMULATED, new_figure, styled
 from martensite.signals.sampling.sampled import Sampled
@@ -100,7 +100,7 @@ def _alone(chain: Chain, place: int) -> Linear:
         (block,), chain.split()[place], chain.interval,
         tuple(f"x{i}" for i in range(block.inputs)), tuple(f"y{i}" for i in range(block.outputs)),
     )  # fmt: skip
-    return linearise(own, np.zeros(block.inputs))
+    return linearise_chain(own, np.zeros(block.inputs))
 
 
 def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) -> None:

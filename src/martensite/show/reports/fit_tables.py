@@ -11,7 +11,7 @@ from martensite.fit.fit_provenance import digest
 from martensite.fit.fit_rows import HELD_OUT, Compared, compared
 from martensite.fit.fit_verdicts import amount
 from martensite.fit.free import Free
-from martensite.scenario.exact_text import shown
+from martensite.scenario.exact_text import format_quantity
 from martensite.search.scores import Score
 from martensite.search.words import number
 from martensite.show.reports.blocks import Grid, Row
@@ -118,7 +118,7 @@ def own_numbers(fit: Fit) -> Grid | None:
     for kept in fit.kept:
         for name, value in kept.numbers.items():
             free = known.get(name.rpartition("@")[0])
-            text = f"{value:.6g}" if free is None else shown(value, free.unit)
+            text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)
             rows.append(Row((f"`{name}`", text, free.doc if free else ""), TAG))
     note = "Fitted to the record that is kept back, with everything else as found."
     return Grid(("parameter", "value", "meaning"), rows, right=(1,), note=note) if rows else None

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import DataError
 from martensite.fit.fit_provenance import program
 from martensite.identify.blocks.base import AbstractStatic
-from martensite.identify.chains.uncertainty import Uncertainty, coverage
-from martensite.identify.chains.validation import Validation, compared
+from martensite.identify.chains.uncertainty import Uncertainty, measure_coverage
+from martensite.identify.chains.validation import Validation, compare_validations
 from martensite.search.words import number
 from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
@@ -58,7 +58,7 @@ def write_model_report(
         raise DataError("A report on a model needs at least one validation.")
     chain = validations[0].chain
     blocks = list(_blocks(chain, validations, uncertainty))
-    lead = f"`{chain.text()}` at {chain.interval:.6g} s. {compared(validations)}"
+    lead = f"`{chain.text()}` at {chain.interval:.6g} s. {compare_validations(validations)}"
     words = (title or f"Model {chain.name}", lead, blocks, f"Written by {program()}.")
     if path.suffix.lower() in HTML:
         write_text(path, html.page(*words))
@@ -104,7 +104,7 @@ def _record(k: int, one: Validation, found: Uncertainty | None) -> Iterator[Bloc
     )
     band = None if found is None else found.band(one.record)
     if band is not None:
-        held = coverage(band, one.record, one.skip)
+        held = measure_coverage(band, one.record, one.skip)
         shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
         yield Text(f"The band of 95 % holds {shares} of the samples.")
     yield Picture(f"record{k}", plot_model(one, band), "Measured and computed, with the error.")

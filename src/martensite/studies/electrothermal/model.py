@@ -25,7 +25,7 @@ from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.physics.thermal.constant import ConstantCooling
 from martensite.physics.thermal.lefevre_ede import LeFevreEde
 from martensite.scenario.scenario import Scenario, load
-from martensite.scenario.staircase import plateaus
+from martensite.scenario.staircase import reduce_to_plateaus
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal.record import Staircase
@@ -124,7 +124,7 @@ def predicted(key: str, stated: Printed, calibration: Calibration | None = None)
     names = ("time", "drive", "current", "resistance", "temperature", "martensite_fraction")
     columns = {name: run[name].tolist() for name in names}
     units = {name: run.unit(name) for name in names}
-    return plateaus(Record(f"simulated, {key}", columns, units), "drive")
+    return reduce_to_plateaus(Record(f"simulated, {key}", columns, units), "drive")
 
 
 def span(table: Record) -> tuple[float, float]:

@@ -14,7 +14,12 @@ from statistics import fmean
 from martensite.characterise.polynomial_regression import fit_powers
 from martensite.design.sizing.cycle import crossing
 from martensite.scenario import datasets
-from martensite.scenario.staircase import SupplyOffset, plateaus, supply_offset, unwrap_counter
+from martensite.scenario.staircase import (
+    SupplyOffset,
+    reduce_to_plateaus,
+    supply_offset,
+    unwrap_counter,
+)
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
 from martensite.studies.tables import Printed
@@ -37,7 +42,7 @@ class Staircase:
     @cached_property
     def table(self) -> Record:
         """Plateaus with set-point [V], current [A] and apparent temperature [K]."""
-        return plateaus(_joined(), "set_point")
+        return reduce_to_plateaus(_joined(), "set_point")
 
     @cached_property
     def resistance(self) -> list[float]:
@@ -105,7 +110,7 @@ def here(*files: str) -> bool:
 
 def trained_slopes(low: tuple[float, float], high: tuple[float, float]) -> list[SupplyOffset]:
     """Lines through the trained run between two pairs of set-points [V]."""
-    table = plateaus(read_table(f"data:{TRAINED}"), "set_point", settled=0.3)
+    table = reduce_to_plateaus(read_table(f"data:{TRAINED}"), "set_point", settled=0.3)
     return [supply_offset(table, "set_point", "current", *span) for span in (low, high)]
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Options, estimate, refine
+from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import records
 from martensite.studies.kept import kept
@@ -94,9 +94,9 @@ def model(name: str) -> Chain:
         inputs=full.inputs[::THIN],
         outputs=full.outputs[::THIN],
     )
-    found = replace(estimate(recipe.text, thin, recipe.options).chain, interval=full.interval)
+    found = replace(estimate_chain(recipe.text, thin, recipe.options).chain, interval=full.interval)
     if recipe.polish:
-        polished = refine(found, [full], replace(recipe.options, iterations=recipe.polish))
+        polished = refine_chain(found, [full], replace(recipe.options, iterations=recipe.polish))
         found = found.with_theta(polished.theta[: len(found.theta)])
     return replace(found, name=name)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
-from martensite.control.controllers.latched import LatchedOnOff, replayed
+from martensite.control.controllers.latched import LatchedOnOff, replay_controller
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
@@ -73,7 +73,7 @@ def run(slack: float, volts: float, drive: Step) -> Result:
 def switchings(printed: Printed, found: Result) -> list[float]:
     """Times at which the controller would have switched along a run [s]."""
     columns = {name: found[name].tolist() for name in NAMES}
-    signals = replayed(controller(printed), found.times, columns)
+    signals = replay_controller(controller(printed), found.times, columns)
     rows = zip(found.times[1:], signals, signals[1:], strict=False)
     return [time for time, before, after in rows if before != after]
 
