@@ -52,15 +52,22 @@ class Job:
     def summary(self) -> dict[str, Any]:
         """The job without its notes and outcome."""
         return {
-            "id": self.id, "call": self.call, "state": self.state, "began": self.began,
-            "ended": self.ended, "last": self.last,
-        }  # fmt: skip
+            "id": self.id,
+            "call": self.call,
+            "state": self.state,
+            "began": self.began,
+            "ended": self.ended,
+            "last": self.last,
+        }
 
     def whole(self) -> dict[str, Any]:
         """The job with all that is known of it."""
         return {
-            **self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome,
-        }  # fmt: skip
+            **self.summary(),
+            "request": self.request,
+            "trail": self.trail,
+            "outcome": self.outcome,
+        }
 
     def told(self, note: dict[str, Any]) -> None:
         """Keep a note and pass it on."""

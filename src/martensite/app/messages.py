@@ -113,9 +113,13 @@ def wanted(request: Mapping[str, Any], name: str, sort: type, default: Any = ...
 
 
 _WORDS: dict[type, str] = {
-    str: "text", dict: "a table", list: "a list", float: "a number", int: "a whole number",
+    str: "text",
+    dict: "a table",
+    list: "a list",
+    float: "a number",
+    int: "a whole number",
     bool: "true or false",
-}  # fmt: skip
+}
 
 
 def _short(value: Any) -> str:

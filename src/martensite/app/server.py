@@ -88,10 +88,16 @@ def serve(
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
         at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
         config = uvicorn.Config(
-            site(folder.resolve(), at.token, at.port), log_level="warning", access_log=False,
-            ws="websockets-sansio", ws_max_size=2**16, timeout_graceful_shutdown=2,
-            server_header=False, proxy_headers=False, lifespan="on",
-        )  # fmt: skip
+            site(folder.resolve(), at.token, at.port),
+            log_level="warning",
+            access_log=False,
+            ws="websockets-sansio",
+            ws_max_size=2**16,
+            timeout_graceful_shutdown=2,
+            server_header=False,
+            proxy_headers=False,
+            lifespan="on",
+        )
         server = uvicorn.Server(config)
         if hasattr(signal, "SIGHUP") and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGHUP, server.handle_exit)

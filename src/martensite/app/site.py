@@ -249,9 +249,13 @@ def site(folder: Path, token: str, port: int) -> ASGIApp:
             Mount("/", StaticFiles(directory=STATIC)),
         ],
         exception_handlers={
-            Refusal: _refused, InputError: _refused, 404: _nowhere, 405: _nowhere,
-            ClientDisconnect: _gone, Exception: _failed,
+            Refusal: _refused,
+            InputError: _refused,
+            404: _nowhere,
+            405: _nowhere,
+            ClientDisconnect: _gone,
+            Exception: _failed,
         },
         lifespan=lifespan,
-    )  # fmt: skip
+    )
     return Guard(inside, token, port)

@@ -50,9 +50,12 @@ class Worker:
             await self.kill()  # what it has started may live on
         if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
-                *COMMAND, start_new_session=True,
-                stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, limit=LONGEST_LINE,
-            )  # fmt: skip
+                *COMMAND,
+                start_new_session=True,
+                stdin=asyncio.subprocess.PIPE,
+                stdout=asyncio.subprocess.PIPE,
+                limit=LONGEST_LINE,
+            )
         return self._process
 
     async def ask(self, call: str, request: dict[str, Any], tell: Tell | None = None) -> Any:
@@ -192,8 +195,10 @@ class Pool:
         except TimeoutError:
             raise Refusal(
                 f"This took longer than {self.quick:g} s and was given up; make the run shorter or "
-                "its tolerance larger.", 422, "failed",
-            ) from None  # fmt: skip
+                "its tolerance larger.",
+                422,
+                "failed",
+            ) from None
         finally:
             self._free(worker)
 

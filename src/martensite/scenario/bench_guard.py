@@ -37,9 +37,8 @@ class FromPlant(Parametrised):
     """What is known beside the plant for a guard that is made from it."""
 
     temperature_limit: Scalar = param(
-        "K", "highest temperature; by default that of [element.limits]", above=0.0,
-        default=math.inf,
-    )  # fmt: skip
+        "K", "highest temperature; by default that of [element.limits]", above=0.0, default=math.inf
+    )
     hottest: Scalar = param(
         "K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf
     )
@@ -47,13 +46,17 @@ class FromPlant(Parametrised):
         "1", "least film coefficient over that of [environment]", above=0.0, high=1.0, default=1.0
     )
     full: Scalar = param(
-        DRIVE, "largest signal; by default 1, for sources that take a duty", above=0.0,
+        DRIVE,
+        "largest signal; by default 1, for sources that take a duty",
+        above=0.0,
         default=math.inf,
-    )  # fmt: skip
+    )
     band: Scalar = param(
-        DEGREES, "how far below the limit signals come back, where the answer is `resume`",
-        low=0.0, default=0.0,
-    )  # fmt: skip
+        DEGREES,
+        "how far below the limit signals come back, where the answer is `resume`",
+        low=0.0,
+        default=0.0,
+    )
 
 
 def with_plant(table: Table, bench: Bench, builder: Builder, document: Table) -> Table:
@@ -102,9 +105,14 @@ def _build_checks(bench: Bench, known: FromPlant, document: Table) -> dict[str, 
     limit, noisy = told(known.temperature_limit), document.get(BENCH, {}).get("noise") != "none"
     sensed = checks_for(bench, noisy=noisy, temperature_limit=limit, band=known.band)
     guard = guard_for(
-        bench.plant, temperature_limit=limit, hottest=told(known.hottest),
-        least_cooling=known.least_cooling, full=told(known.full), band=known.band, checks=sensed,
-    )  # fmt: skip
+        bench.plant,
+        temperature_limit=limit,
+        hottest=told(known.hottest),
+        least_cooling=known.least_cooling,
+        full=told(known.full),
+        band=known.band,
+        checks=sensed,
+    )
     return guard.checks.members()
 
 

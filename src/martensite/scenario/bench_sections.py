@@ -45,8 +45,15 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
 
 MAKING = (
-    "sensor", "sensors", "observer", "observers", "controller", "controllers", SUPERVISOR, FAULTS,
-)  # fmt: skip
+    "sensor",
+    "sensors",
+    "observer",
+    "observers",
+    "controller",
+    "controllers",
+    SUPERVISOR,
+    FAULTS,
+)
 """Sections that make a bench of a scenario."""
 
 
@@ -55,14 +62,19 @@ class Conduct(Parametrised):
 
     period: Scalar = param("s", "time from one sample to the next", above=0.0, default=math.inf)
     substeps: Scalar = param(
-        "1", "steps of the system in a period; 0: as many as it needs",
-        low=0.0, high=1e6, default=0.0,
-    )  # fmt: skip
+        "1",
+        "steps of the system in a period; 0: as many as it needs",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+    )
     switching: str = option(
         "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
         "share of it that the signal says",
-        "averaged", "pulses", default="averaged",
-    )  # fmt: skip
+        "averaged",
+        "pulses",
+        default="averaged",
+    )
     noise: str = option("random numbers of the sensors", "drawn", "none", default="drawn")
     seed: Scalar = param("1", "where they begin, a whole number", low=0.0, high=2**53, default=0)
 
@@ -140,8 +152,9 @@ def _build_bench(
     faults = dict(parts.fault(bench, row) for row in list_named(document, FAULTS))
     bench = bench.with_parts(
         controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
-        supervisor=parts.supervisor(bench), faults=Faults(**faults),
-    )  # fmt: skip
+        supervisor=parts.supervisor(bench),
+        faults=Faults(**faults),
+    )
     return bench, {name: one for name, one in found.items() if not one.kernel}
 
 

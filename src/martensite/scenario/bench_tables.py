@@ -14,9 +14,11 @@ from martensite.scenario.build import Table, as_table, choose_class
 from martensite.scenario.components import list_nested
 
 PAIRS = {
-    "sensor": "sensors", "observer": "observers", "controller": "controllers",
+    "sensor": "sensors",
+    "observer": "observers",
+    "controller": "controllers",
     "reference": "references",
-}  # fmt: skip
+}
 """Section of a single one -> section of several."""
 BENCH, SUPERVISOR, FAULTS, RUN = "bench", "supervisor", "faults", "run"
 SECTIONS = (*PAIRS, *PAIRS.values(), SUPERVISOR, FAULTS, BENCH)

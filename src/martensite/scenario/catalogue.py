@@ -40,9 +40,22 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     from martensite.signals.base import WAVEFORMS
 
     found: list[Registry[Any]] = [
-        ELEMENTS, ENDS, LAWS, RESISTANCES, COOLING, FLUIDS, MECHANISMS, SOURCES, WAVEFORMS, SENSORS,
-        OBSERVERS, CONTROLLERS, SUPERVISORS, CHECKS, FAULTS,
-    ]  # fmt: skip
+        ELEMENTS,
+        ENDS,
+        LAWS,
+        RESISTANCES,
+        COOLING,
+        FLUIDS,
+        MECHANISMS,
+        SOURCES,
+        WAVEFORMS,
+        SENSORS,
+        OBSERVERS,
+        CONTROLLERS,
+        SUPERVISORS,
+        CHECKS,
+        FAULTS,
+    ]
     if blocks:
         from martensite.identify.blocks.base import BLOCKS
 

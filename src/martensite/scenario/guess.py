@@ -73,10 +73,18 @@ SPELLINGS = {
 }
 """Unit as it is written here -> as others write it."""
 BY_UNIT = {
-    "s": "time", "K": "temperature", "Pa": "stress", "N": "force", "ohm": "resistance",
-    "A": "current", "V": "voltage", "W": "power", "m": "position", "rad": "angle",
+    "s": "time",
+    "K": "temperature",
+    "Pa": "stress",
+    "N": "force",
+    "ohm": "resistance",
+    "A": "current",
+    "V": "voltage",
+    "W": "power",
+    "m": "position",
+    "rad": "angle",
     "rad/s": "rotor_speed",
-}  # fmt: skip
+}
 """SI unit -> column that has it, for headings that name nothing known."""
 
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")

@@ -212,12 +212,15 @@ def _read_chain(document: dict[str, Any]) -> Chain:
         raise DataError(f"the sample time must be above 0 s, but is {interval:g} s.")
     taps = document["taps"]
     return Chain(
-        tuple(blocks), np.array(theta), interval,
-        tuple(map(str, document["inputs"])), tuple(map(str, document["outputs"])),
+        tuple(blocks),
+        np.array(theta),
+        interval,
+        tuple(map(str, document["inputs"])),
+        tuple(map(str, document["outputs"])),
         {str(k): str(v) for k, v in dict(document["units"]).items()},
         None if taps is None else _read_taps(taps, blocks),
         str(document["name"]),
-    )  # fmt: skip
+    )
 
 
 def _read_taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:

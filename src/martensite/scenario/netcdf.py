@@ -141,9 +141,11 @@ def save_result(
                     file.dimensions[name] = size
             text = variable.data.dtype == object
             written = file.create_variable(
-                variable.name, variable.dims, data=variable.data,
+                variable.name,
+                variable.dims,
+                data=variable.data,
                 dtype=h5netcdf.core.h5py.string_dtype() if text else None,
-            )  # fmt: skip
+            )
             written.attrs.update(variable.attributes())
 
 

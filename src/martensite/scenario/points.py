@@ -13,9 +13,13 @@ from martensite.base.files import replace_file
 from martensite.simulate.point import PointResult
 
 COLUMNS = {
-    "time": ("s", "s"), "temperature": ("K", "degC"), "stress": ("Pa", "MPa"),
-    "strain": ("1", "%"), "martensite_fraction": ("1", "1"), "oriented_fraction": ("1", "1"),
-}  # fmt: skip
+    "time": ("s", "s"),
+    "temperature": ("K", "degC"),
+    "stress": ("Pa", "MPa"),
+    "strain": ("1", "%"),
+    "martensite_fraction": ("1", "1"),
+    "oriented_fraction": ("1", "1"),
+}
 """Heading -> SI unit of the column, unit it is written in."""
 _NAMES = {"martensite_fraction": "martensite", "oriented_fraction": "oriented"}
 

@@ -32,9 +32,15 @@ if TYPE_CHECKING:
 KIND = "table"
 LOG = "log"
 NATURAL = {
-    "V": "voltage", "A": "current", "W": "power", "K": "temperature", "N": "force",
-    "Pa": "stress", "m": "position", "1": "strain",
-}  # fmt: skip
+    "V": "voltage",
+    "A": "current",
+    "W": "power",
+    "K": "temperature",
+    "N": "force",
+    "Pa": "stress",
+    "m": "position",
+    "1": "strain",
+}
 """Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
 DUTY = "duty"
 """The same for the share of the time that a switch is closed."""
@@ -97,9 +103,13 @@ def build_waveform(
 
 
 def build_followed(
-    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str,
+    table: Mapping[str, Any],
+    path: str,
+    log: Record | None,
+    unit: str,
+    natural: str,
     lead: float = 0.0,
-) -> tuple[Table, str]:  # fmt: skip
+) -> tuple[Table, str]:
     """The waveform of kind `log` that a table describes, and the column that it follows.
 
     Args:

@@ -97,10 +97,18 @@ def _arrange_scenario(
             '`run(system, ms.Step(high=0.4, at=1.0), "30 s")`.'
         )
     return Scenario(
-        system=what if bench is None else bench.plant, waveform={} if drive is None else drive,
-        duration=duration, tolerance=1e-4, samples=1001, step=None, title=what.described(),
-        text="", path=None, material=None, bench=bench,
-    )  # fmt: skip
+        system=what if bench is None else bench.plant,
+        waveform={} if drive is None else drive,
+        duration=duration,
+        tolerance=1e-4,
+        samples=1001,
+        step=None,
+        title=what.described(),
+        text="",
+        path=None,
+        material=None,
+        bench=bench,
+    )
 
 
 def _run_batch(
@@ -113,10 +121,16 @@ def _run_batch(
         raise InputError("A bench has no batches in `run`; take `ms.design.run_sweep`.")
     system = scenario.system
     return simulate_batch(
-        system, scenario.waveform, scenario.duration, _convert_variants(system, over),
-        tolerance=scenario.tolerance, step=scenario.step, samples=scenario.samples,
-        outputs=tuple(outputs or system.judged()), runtime=runtime,
-    )  # fmt: skip
+        system,
+        scenario.waveform,
+        scenario.duration,
+        _convert_variants(system, over),
+        tolerance=scenario.tolerance,
+        step=scenario.step,
+        samples=scenario.samples,
+        outputs=tuple(outputs or system.judged()),
+        runtime=runtime,
+    )
 
 
 def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:

@@ -125,9 +125,12 @@ _Columns = dict[str, Any]
 
 
 def _build_table(
-    path: Path, found: _Columns, names: Sequence[str], interval: float | None,
+    path: Path,
+    found: _Columns,
+    names: Sequence[str],
+    interval: float | None,
     units: Mapping[str, str],
-) -> Record:  # fmt: skip
+) -> Record:
     """The columns wanted, in SI."""
     plain = {heading.partition("[")[0].strip().lower(): heading for heading in found}
     wanted = dict.fromkeys([*(("time",) if "time" in plain else ()), *names])

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
@@ -29,6 +30,7 @@ from martensite.scenario.build import Builder, Table, refuse_unknown
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded import Recorded
+from martensite.simulate.driven import Waveforms
 
 if TYPE_CHECKING:
     from martensite.control.controllers.base import AbstractController
@@ -37,9 +39,19 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 SECTIONS = (
-    "title", "element", "environment", "mechanism", "drive", "driver", "actuators", "signals",
-    "model", "run", "measured", *BENCH_SECTIONS,
-)  # fmt: skip
+    "title",
+    "element",
+    "environment",
+    "mechanism",
+    "drive",
+    "driver",
+    "actuators",
+    "signals",
+    "model",
+    "run",
+    "measured",
+    *BENCH_SECTIONS,
+)
 
 
 class Run(Parametrised):
@@ -47,18 +59,23 @@ class Run(Parametrised):
 
     duration: Scalar = param("s", "length of the run", above=0.0, default=math.inf)
     tolerance: Scalar = param(
-        "1", "accepted change on halving the step, as a share of range",
-        above=0.0, high=0.5, default=1e-4,
-    )  # fmt: skip
+        "1",
+        "accepted change on halving the step, as a share of range",
+        above=0.0,
+        high=0.5,
+        default=1e-4,
+    )
     samples: Scalar = param("1", "number of samples", low=2.0, high=1e7, default=1001)
     step: Scalar = param(
         "s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf
     )
 
     lead: Scalar = param(
-        "s", "time before a log that is followed, to come from elsewhere to its beginning",
-        low=0.0, default=0.0,
-    )  # fmt: skip
+        "s",
+        "time before a log that is followed, to come from elsewhere to its beginning",
+        low=0.0,
+        default=0.0,
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the number of samples is no whole number."""
@@ -72,9 +89,9 @@ class Run(Parametrised):
 class Scenario:
     """Everything that a run needs, and where it came from."""
 
-    system: Any
-    """A `System` of one element, or a `Machine` of several."""
-    waveform: Any
+    system: AbstractSystem
+    """A `System` of one element, a `Machine` of several, or the plant of a model."""
+    waveform: Waveforms
     """The waveform of its drive, or waveforms by name; none for a drive of a controller."""
     duration: float
     """[s]"""
@@ -99,7 +116,7 @@ class Scenario:
     """Sentences on how the parts were put together."""
     bench: Bench | None = None
     """The system with sensors, observers, controllers and faults around it, if there are any."""
-    outside: dict[str, AbstractController] = field(default_factory=dict[str, Any])
+    outside: dict[str, AbstractController] = field(default_factory=dict[str, "AbstractController"])
     """Controllers that are no kernels and run outside of the bench, by drive."""
     seed: int | None = None
     """Of the noise on the bench; None for a run without."""
@@ -107,7 +124,7 @@ class Scenario:
     """Where the document holds each number of the system, or bench."""
 
     @property
-    def whole(self) -> Any:
+    def whole(self) -> AbstractSystem:
         """What runs: the bench, or the system alone."""
         return self.system if self.bench is None else self.bench
 
@@ -129,9 +146,13 @@ class Scenario:
         return list(dict.fromkeys(found))
 
     def run(
-        self, *, tolerance: float | None = None, runtime: str | None = None,
-        budget: float | None = None, tell: Callable[[str, float], None] | None = None,
-    ) -> Result:  # fmt: skip
+        self,
+        *,
+        tolerance: float | None = None,
+        runtime: str | None = None,
+        budget: float | None = None,
+        tell: Callable[[str, float], None] | None = None,
+    ) -> Result:
         """Simulate.
 
         Args:
@@ -147,11 +168,16 @@ class Scenario:
         from martensite.simulate.api import simulate
 
         return simulate(
-            self.system, self.waveform, self.duration,
+            self.system,
+            self.waveform,
+            self.duration,
             tolerance=tolerance or self.tolerance,
             step=None if tolerance else self.step,
-            samples=self.samples, runtime=runtime or "auto", budget=budget, tell=tell,
-        )  # fmt: skip
+            samples=self.samples,
+            runtime=runtime or "auto",
+            budget=budget,
+            tell=tell,
+        )
 
     def equal_step(self) -> float:
         """The longest of equal steps with which a run is within the tolerance [s]."""
@@ -167,10 +193,14 @@ class Scenario:
         from martensite.simulate.driven import by_name
 
         return simulate_bench(
-            bench, self.duration, outside=self.outside or None, seed=self.seed, runtime=runtime,
+            bench,
+            self.duration,
+            outside=self.outside or None,
+            seed=self.seed,
+            runtime=runtime,
             waveforms=by_name(self.system, self.waveform),
             watch=None if tell is None else lambda share: tell("simulating", share),
-        )  # fmt: skip
+        )
 
 
 def load(

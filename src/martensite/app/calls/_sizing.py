@@ -24,12 +24,13 @@ def fields() -> list[dict[str, Any]]:
     for entry in describe_class("", WireRequest)["parameters"]:
         declared = WireRequest.declarations[entry["name"]]
         found.append(
-            entry | {
+            entry
+            | {
                 "default": _default(declared),
                 "choices": list(declared.choices),
                 "example": EXAMPLE.get(entry["name"], ""),
             }
-        )  # fmt: skip
+        )
     return found
 
 

@@ -54,6 +54,9 @@ def _netcdf(scenario: Scenario, result: Result, path: Path) -> None:
 
 
 WRITERS: dict[str, Callable[[Scenario, Result, Path], None]] = {
-    "png": _figure, "svg": _figure, "csv": _csv, "nc": _netcdf,
-}  # fmt: skip
+    "png": _figure,
+    "svg": _figure,
+    "csv": _csv,
+    "nc": _netcdf,
+}
 """By the suffix of the file."""

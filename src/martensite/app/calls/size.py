@@ -69,9 +69,13 @@ def _margin(margin: Margin) -> dict[str, Any]:
         for value in (margin.used, margin.limit)
     )
     return {
-        "name": margin.name, "share": margin.share, "used": used, "limit": limit, "unit": shown,
+        "name": margin.name,
+        "share": margin.share,
+        "used": used,
+        "limit": limit,
+        "unit": shown,
         "chosen": margin.chosen,
-    }  # fmt: skip
+    }
 
 
 def _scenario(

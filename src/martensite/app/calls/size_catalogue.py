@@ -29,9 +29,12 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     alloy = found.get("alloy", "any")
     stress, ambient = found.get("stress", STRESS), found.get("ambient", AMBIENT)
     rows = check_catalogue(
-        alloys=ALLOYS if alloy == "any" else (alloy,), stress=stress, ambient=ambient,
-        progress=lambda done, of: desk.tell({"done": done, "of": of}), stop=desk.stop.is_set,
-    )  # fmt: skip
+        alloys=ALLOYS if alloy == "any" else (alloy,),
+        stress=stress,
+        ambient=ambient,
+        progress=lambda done, of: desk.tell({"done": done, "of": of}),
+        stop=desk.stop.is_set,
+    )
     return {
         "asked": given,
         "conditions": words.conditions(stress, ambient),

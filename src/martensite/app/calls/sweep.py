@@ -50,9 +50,12 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     with busy(path), _stopping(desk) as said:
         live.run()
     return {
-        "key": key, "stopped": said[0] if said else "", "seconds": time.monotonic() - began,
-        "cautions": begun.plan.cautions(), **_ended(begun.store),
-    }  # fmt: skip
+        "key": key,
+        "stopped": said[0] if said else "",
+        "seconds": time.monotonic() - began,
+        "cautions": begun.plan.cautions(),
+        **_ended(begun.store),
+    }
 
 
 def _where(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scenario, Wanted]:
@@ -86,7 +89,8 @@ def _ended(store: Store) -> dict[str, Any]:
     """How many runs are there, and how they ended."""
     counts, rows = statuses(store, NAMED)
     return {
-        "done": sum(counts.values()), "runs": int(store.group["status"].shape[0]),
+        "done": sum(counts.values()),
+        "runs": int(store.group["status"].shape[0]),
         "counts": named(counts),
         "failed": [[int(status), counts[status], first] for status, first in sorted(rows.items())],
-    }  # fmt: skip
+    }

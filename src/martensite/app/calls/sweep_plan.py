@@ -24,6 +24,9 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     workers, step = how_of(request).workers, str(request.get("step") or "")
     words = command(slug(scenario.title), wanted_of(request), workers, step)
     return {
-        "faults": faults, "runs": plan.size, "command": words, "cautions": plan.cautions(),
+        "faults": faults,
+        "runs": plan.size,
+        "command": words,
+        "cautions": plan.cautions(),
         "runtime": plan.course.runtime,
-    }  # fmt: skip
+    }

@@ -22,6 +22,10 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     one = timed(sized(plan))
     workers = how_of(request).workers or cores()
     return {
-        "seconds": one.total(plan.size, workers), "tried": one.runs, "took": one.seconds,
-        "workers": workers, "step": asked.step, "runtime": asked.runtime,
-    }  # fmt: skip
+        "seconds": one.total(plan.size, workers),
+        "tried": one.runs,
+        "took": one.seconds,
+        "workers": workers,
+        "step": asked.step,
+        "runtime": asked.runtime,
+    }

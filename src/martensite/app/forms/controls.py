@@ -33,11 +33,15 @@ class Spot:
         """What all controls have."""
         declared = self.declared
         return {
-            "sort": sort, "path": self.path, "name": self.name, "title": words.title(self.name),
-            "symbol": words.symbol(self.name), "meaning": declared.doc,
+            "sort": sort,
+            "path": self.path,
+            "name": self.name,
+            "title": words.title(self.name),
+            "symbol": words.symbol(self.name),
+            "meaning": declared.doc,
             "required": declared.default is REQUIRED,
             "origin": origins.origin(self.noted, self.name, self.material),
-        }  # fmt: skip
+        }
 
 
 def number(spot: Spot, value: float | None, unit: str) -> Control:
@@ -52,7 +56,10 @@ def number(spot: Spot, value: float | None, unit: str) -> Control:
     return {
         **spot.common("number"),
         **words.shown(unit, size),
-        "unit": unit, "value": value, "low": low, "high": high,
+        "unit": unit,
+        "value": value,
+        "low": low,
+        "high": high,
         "allowed": allowed(declared, unit),
         "default": default,
         "unlimited": endless,
@@ -61,7 +68,7 @@ def number(spot: Spot, value: float | None, unit: str) -> Control:
         "material": material if own else None,
         "own": own,
         "changed": own and usual is not None and value is not None and not _same(value, usual),
-    }  # fmt: skip
+    }
 
 
 def _usual(default: float, declared: Declared, unit: str) -> str:
@@ -90,9 +97,12 @@ def option(spot: Spot, value: str) -> Control:
     """A choice between words."""
     default = None if spot.declared.default is REQUIRED else spot.declared.default
     return {
-        **spot.common("option"), "value": value, "choices": list(spot.declared.choices),
-        "default": default, "changed": default is not None and value != default,
-    }  # fmt: skip
+        **spot.common("option"),
+        "value": value,
+        "choices": list(spot.declared.choices),
+        "default": default,
+        "changed": default is not None and value != default,
+    }
 
 
 def text(spot: Spot, value: str | Sequence[str]) -> Control:
@@ -100,10 +110,11 @@ def text(spot: Spot, value: str | Sequence[str]) -> Control:
     default = spot.declared.default
     several = isinstance(default, tuple) or not isinstance(value, str)
     return {
-        **spot.common("text"), "several": several,
+        **spot.common("text"),
+        "several": several,
         "value": value if isinstance(value, str) else ", ".join(value),
         "changed": default is not REQUIRED and value != default,
-    }  # fmt: skip
+    }
 
 
 def row(spot: Spot, value: Any) -> Control:
@@ -111,7 +122,9 @@ def row(spot: Spot, value: Any) -> Control:
     several = isinstance(value, (list, tuple))
     items = list(value) if several else [value]
     return {
-        **spot.common("row"), "several": several, "changed": False,
+        **spot.common("row"),
+        "several": several,
+        "changed": False,
         "value": ", ".join("" if item is None else str(item) for item in items),
         "quantities": any(isinstance(item, str) for item in items),
-    }  # fmt: skip
+    }

@@ -54,9 +54,13 @@ class Filler:
     missing: list[Missing] = field(default_factory=list[Missing])
 
     def table(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, old: Table, path: str,
+        self,
+        cls: type[Parametrised],
+        registry: Registry[Any] | None,
+        old: Table,
+        path: str,
         was: type[Parametrised] | None = None,
-    ) -> Table:  # fmt: skip
+    ) -> Table:
         """The table of a class from that of another one, or from its own, completed."""
         was = was or cls
         made: Table = {KIND: cls.registered_name} if registry is not None else {}
@@ -92,9 +96,14 @@ class Filler:
         return found
 
     def _single(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str,
-        declared: Declared, old: dict[str, tuple[Any, Declared]], path: str,
-    ) -> Any:  # fmt: skip
+        self,
+        cls: type[Parametrised],
+        registry: Registry[Any] | None,
+        name: str,
+        declared: Declared,
+        old: dict[str, tuple[Any, Declared]],
+        path: str,
+    ) -> Any:
         """Value of a number, option or text; None if it can be left out."""
         if name in old and self._fits(declared, *old[name], path):
             return old[name][0]
@@ -132,9 +141,14 @@ class Filler:
     # ---------------------------------------------------------------- components
 
     def _part(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, old: Table,
-        path: str, was: type[Parametrised],
-    ) -> Any:  # fmt: skip
+        self,
+        cls: type[Parametrised],
+        registry: Registry[Any] | None,
+        name: str,
+        old: Table,
+        path: str,
+        was: type[Parametrised],
+    ) -> Any:
         """Table of a component; None if it can be left out."""
         declared = cls.declarations[name]
         before = was.declarations.get(name)
@@ -146,9 +160,13 @@ class Filler:
         return self._chosen(name, declared, given, path)
 
     def _known(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, given: Any,
+        self,
+        cls: type[Parametrised],
+        registry: Registry[Any] | None,
+        name: str,
+        given: Any,
         path: str,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """A component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
@@ -167,9 +185,14 @@ class Filler:
         return list(cast("tuple[Any, ...]", typical)) if isinstance(typical, tuple) else typical
 
     def _taken_in(
-        self, cls: type[Parametrised], registry: Registry[Any], name: str, old: Table, path: str,
+        self,
+        cls: type[Parametrised],
+        registry: Registry[Any],
+        name: str,
+        old: Table,
+        path: str,
         was: type[Parametrised],
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """What was there becomes one of several, or what it had several of does."""
         inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
         if inner is not None and inner in old:

@@ -102,18 +102,24 @@ def _registry(kind: str) -> Registry[Any]:
 
 
 def _put(
-    scenario: Scenario, document: Table, group: Table, cls: type[Parametrised],
-    registry: Registry[Any], fresh: bool,
-) -> Switched:  # fmt: skip
+    scenario: Scenario,
+    document: Table,
+    group: Table,
+    cls: type[Parametrised],
+    registry: Registry[Any],
+    fresh: bool,
+) -> Switched:
     """The document with a table for another class in the place of a group."""
     made, place = deepcopy(document), group["kind"]["path"].removesuffix(f".{KIND}")
     walk, at, part = group["_spot"]
     was, old = type(part), documents.table(made, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
     filler = Filler(
-        _units(walk.unit, at, place), _drawn(scenario, place), elsewhere.get(registry.kind, ()),
+        _units(walk.unit, at, place),
+        _drawn(scenario, place),
+        elsewhere.get(registry.kind, ()),
         fresh,
-    )  # fmt: skip
+    )
     kept = _kept(registry, cls, was, old, fresh)
     full = {**old, KIND: was.registered_name}
     table = {**kept, **filler.table(cls, registry, full, place, was)}
@@ -140,9 +146,12 @@ def _drawn(scenario: Scenario, place: str) -> Material | None:
 
 
 def _kept(
-    registry: Registry[Any], cls: type[Parametrised], was: type[Parametrised], old: Table,
+    registry: Registry[Any],
+    cls: type[Parametrised],
+    was: type[Parametrised],
+    old: Table,
     fresh: bool,
-) -> Table:  # fmt: skip
+) -> Table:
     """Entries of a table that belong to no kind."""
     inner = [name for name, _ in list_nested(cls)]
     names = {

@@ -13,10 +13,29 @@ from typing import Any
 from martensite.base.parameters import Declared
 
 SIZES = {
-    "1": 1.0, "N": 5.0, "V": 5.0, "A": 1.0, "W": 1.0, "m": 0.01, "s": 10.0, "ohm": 5.0, "Pa": 1e8,
-    "kg": 0.5, "Hz": 10.0, "rad": 1.0, "delta_degC": 20.0, "J/kg": 3e4, "N/m": 500.0, "m/s": 1.0,
-    "N*m": 0.05, "N*m/rad": 0.05, "N*m*s/rad": 1e-4, "W/m^2/K": 100.0, "Pa/K": 1e6, "m/s^2": 20.0,
-}  # fmt: skip
+    "1": 1.0,
+    "N": 5.0,
+    "V": 5.0,
+    "A": 1.0,
+    "W": 1.0,
+    "m": 0.01,
+    "s": 10.0,
+    "ohm": 5.0,
+    "Pa": 1e8,
+    "kg": 0.5,
+    "Hz": 10.0,
+    "rad": 1.0,
+    "delta_degC": 20.0,
+    "J/kg": 3e4,
+    "N/m": 500.0,
+    "m/s": 1.0,
+    "N*m": 0.05,
+    "N*m/rad": 0.05,
+    "N*m*s/rad": 1e-4,
+    "W/m^2/K": 100.0,
+    "Pa/K": 1e6,
+    "m/s^2": 20.0,
+}
 """Unit -> what is ordinary of it, for numbers that are 0."""
 KELVINS = 60.0
 """Temperatures go so far to either side [K]."""

@@ -25,8 +25,12 @@ MATERIAL = "element.material"
 NO_MATERIAL = ""
 COOLING = "environment.cooling"
 ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
-    "Material and element", "Environment", "Mechanism", "Drive", "Actuators",
-)  # fmt: skip
+    "Material and element",
+    "Environment",
+    "Mechanism",
+    "Drive",
+    "Actuators",
+)
 
 
 class Sections:
@@ -38,9 +42,13 @@ class Sections:
         self.prefix = "plant." if scenario.bench is not None else ""
         places = scenario.places
         self.walk = Walk(
-            self.document, scenario.origins, places.path, places.path, places.unit,
+            self.document,
+            scenario.origins,
+            places.path,
+            places.path,
+            places.unit,
             skipped=places.is_copy,
-        )  # fmt: skip
+        )
 
     def all(self) -> list[Control]:
         """All sections, in the order in which one thinks of them."""
@@ -64,11 +72,14 @@ class Sections:
         system = self.scenario.system
         yield {
             **self.walk.group(
-                system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on",
+                system.mechanism,
+                f"{self.prefix}mechanism",
+                MECHANISM,
+                "what it pulls on",
                 MECHANISMS,
             ),
             "title": MECHANISM,
-        }  # fmt: skip
+        }
 
     def _environment(self, port: Any, walk: Walk) -> Control:
         """The surroundings; a drive that sets the temperature needs no heat-loss model."""
@@ -90,9 +101,9 @@ class Sections:
 
     @property
     def _shared(self) -> str:
-        return "The same at every port; [actuators] says what is different." if (
-            self._several
-        ) else ""  # fmt: skip
+        return (
+            "The same at every port; [actuators] says what is different." if (self._several) else ""
+        )
 
     def _common(self) -> tuple[Any, Walk]:
         """An actuator, and how its numbers are reached: those of all ports in the common sections.
@@ -108,11 +119,14 @@ class Sections:
         port = min(actuators, key=lambda name: len(_paths(own.get(name, {}), drive)))
         different = set(_paths(own.get(port, {}), drive))
         walk = Walk(
-            self.document, self.scenario.origins,
+            self.document,
+            self.scenario.origins,
             written=lambda path: scenario_path(path, drive),
             noted=lambda path: scenario_path(f"group.{port}.{path}", drive),
-            unit=lambda leaf: leaf.declared.unit, material=self.scenario.material, seen=different,
-        )  # fmt: skip
+            unit=lambda leaf: leaf.declared.unit,
+            material=self.scenario.material,
+            seen=different,
+        )
         return actuators[port], walk
 
     def _material(self) -> Control:
@@ -125,11 +139,13 @@ class Sections:
         names = {NO_MATERIAL: "none: every number is given here", **known, **own}
         material = self.scenario.material
         return {
-            **controls.option(spot, given or NO_MATERIAL), "sort": "material", "changed": False,
+            **controls.option(spot, given or NO_MATERIAL),
+            "sort": "material",
+            "changed": False,
             "choices": [{"name": name, "summary": about} for name, about in names.items()],
             "about": "" if material is None else material.summary,
             "limits": "" if material is None else material.limits,
-        }  # fmt: skip
+        }
 
     # ---------------------------------------------------------------- drives
 
@@ -163,8 +179,13 @@ class Sections:
             unit = placed(units[name])
             walk = Walk(self.document, scenario.origins, place, place, unit, seen=self.walk.seen)
             signal = begin.startswith(SIGNALS)
-            yield walk.group(waveform, "", f"signal {name}" if signal else "waveform",
-                             f"in {units[name]}", WAVEFORMS)  # fmt: skip
+            yield walk.group(
+                waveform,
+                "",
+                f"signal {name}" if signal else "waveform",
+                f"in {units[name]}",
+                WAVEFORMS,
+            )
 
     def _begin(self, name: str) -> str:
         """Where the waveform of a drive stands; a model of one input may have it in [drive]."""
@@ -197,11 +218,19 @@ class Sections:
         """Controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_member, port, drive)
-        walk = replace(self.walk, written=place, noted=place, material=self.scenario.material,
-                       unit=lambda leaf: leaf.declared.unit)  # fmt: skip
+        walk = replace(
+            self.walk,
+            written=place,
+            noted=place,
+            material=self.scenario.material,
+            unit=lambda leaf: leaf.declared.unit,
+        )
         found = walk.group(actuator, "", port)["items"]
-        return [one for one in flat(found) if one["path"].removeprefix(begin) in own
-                and one["sort"] != "group"]  # fmt: skip
+        return [
+            one
+            for one in flat(found)
+            if one["path"].removeprefix(begin) in own and one["sort"] != "group"
+        ]
 
     def _model(self) -> Control:
         file = documents.entry(self.document, f"{MODEL}.file")

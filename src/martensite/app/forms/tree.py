@@ -45,15 +45,25 @@ class Walk:
     """Paths in the document that have a control already."""
 
     def group(
-        self, part: Parametrised, path: str, title: str, meaning: str = "",
-        registry: Registry[Any] | None = None, default: Any = REQUIRED,
-    ) -> Control:  # fmt: skip
+        self,
+        part: Parametrised,
+        path: str,
+        title: str,
+        meaning: str = "",
+        registry: Registry[Any] | None = None,
+        default: Any = REQUIRED,
+    ) -> Control:
         """The controls of a component, those of its components in groups below."""
         place = self.written(path)
         made: Control = {
-            "sort": "group", "path": place, "title": words.title(title), "meaning": meaning,
-            "note": "", "kind": None, "items": [],
-        }  # fmt: skip
+            "sort": "group",
+            "path": place,
+            "title": words.title(title),
+            "meaning": meaning,
+            "note": "",
+            "kind": None,
+            "items": [],
+        }
         if registry is not None and part.registered_name:
             made["kind"] = self._kind(part, place, registry, default)
             made["_spot"] = (self, path, part)
@@ -65,10 +75,12 @@ class Walk:
     ) -> Control:
         usual = default.registered_name if isinstance(default, Parametrised) else None
         return {
-            "path": f"{place}.kind", "value": part.registered_name, "registry": registry.kind,
+            "path": f"{place}.kind",
+            "value": part.registered_name,
+            "registry": registry.kind,
             "default": usual,
             "changed": usual is not None and usual != part.registered_name,
-        }  # fmt: skip
+        }
 
     def _items(self, part: Parametrised, path: str, owner: Control) -> Iterator[Control]:
         table, later = isinstance(part, Table), list[Control]()
@@ -105,9 +117,14 @@ class Walk:
             for name, one in value.members().items()
         ]
         return {
-            "sort": "group", "path": self.written(path), "title": words.title(title),
-            "meaning": meaning, "note": "", "kind": None, "items": below,
-        }  # fmt: skip
+            "sort": "group",
+            "path": self.written(path),
+            "title": words.title(title),
+            "meaning": meaning,
+            "note": "",
+            "kind": None,
+            "items": below,
+        }
 
     def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> Spot | None:
         """Where an entry stands; None if it has a control already."""
@@ -166,9 +183,14 @@ def placed(drive_unit: str) -> Callable[[Leaf], str]:
 def bare(path: str, title: str) -> Control:
     """A group with nothing in it."""
     return {
-        "sort": "group", "path": path, "title": title, "meaning": "", "note": "", "kind": None,
+        "sort": "group",
+        "path": path,
+        "title": title,
+        "meaning": "",
+        "note": "",
+        "kind": None,
         "items": [],
-    }  # fmt: skip
+    }
 
 
 def below(begin: str, path: str) -> str:

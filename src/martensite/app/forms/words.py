@@ -9,9 +9,21 @@ from martensite.base import units
 from martensite.base.errors import UnitError
 
 GREEK = {
-    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "eps": "ε", "nu": "ν", "rho": "ρ",
-    "sigma": "σ", "tau": "τ", "phi": "φ", "xi": "ξ", "Theta": "Θ", "Delta": "Δ", "lambda": "λ",
-}  # fmt: skip
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "delta": "δ",
+    "eps": "ε",
+    "nu": "ν",
+    "rho": "ρ",
+    "sigma": "σ",
+    "tau": "τ",
+    "phi": "φ",
+    "xi": "ξ",
+    "Theta": "Θ",
+    "Delta": "Δ",
+    "lambda": "λ",
+}
 _LETTER = re.compile(r"^([A-Za-z])(\d*|[a-z])$")
 _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 _PRINTED = (("degC", "°C"), ("deg", "°"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("^0.5", "^½"))
@@ -71,9 +83,11 @@ def shown(unit: str, value: float | None = None) -> dict[str, Any]:
         spelling, size, zero = unit, 1.0, 0.0
     spelled = "K" if spelling == units.DEGREES else spelling
     return {
-        "shown": "" if spelling == "1" else spelled, "label": printed(spelling),
-        "factor": 1.0 / size, "offset": -zero / size,
-    }  # fmt: skip
+        "shown": "" if spelling == "1" else spelled,
+        "label": printed(spelling),
+        "factor": 1.0 / size,
+        "offset": -zero / size,
+    }
 
 
 def worded(value: float, unit: str) -> str:

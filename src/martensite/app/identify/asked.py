@@ -102,6 +102,8 @@ def _search(request: Mapping[str, Any]) -> Search:
     if not 0 <= starts <= MOST_STARTS:
         raise InputError(f"Further starts must be 0 to {MOST_STARTS}, but are {starts}.")
     return Search(
-        wanted(request, "method", str, usual.method), wanted(request, "loss", str, usual.loss),
-        starts, wanted(request, "seed", int, usual.seed),
-    )  # fmt: skip
+        wanted(request, "method", str, usual.method),
+        wanted(request, "loss", str, usual.loss),
+        starts,
+        wanted(request, "seed", int, usual.seed),
+    )

@@ -42,9 +42,12 @@ def record_of(request: Mapping[str, Any], desk: Desk) -> Record:
     if interval is not None:
         interval = wanted(request, "interval", float)
     return _record(
-        path, tuple(_columns(request)), interval, wanted(request, "drop", bool, False),
+        path,
+        tuple(_columns(request)),
+        interval,
+        wanted(request, "drop", bool, False),
         wanted(request, "separator", str, "auto"),
-    )  # fmt: skip
+    )
 
 
 def records_of(request: Mapping[str, Any], desk: Desk) -> list[Record]:
@@ -98,9 +101,12 @@ def _table(entry: Any, name: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=2)
 def _record(
-    path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool,
+    path: Path,
+    columns: tuple[tuple[int, str, str], ...],
+    interval: float | None,
+    drop: bool,
     separator: str,
-) -> Record:  # fmt: skip
+) -> Record:
     """The record of a file; the last ones are remembered."""
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
     if path.suffix.lower() in BINARY:

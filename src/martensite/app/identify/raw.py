@@ -105,9 +105,14 @@ def _text(path: Path, separator: str) -> Raw:
         _column(even, place, first[place].strip() if headed else "") for place in range(width)
     ]
     return Raw(
-        path.name, _separator(path, separator, first), headed, preview, columns, len(odd),
+        path.name,
+        _separator(path, separator, first),
+        headed,
+        preview,
+        columns,
+        len(odd),
         f"row {body.numbers[odd[0]]} has {len(body.rows[odd[0]])} cells" if odd else "",
-    )  # fmt: skip
+    )
 
 
 def _separator(path: Path, asked: str, first: Sequence[str]) -> str:

@@ -25,6 +25,8 @@ def shown_difference(name: str, unit: str) -> dict[str, Any]:
         return converted(unit, "%")
     factor, spelling = difference(unit)
     return {
-        "unit": unit, "shown": "" if spelling == "1" else spelling, "factor": 1.0 / factor,
+        "unit": unit,
+        "shown": "" if spelling == "1" else spelling,
+        "factor": 1.0 / factor,
         "offset": 0.0,
-    }  # fmt: skip
+    }

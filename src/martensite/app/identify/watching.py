@@ -126,6 +126,11 @@ def parameter(free: Free) -> dict[str, Any]:
     if is_nuisance(free):
         how = shown_difference(free.ending.removeprefix("offset."), free.unit)
     return {
-        "name": free.name, "record": free.record, "start": free.start, "low": free.low,
-        "high": free.high, "doc": free.doc, **how,
-    }  # fmt: skip
+        "name": free.name,
+        "record": free.record,
+        "start": free.start,
+        "low": free.low,
+        "high": free.high,
+        "doc": free.doc,
+        **how,
+    }

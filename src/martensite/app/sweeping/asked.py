@@ -36,10 +36,13 @@ def wanted_of(request: Mapping[str, Any]) -> Wanted:
     """
     step = str(wanted(request, "step", str, "")).strip()
     return Wanted(
-        over=_texts(request, "over"), sample=_sample(wanted(request, "sample", str, "grid")),
-        measures=_texts(request, "measures"), seed=wanted(request, "seed", int, 0),
-        step=step_of(step), runtime=wanted(request, "runtime", str, "") or None,
-    )  # fmt: skip
+        over=_texts(request, "over"),
+        sample=_sample(wanted(request, "sample", str, "grid")),
+        measures=_texts(request, "measures"),
+        seed=wanted(request, "seed", int, 0),
+        step=step_of(step),
+        runtime=wanted(request, "runtime", str, "") or None,
+    )
 
 
 def how_of(request: Mapping[str, Any]) -> How:

@@ -110,17 +110,17 @@ class Drawn:
             **{name: self.spec[name] for name in ("seed", "step", "runtime", "chunk", "version")},
             "axes": [
                 {
-                    **self._shown(one.target.name), "short": short[one.target.name],
-                    "log": one.log, "levels": None if self.levels is None else self.levels[k],
+                    **self._shown(one.target.name),
+                    "short": short[one.target.name],
+                    "log": one.log,
+                    "levels": None if self.levels is None else self.levels[k],
                 }
                 for k, one in enumerate(self.axes)
             ],
-            "measures": [
-                {**self._shown(name), "short": name} for name in self.spec["measures"]
-            ],
+            "measures": [{**self._shown(name), "short": name} for name in self.spec["measures"]],
             "strides": self.strides,
             "statuses": [[int(one), one.name.lower(), one.sentence] for one in Status],
-        }  # fmt: skip
+        }
 
     def _shown(self, name: str) -> dict[str, Any]:
         array = self.store.group[name]

@@ -89,11 +89,15 @@ class Live:
         for begin in range(0, max(len(found["rows"]), 1), MOST_POINTS):
             self.number += 1
             piece = slice(begin, begin + MOST_POINTS)
-            self.desk.tell({
-                **self._state(progress, elapsed), "number": self.number,
-                "rows": found["rows"][piece], "status": found["status"][piece],
-                "columns": {name: values[piece] for name, values in found["columns"].items()},
-            })  # fmt: skip
+            self.desk.tell(
+                {
+                    **self._state(progress, elapsed),
+                    "number": self.number,
+                    "rows": found["rows"][piece],
+                    "status": found["status"][piece],
+                    "columns": {name: values[piece] for name, values in found["columns"].items()},
+                }
+            )
 
     def _state(self, progress: Progress, elapsed: float) -> dict[str, Any]:
         rate = progress.made / elapsed if progress.made and elapsed > 0.0 else None

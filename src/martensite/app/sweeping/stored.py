@@ -37,6 +37,12 @@ def summary(key: str, path: Path) -> dict[str, Any]:
         return {**told, **lost, "state": "unreadable", "why": str(error)}
     state = "done" if done == runs else "running" if is_busy(path) else "stopped"
     return {
-        **told, "title": spec["title"], "over": spec["over"], "sample": spec["sample"],
-        "runs": runs, "done": done, "state": state, "why": "",
-    }  # fmt: skip
+        **told,
+        "title": spec["title"],
+        "over": spec["over"],
+        "sample": spec["sample"],
+        "runs": runs,
+        "done": done,
+        "state": state,
+        "why": "",
+    }

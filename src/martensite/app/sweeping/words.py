@@ -27,9 +27,11 @@ def command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
         pieces.append(f"--sample {quoted(asked.sample)}")
     pieces += [f"--output {quoted(words)}" for words in asked.measures]
     options = {
-        "seed": asked.seed or None, "step": quoted(step) if step else None,
-        "runtime": asked.runtime, "workers": workers or None,
+        "seed": asked.seed or None,
+        "step": quoted(step) if step else None,
+        "runtime": asked.runtime,
+        "workers": workers or None,
         "chunk-size": asked.chunk if asked.chunk != CHUNK else None,
-    }  # fmt: skip
+    }
     pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
     return " ".join(pieces)

@@ -18,18 +18,24 @@ def key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]
         energies: what `energy` says of it.
     """
     return [
-        *_strokes(result), *_peaks(result), *_energies(energies),
+        *_strokes(result),
+        *_peaks(result),
+        *_energies(energies),
         _row("beyond", "time beyond limits", sum(a.duration for a in result.alarms), "s", 1.0),
-    ]  # fmt: skip
+    ]
 
 
 def _row(
     key: str, name: str, value: float, unit: str, factor: float, offset: float = 0.0
 ) -> dict[str, Any]:
     return {
-        "key": key, "name": name, "value": value, "shown": unit, "factor": factor,
+        "key": key,
+        "name": name,
+        "value": value,
+        "shown": unit,
+        "factor": factor,
         "offset": offset,
-    }  # fmt: skip
+    }
 
 
 def _strokes(result: Result) -> Iterator[dict[str, Any]]:
@@ -48,9 +54,11 @@ def _peaks(result: Result) -> Iterator[dict[str, Any]]:
     """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
     ports = list(result.system.actuators())
     for name, words, choose in (
-        ("hottest", "peak temperature", max), ("stress", "peak stress", max),
-        ("force", "peak force", max), ("martensite_fraction", "least martensite fraction", min),
-    ):  # fmt: skip
+        ("hottest", "peak temperature", max),
+        ("stress", "peak stress", max),
+        ("force", "peak force", max),
+        ("martensite_fraction", "least martensite fraction", min),
+    ):
         columns = [result.system.label(port, name) for port in ports]
         if columns:
             how = shown(result, columns[0])
@@ -63,9 +71,12 @@ def _energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for course in energies["courses"]:
         if course["key"] != "stored":
             yield _row(
-                course["key"], course["long_name"], course["values"][-1], course["shown"],
+                course["key"],
+                course["long_name"],
+                course["values"][-1],
+                course["shown"],
                 course["factor"],
-            )  # fmt: skip
+            )
     if energies["efficiency"]:
         share = energies["efficiency"][-1]
         percent = units.from_si(1.0, "%", "1")

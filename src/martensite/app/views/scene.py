@@ -67,9 +67,12 @@ TURNING = ("pulley", "rotor")
 
 
 def drawn(
-    system: AbstractSystem, result: Result, lengths: Mapping[str, float], names: Sequence[str],
+    system: AbstractSystem,
+    result: Result,
+    lengths: Mapping[str, float],
+    names: Sequence[str],
     row: int,
-) -> list[Shape]:  # fmt: skip
+) -> list[Shape]:
     """The mechanism at one row of the result, from its outputs by name."""
     return system.mechanism.drawn(Reading({n: result.columns[n][row] for n in names}, lengths))
 

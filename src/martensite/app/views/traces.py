@@ -23,8 +23,10 @@ from martensite.show.figures.labels import FRACTIONS
 from martensite.simulate.result import Result
 
 TOGETHER = {
-    "hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power",
-}  # fmt: skip
+    "hottest": "temperature",
+    "oriented_fraction": "martensite_fraction",
+    "heat_loss": "power",
+}
 """Output of an actuator -> the one in whose panel it stands."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 """Panels of actuators that are shown until others are chosen."""

@@ -35,10 +35,13 @@ def _alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
     column = result.system.label(port, alarm.quantity)
     spans = list(_above(result.times, margins(result, alarm, port)))
     return {
-        **asdict(alarm), "column": column, "how": shown(result, column),
-        "panel": TOGETHER.get(alarm.quantity, alarm.quantity), "spans": _few(spans),
+        **asdict(alarm),
+        "column": column,
+        "how": shown(result, column),
+        "panel": TOGETHER.get(alarm.quantity, alarm.quantity),
+        "spans": _few(spans),
         "level": alarm.limit if alarm.kind in LEVELS else None,
-    }  # fmt: skip
+    }
 
 
 def margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
@@ -82,10 +85,21 @@ def _supervised(result: Result) -> Iterator[dict[str, Any]]:
         return
     first, duration = spans[0][0], sum(end - begin for begin, end in spans)
     yield {
-        "kind": "supervisor", "quantity": ALARM, "unit": "1", "worst": 1.0, "limit": 0.0,
-        "excess": 1.0, "first": first, "duration": duration, "worst_time": first, "port": "",
+        "kind": "supervisor",
+        "quantity": ALARM,
+        "unit": "1",
+        "worst": 1.0,
+        "limit": 0.0,
+        "excess": 1.0,
+        "first": first,
+        "duration": duration,
+        "worst_time": first,
+        "port": "",
         "sentence": f"Warning: the supervisor raised its alarm, first at t = {first:.4g} s, for "
         f"{duration:.3g} s in all.",
-        "column": ALARM, "panel": ALARM, "how": shown(result, ALARM), "spans": _few(spans),
+        "column": ALARM,
+        "panel": ALARM,
+        "how": shown(result, ALARM),
+        "spans": _few(spans),
         "level": None,
-    }  # fmt: skip
+    }

@@ -20,9 +20,10 @@ from martensite.base.files import replace_file
 from martensite.export.c_names import checked_identifier, make_identifier
 from martensite.export.fmu.binaries import TARGETS, build_library, checked_targets
 from martensite.export.fmu.description import build_description, write_description
-from martensite.export.fmu.plan import Plan, Scenario, plan_of
+from martensite.export.fmu.plan import Plan, plan_of
 from martensite.export.fmu.variables import Variable, list_variables
 from martensite.export.fmu.wrapper import write_sources
+from martensite.scenario.scenario import Scenario
 
 VERSIONS = ("2.0", "3.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)

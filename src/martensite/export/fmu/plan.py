@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
@@ -12,56 +11,10 @@ from martensite.base.parameters import Leaf, describe_structure
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_core import CCore, build_c_core
+from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
-
-
-class Scenario(Protocol):
-    """What is taken of a scenario (`martensite.load`)."""
-
-    @property
-    def whole(self) -> Any:
-        """What runs: the bench, or the system alone."""
-        ...
-
-    @property
-    def title(self) -> str:
-        """What it is called."""
-        ...
-
-    def equal_step(self) -> float:
-        """The longest of equal steps with which a run is within its tolerance [s]."""
-        ...
-
-    @property
-    def text(self) -> str:
-        """Its document."""
-        ...
-
-    @property
-    def duration(self) -> float:
-        """[s]."""
-        ...
-
-    @property
-    def samples(self) -> int:
-        """Number of samples, both ends included."""
-        ...
-
-    @property
-    def step(self) -> float | None:
-        """Longest step [s], or None if the tolerance chooses it."""
-        ...
-
-    @property
-    def places(self) -> Any:
-        """Where the document holds each number."""
-        ...
-
-    def run(self, *, runtime: str | None = None) -> Any:
-        """Simulate."""
-        ...
 
 
 @dataclass(frozen=True)
