@@ -21,8 +21,8 @@ import parts
 from martensite.actuators.elements.limits import Limits
 from martensite.control.loop.mounted import Mounted
 from martensite.physics.thermal.base import Environment
-from martensite.scenario.bench_guard import FromPlant
-from martensite.scenario.bench_sections import Conduct
+from martensite.scenario.bench import BenchSettings
+from martensite.scenario.guard import FromPlant
 from martensite.scenario.scenario import Run
 
 DRAWN = (
@@ -44,7 +44,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
-    "bench": lambda: parts.parameters_of(Conduct),
+    "bench": lambda: parts.parameters_of(BenchSettings),
     "from-plant": lambda: parts.parameters_of(FromPlant),
     "mounted": lambda: parts.parameters_of(Mounted),
     "environment": lambda: parts.parameters_of(Environment),

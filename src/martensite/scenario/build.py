@@ -52,8 +52,6 @@ class Builder:
     def choose(self, registry: Registry[Any], table: Any, path: str, *, draws: bool = False) -> Any:
         """Build the component of `registry` that the table (or bare kind) describes."""
         full = as_table(table, path)
-        if "kind" not in full:
-            raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
         return self.build(choose_class(registry, full, path), full, path, draws=draws)
 
     def build(
@@ -131,9 +129,6 @@ class Builder:
             full = {"kind": ASSUMED_KINDS[name], **full}
         elif isinstance(declared.default, Parametrised):
             full = {"kind": declared.default.registered_name, **full}
-        if "kind" not in full:
-            valid = suggest_name("", declared.registry.names())
-            raise ParameterError(f"[{path}.{name}] needs `kind`. {valid}")
         return choose_class(declared.registry, full, f"{path}.{name}"), full
 
     @staticmethod
@@ -252,7 +247,13 @@ def _name_class(cls: type[Parametrised]) -> str:
 
 
 def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
-    """The class that `kind` names."""
+    """The class of a table.
+
+    Raises:
+        InputError: it names no kind, or none that there is.
+    """
+    if "kind" not in table:
+        raise ParameterError(f"[{path}] needs `kind`. {suggest_name('', registry.names())}")
     with name_section(path):
         return registry[str(table["kind"])]
 

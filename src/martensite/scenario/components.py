@@ -8,7 +8,8 @@ tables.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from inspect import get_annotations
 from types import UnionType
 from typing import Any, cast, get_args
@@ -47,6 +48,33 @@ def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str
             if declared.kind != "part" or is_plain(inner, name):
                 yield name, f"{path}{part}.{name}"
         yield from list_nested(inner, f"{path}{part}.")
+
+
+def gather_nested(
+    cls: type[Parametrised], table: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """A table with numbers of its components in tables of their own, and what was moved.
+
+    A component whose class is known, such as the `law` of a PID controller, may have its numbers
+    beside those of the whole where only one of them has the name.
+
+    Raises:
+        ParameterError: a number stands in both places.
+    """
+    owners: dict[str, list[str]] = {}
+    for name, inner in list_nested(cls):
+        owners.setdefault(name, []).append(inner)
+    found, moved = deepcopy(dict(table)), dict[str, str]()
+    for name in [n for n in table if n not in cls.declarations and len(owners.get(n, ())) == 1]:
+        (inner,) = owners[name]
+        below = found
+        for part in inner.split(".")[:-1]:
+            below = below.setdefault(part, {})
+        if name in below:
+            raise ParameterError(f"`{name}` and `{inner}` are the same; leave one out.")
+        below[name] = found.pop(name)
+        moved[inner] = name
+    return found, moved
 
 
 def is_plain(owner: type[Parametrised], name: str) -> bool:

@@ -3,7 +3,7 @@
 Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
 optionally `title`, [actuators] and [signals] (`martensite.scenario.assemble`), those of a bench,
 such
-as [sensor] and [controller] (`martensite.scenario.bench_sections`), and [measured], a record to
+as [sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to
 compare
 with. Quantities are text with a unit. Unknown names are refused with the nearest valid one;
 nothing is guessed.
@@ -23,13 +23,14 @@ from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
-from martensite.scenario import bench_sections, recorded
+from martensite.scenario import recorded
 from martensite.scenario.assemble import Assembly, section_of
-from martensite.scenario.bench_tables import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.build import Builder, Table, refuse_unknown
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded import Recorded
+from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
+from martensite.scenario.sections import check_sections, has_controllers, is_bench
 from martensite.simulate.driven import Waveforms
 
 if TYPE_CHECKING:
@@ -253,14 +254,14 @@ def _build_scenario(
 ) -> Scenario:
     folder = path.parent if path else Path()
     origins: dict[str, str] = {}
-    bench_sections.check_sections(document)
-    extra = ("period",) if bench_sections.is_bench(document) else ()
+    check_sections(document)
+    extra = ("period",) if is_bench(document) else ()
     builder = Builder(origins=origins, extra=extra)
     run = builder.build(Run, section_of(document, "run", {}), "run")
-    controlled = bench_sections.has_controllers(document)
+    controlled = has_controllers(document)
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
-    closed = bench_sections.assemble_bench(assembly, system, places)
+    bench, outside, seed = _build_bench(assembly, system, places)
     return Scenario(
         system=system,
         waveform=assembly.driven(system),
@@ -277,11 +278,22 @@ def _build_scenario(
         follows=assembly.follows,
         lead=run.lead,
         remarks=assembly.cautions,
-        bench=closed.bench if closed else None,
-        outside=closed.outside if closed else {},
-        seed=closed.seed if closed else None,
+        bench=bench,
+        outside=outside,
+        seed=seed,
         places=places,
     )
+
+
+def _build_bench(
+    assembly: Assembly, plant: AbstractSystem, places: Places
+) -> tuple[Bench | None, dict[str, AbstractController], int | None]:
+    """What is around a system: bench, controllers outside of it, seed; loaded only if needed."""
+    if not is_bench(assembly.document):
+        return None, {}, None
+    from martensite.scenario.bench import BenchBuilder
+
+    return BenchBuilder(assembly, plant, places).build()
 
 
 def _find_duration(run: Run, end: float) -> float:

@@ -19,8 +19,8 @@ from martensite.base.parameters import Parametrised
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.thermal.base import COOLING
 from martensite.scenario.assemble import GROUP, SIGNALS
-from martensite.scenario.bench_tables import REFERENCE, SECTIONS
 from martensite.scenario.scenario import Scenario
+from martensite.scenario.sections import REFERENCE, SECTIONS
 from martensite.signals.base import DRIVE, WAVEFORMS
 
 

@@ -10,8 +10,8 @@ from martensite.app.forms import controls, documents
 from martensite.app.forms.controls import Control, Spot
 from martensite.app.forms.tree import Paths, Walk, bare, below
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
-from martensite.scenario.bench_tables import BENCH, PERIOD, RUN, SUPERVISOR
 from martensite.scenario.scenario import Run, Scenario
+from martensite.scenario.sections import BENCH, PERIOD, RUN, SUPERVISOR
 
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
@@ -46,11 +46,11 @@ def _chosen(walk: Walk, part: Parametrised, path: str, title: str) -> Control:
 
 def _bench_itself(scenario: Scenario, walk: Walk, bench: Bench) -> list[Control]:
     """How the bench runs; its period may stand in another section."""
-    from martensite.scenario.bench_sections import Conduct
+    from martensite.scenario.bench import BenchSettings
 
     table = documents.table(walk.document, BENCH)
-    given = {name: value for name, value in table.items() if name in Conduct.declarations}
-    whole = Conduct(**{**given, PERIOD: bench.period})
+    given = {name: value for name, value in table.items() if name in BenchSettings.declarations}
+    whole = BenchSettings(**{**given, PERIOD: bench.period})
     return _component(walk, whole, partial(_conduct_path, scenario.places.path(PERIOD)))
 
 

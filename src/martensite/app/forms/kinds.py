@@ -27,10 +27,10 @@ from martensite.base.registry import Registry
 from martensite.control.loop.mounted import Mounted
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material
-from martensite.scenario.bench_tables import MODEL, NAME, PERIOD, REFERENCE
 from martensite.scenario.components import list_nested
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.scenario.sections import MODEL, NAME, PERIOD, REFERENCE
 
 Unit = Callable[[Leaf], str]
 

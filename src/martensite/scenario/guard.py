@@ -14,23 +14,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param
 from martensite.base.units import DEGREES
+from martensite.control.checks.base import AbstractCheck
+from martensite.control.loop.bench import Bench
+from martensite.control.supervisors.from_plant import guard_for
+from martensite.control.supervisors.from_sensors import checks_for
 from martensite.kernels.namespace import Scalar
-from martensite.scenario.bench_tables import BENCH, SUPERVISOR
 from martensite.scenario.build import Builder, Table, as_table, name_section
+from martensite.scenario.sections import SUPERVISOR
 from martensite.signals.base import DRIVE
 
-if TYPE_CHECKING:
-    from martensite.control.checks.base import AbstractCheck
-    from martensite.control.loop.bench import Bench
-
 FROM_PLANT, CHECKS, KIND = "from_plant", "checks", "kind"
-PLANT = "plant"
-"""Origin of numbers that come from the plant."""
 
 
 class FromPlant(Parametrised):
@@ -59,8 +57,10 @@ class FromPlant(Parametrised):
     )
 
 
-def with_plant(table: Table, bench: Bench, builder: Builder, document: Table) -> Table:
-    """The table of a guard, with the checks that its plant gives if it wants them.
+def add_plant_checks(
+    table: Table, bench: Bench, builder: Builder, noisy: bool
+) -> tuple[Table, set[str]]:
+    """The table of a guard with the checks of its plant, if it wants them; paths of their numbers.
 
     Raises:
         InputError: the plant does not say what such a guard needs.
@@ -68,55 +68,49 @@ def with_plant(table: Table, bench: Bench, builder: Builder, document: Table) ->
     given = table.get(FROM_PLANT, False)
     rest = {key: value for key, value in table.items() if key != FROM_PLANT}
     if given is False:
-        return rest
+        return rest, set()
     if given is not True and not isinstance(given, Mapping):
         raise ParameterError(
             f"[{SUPERVISOR}] `{FROM_PLANT}` must be true, false, or a table such as "
             f'`{{ hottest = "40 degC" }}`, but is {given!r}.'
         )
-    path = f"{SUPERVISOR}.{FROM_PLANT}"
-    known = builder.build(FromPlant, {} if given is True else as_table(given, path), path)
+    path, below = f"{SUPERVISOR}.{FROM_PLANT}", f"{SUPERVISOR}.{CHECKS}"
+    known: FromPlant = builder.build(
+        FromPlant, {} if given is True else as_table(given, path), path
+    )
     with name_section(SUPERVISOR):
-        found = _build_checks(bench, known, document)
-    own = as_table(rest.get(CHECKS, {}), f"{SUPERVISOR}.{CHECKS}")
-    rows = {name: dict(_write_row(one, builder)) for name, one in found.items()}
-    return {**rest, CHECKS: own | {name: _merge_row(row, own, name) for name, row in rows.items()}}
+        found = _build_checks(bench, known, noisy)
+    rows, taken = dict(as_table(rest.get(CHECKS, {}), below)), set[str]()
+    for name, check in found.items():
+        own = as_table(rows.get(name, {}), f"{below}.{name}")
+        row = dict(_write_row(check, builder.scales.drive))
+        if own.get(KIND, row[KIND]) == row[KIND]:  # one of another kind stands instead
+            rows[name] = row | own
+            taken |= {f"{below}.{name}.{key}" for key in row if key not in own}
+    return {**rest, CHECKS: rows}, taken
 
 
-def note_origins(table: Table, full: Table, origins: dict[str, str]) -> None:
-    """Say of the numbers that a guard has from its plant that they come from there."""
-    own = as_table(table.get(CHECKS, {}), f"{SUPERVISOR}.{CHECKS}")
-    for name, row in as_table(full.get(CHECKS, {}), f"{SUPERVISOR}.{CHECKS}").items():
-        written = as_table(own.get(name, {}), f"{SUPERVISOR}.{CHECKS}.{name}")
-        for key in row if isinstance(row, dict) else ():
-            path = f"{SUPERVISOR}.{CHECKS}.{name}.{key}"
-            if key not in written and path in origins:
-                origins[path] = PLANT
-
-
-def _build_checks(bench: Bench, known: FromPlant, document: Table) -> dict[str, AbstractCheck]:
+def _build_checks(bench: Bench, known: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
     """Checks of the plant and its sensors, by name."""
-    from martensite.control.supervisors.from_plant import guard_for
-    from martensite.control.supervisors.from_sensors import checks_for
-
-    def told(number: float) -> float | None:
-        return number if math.isfinite(number) else None
-
-    limit, noisy = told(known.temperature_limit), document.get(BENCH, {}).get("noise") != "none"
+    limit = _known_number(known.temperature_limit)
     sensed = checks_for(bench, noisy=noisy, temperature_limit=limit, band=known.band)
     guard = guard_for(
         bench.plant,
         temperature_limit=limit,
-        hottest=told(known.hottest),
+        hottest=_known_number(known.hottest),
         least_cooling=known.least_cooling,
-        full=told(known.full),
+        full=_known_number(known.full),
         band=known.band,
         checks=sensed,
     )
     return guard.checks.members()
 
 
-def _write_row(check: AbstractCheck, builder: Builder) -> Iterator[tuple[str, Any]]:
+def _known_number(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def _write_row(check: AbstractCheck, drive: str) -> Iterator[tuple[str, Any]]:
     """A check as a table of a scenario; what is as by default is left out."""
     yield KIND, check.registered_name
     for name, declared in check.declarations.items():
@@ -126,11 +120,5 @@ def _write_row(check: AbstractCheck, builder: Builder) -> Iterator[tuple[str, An
         if declared.kind != "parameter":
             yield name, list(value) if isinstance(value, tuple) else value
             continue
-        unit = builder.scales.drive if declared.unit == DRIVE else declared.unit
+        unit = drive if declared.unit == DRIVE else declared.unit
         yield name, value if unit == "1" else f"{value!r} {'K' if unit == DEGREES else unit}"
-
-
-def _merge_row(row: dict[str, Any], own: Table, name: str) -> Table:
-    """A check of the plant with the numbers that are given; one of another kind instead."""
-    given = as_table(own.get(name, {}), f"{SUPERVISOR}.{CHECKS}.{name}")
-    return {**row, **given} if given.get(KIND, row[KIND]) == row[KIND] else given

@@ -1,0 +1,349 @@
+"""From the sections of a scenario to a bench: what is around the system that it describes.
+
+    [sensor]      or [sensors.NAME]       kind, its parameters, and how it is mounted
+    [observer]    or [observers.NAME]     kind and parameters; `model` is what it believes
+    [controller]  or [controllers.DRIVE]  kind and parameters; period, limits
+    [reference]   or [references.DRIVE]   a waveform in any unit of what is measured
+    [supervisor], [faults.NAME]           kind and parameters
+    [bench]                               period, steps, switching, seed
+
+The model of an observer, or of a controller that has one, is the system of the scenario itself;
+`model = { "element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel
+runs outside of the bench.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, cast
+
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.parameters import Parametrised, option, param
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
+from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.names import list_readings
+from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
+from martensite.control.observers.base import OBSERVERS
+from martensite.control.sensors.base import SENSORS
+from martensite.kernels.namespace import Scalar
+from martensite.scenario.assemble import Assembly, section_of
+from martensite.scenario.build import Builder, Table, choose_class, name_section
+from martensite.scenario.components import gather_nested
+from martensite.scenario.guard import add_plant_checks
+from martensite.scenario.overrides import change_document
+from martensite.scenario.places import Places
+from martensite.scenario.scales import Scales
+from martensite.scenario.sections import (
+    BENCH,
+    FAULTS,
+    MODEL,
+    NAME,
+    PAIRS,
+    PERIOD,
+    REFERENCE,
+    RUN,
+    SECTIONS,
+    SUPERVISOR,
+    Row,
+    check_name,
+    flatten_changes,
+    list_rows,
+)
+from martensite.signals.constant import Constant
+
+if TYPE_CHECKING:
+    from martensite.actuators.assembly import AbstractSystem
+    from martensite.control.faults.base import AbstractFault
+    from martensite.control.observers.base import AbstractObserver
+    from martensite.control.sensors.base import AbstractSensor
+
+CONTROLLER = "controller"
+GUARD = "guard"
+"""Kind of supervisor whose checks may come from the plant."""
+READING = "reading"
+"""What a sensor calls its own reading."""
+
+
+class BenchSettings(Parametrised):
+    """How a bench runs."""
+
+    period: Scalar = param("s", "time from one sample to the next", above=0.0, default=math.inf)
+    substeps: Scalar = param(
+        "1",
+        "steps of the system in a period; 0: as many as it needs",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+    )
+    switching: str = option(
+        "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
+        "share of it that the signal says",
+        "averaged",
+        "pulses",
+        default="averaged",
+    )
+    noise: str = option("random numbers of the sensors", "drawn", "none", default="drawn")
+    seed: Scalar = param("1", "where they begin, a whole number", low=0.0, high=2**53, default=0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` where a count is no whole number."""
+        for name in ("substeps", "seed"):
+            value = getattr(self, name)
+            if value != int(value):
+                raise ParameterError(f"`{name}` must be a whole number, but is {value}.")
+
+
+@dataclass(frozen=True)
+class BenchBuilder:
+    """Builds what is around a plant; notes origins and places of all numbers."""
+
+    assembly: Assembly
+    plant: AbstractSystem
+    """What everything is around."""
+    places: Places
+
+    def build(self) -> tuple[Bench, dict[str, AbstractController], int | None]:
+        """The bench, controllers outside of it by drive, and the seed of its noise, if any.
+
+        Raises:
+            InputError: a section, a name or a value does not fit.
+        """
+        document, settings = self.assembly.document, self._settings()
+        self.places.note_system("plant", "")
+        bench = Bench(
+            plant=self.plant,
+            period=settings.period,
+            switching=settings.switching,
+            substeps=int(settings.substeps),
+            sensors=Sensors(**dict(map(self._sensor, list_rows(document, "sensor")))),
+        )
+        observers = dict(self._observer(bench, row) for row in list_rows(document, "observer"))
+        bench = bench.with_parts(observers=Observers(**observers))
+        found = dict(self._controller(bench, row) for row in list_rows(document, CONTROLLER))
+        _check_references(document, found)
+        faults = dict(self._fault(bench, row) for row in list_rows(document, FAULTS))
+        bench = bench.with_parts(
+            controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
+            supervisor=self._supervisor(bench),
+            faults=Faults(**faults),
+        )
+        outside = {name: one for name, one in found.items() if not one.kernel}
+        return bench, outside, int(settings.seed) if settings.noise == "drawn" else None
+
+    def _settings(self) -> BenchSettings:
+        """[bench], with the period from where it stands."""
+        document, origins = self.assembly.document, self.assembly.origins
+        stands = {
+            path: own[PERIOD]
+            for path in (CONTROLLER, BENCH, RUN)
+            if PERIOD in (own := section_of(document, path, {}))
+        }
+        if len(stands) != 1:
+            where = " and ".join(f"[{path}]" for path in stands)
+            fault = f"`period` stands in {where}; leave one" if where else "A bench needs `period`"
+            raise ParameterError(
+                f'{fault}: write `period = "20 ms"`, the time from one sample to the next, in '
+                f"[{CONTROLLER if CONTROLLER in document else BENCH}]."
+            )
+        ((path, given),) = stands.items()
+        table = {**section_of(document, BENCH, {}), PERIOD: given}
+        made: BenchSettings = Builder(origins=origins).build(BenchSettings, table, BENCH)
+        self.places.note(PERIOD, f"{path}.{PERIOD}")
+        origins[f"{path}.{PERIOD}"] = "scenario"
+        return made
+
+    def _component(
+        self,
+        cls: type[Parametrised],
+        row: Row,
+        scales: Scales,
+        extra: tuple[str, ...] = (),
+        **made: object,
+    ) -> Any:
+        """A component; its path in the bench stands in the place of the name in its row."""
+        where, table, path = row
+        origins = self.assembly.origins
+        builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=made)
+        found = builder.build(cls, table, path)
+        self.places.note(where, path, scales)
+        self.places.note_scales(where, found, scales)
+        return found
+
+    def _sensor(self, row: Row) -> tuple[str, Mounted]:
+        """A sensor in its place, and its name: by default that of what it measures."""
+        name, table, path = row
+        mount = tuple(n for n in Mounted.declarations if n != "sensor")
+        names = (NAME,) if path in PAIRS else ()
+        cls = cast("type[AbstractSensor]", choose_class(SENSORS, table, path))
+        given = {key: value for key, value in table.items() if key in mount}
+        seen = _list_texts(given.get("of")) or list(cls.sees)
+        known = self.plant.outputs()
+        first = known[seen[0]].unit if seen and seen[0] in known else "1"
+        unit = cls.unit or first
+        natural = seen[0].replace(".", "_") if seen and unit == first else str(table["kind"])
+        name = name or str(table.get(NAME, natural.replace("-", "_")))
+        where = f"sensors.{check_name(name, path)}"
+        scales = Scales(readings={READING: unit}, named=(READING,))
+        sensor = self._component(cls, (f"{where}.sensor", table, path), scales, (*mount, *names))
+        return name, self._component(Mounted, (where, given, path), scales, sensor=sensor)
+
+    def _observer(self, bench: Bench, row: Row) -> tuple[str, AbstractObserver]:
+        """An observer of a bench with sensors, and its name: by default its kind."""
+        name, table, path = row
+        cls = choose_class(OBSERVERS, table, path)
+        name = check_name(name or str(table["kind"]).replace("-", "_"), path)
+        where = f"observers.{name}"
+        made = self._model(cls, table, path, where)
+        scales = Scales(readings=_list_units(bench))
+        return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
+
+    def _model(
+        self, cls: type[Parametrised], table: Table, path: str, where: str
+    ) -> dict[str, AbstractSystem]:
+        """The model of a component that has one, as what is made elsewhere."""
+        declared = cls.declarations.get(MODEL)
+        if declared is None or declared.kind != "part" or declared.registry is not None:
+            return {}
+        self.places.note_system(f"{where}.{MODEL}", f"{path}.{MODEL}")
+        changes = dict(flatten_changes(table.get(MODEL, {})))
+        if not changes:
+            return {MODEL: self.plant}
+        origins = self.assembly.origins
+        origins.update(dict.fromkeys((f"{path}.{MODEL}.{key}" for key in changes), "scenario"))
+        with name_section(f"{path}.{MODEL}"):
+            document = self.assembly.document
+            plain = {name: own for name, own in document.items() if name not in SECTIONS}
+            own = change_document(plain, changes)
+            model = replace(self.assembly, document=own, origins={}, waveforms={}, follows={})
+            return {MODEL: model.system()}
+
+    def _fault(self, bench: Bench, row: Row) -> tuple[str, AbstractFault]:
+        """What goes wrong on a bench, and its name; levels are in the unit of what it disturbs."""
+        name, table, path = row
+        where = f"{FAULTS}.{check_name(name, path)}"
+        drives = {drive.name: drive.unit for drive in self.plant.drives()}
+        only = next(iter(drives.values())) if len(drives) == 1 else "1"
+        scales = Scales(drives.get(str(table.get("drive"))) or only, _list_units(bench))
+        cls = choose_class(KNOWN_FAULTS, table, path)
+        return name, self._component(cls, (where, table, path), scales)
+
+    def _supervisor(self, bench: Bench) -> AbstractSupervisor | None:
+        """Who has the last word on a bench, if anybody."""
+        document, origins = self.assembly.document, self.assembly.origins
+        if SUPERVISOR not in document:
+            return None
+        units = {drive.unit for drive in self.plant.drives()}
+        scales = Scales(units.pop() if len(units) == 1 else "1", _list_units(bench))
+        table = section_of(document, SUPERVISOR)
+        cls = choose_class(SUPERVISORS, table, SUPERVISOR)
+        full, taken = table, set[str]()
+        if cls.registered_name == GUARD:
+            noisy = section_of(document, BENCH, {}).get("noise") != "none"
+            builder = Builder(scales=scales, origins=origins, plain=True)
+            full, taken = add_plant_checks(table, bench, builder, noisy)
+        found = self._component(cls, (SUPERVISOR, full, SUPERVISOR), scales)
+        origins.update(dict.fromkeys(taken & set(origins), "plant"))
+        return found
+
+    # ---------------------------------------------------------------- controllers
+
+    def _controller(self, bench: Bench, row: Row) -> tuple[str, AbstractController]:
+        """A controller with its reference, and the drive that it has."""
+        name, table, path = row
+        name, unit = self._find_drive(name, path)
+        given, below = self._find_reference(name, table, path)
+        where, readings = f"controllers.{name}", _list_units(bench)
+        built = self._build_idle(bench, (where, table, path), Scales(unit, readings))
+        with name_section(path):
+            require_readings(built, readings)
+            kind = built.reference_unit(readings, unit)
+        self.places.note(f"{where}.{REFERENCE}", below, Scales(kind))
+        waveform = self.assembly.waveform_of(given, kind, below, name)
+        return name, built.with_parts(reference=waveform)
+
+    def _build_idle(self, bench: Bench, row: Row, scales: Scales) -> AbstractController:
+        """A controller with nothing to follow yet."""
+        where, table, path = row
+        cls = choose_class(CONTROLLERS, table, path)
+        made = {REFERENCE: Constant(level=0.0), **self._model(cls, table, path, where)}
+        if PERIOD in cls.declarations:
+            table = {**table, PERIOD: f"{bench.period!r} s"}
+        full, moved = gather_nested(cls, table)
+        extra = (*made, PERIOD) if path == CONTROLLER else tuple(made)
+        built = self._component(cls, (where, full, path), scales, extra, **made)
+        for inner, flat in moved.items():
+            self.places.note(f"{where}.{inner}", f"{path}.{flat}")
+            self.assembly.origins[f"{path}.{flat}"] = "scenario"
+        return built
+
+    def _find_drive(self, name: str, path: str) -> tuple[str, str]:
+        """Name and unit of the drive that a controller has; a single one has the only free one."""
+        drives = {drive.name: drive.unit for drive in self.plant.drives()}
+        waved = self.assembly.waveforms
+        free = [one for one in drives if one not in waved]
+        if not name and len(drives) > 1 and len(free) != 1:
+            raise ParameterError(
+                f"[{path}] It is not clear which of the drives {', '.join(drives)} it has; write "
+                f"[{PAIRS[CONTROLLER]}.{(free or list(drives))[0]}]."
+            )
+        name = name or (list(drives) if len(drives) == 1 else free)[0]
+        if name not in drives:
+            raise ParameterError(
+                f"[{path}] There is no drive `{name}`. {suggest_name(name, drives)}"
+            )
+        if name in waved:
+            raise ParameterError(
+                f"[{path}] has the drive `{name}`, which has a waveform as well; leave one out."
+            )
+        return name, drives[name]
+
+    def _find_reference(self, name: str, table: Table, path: str) -> tuple[Any, str]:
+        """What a controller shall follow, and where that stands."""
+        single = path == CONTROLLER
+        outer = REFERENCE if single else PAIRS[REFERENCE]
+        given = section_of(self.assembly.document, outer, {})
+        there = bool(given) if single else name in given
+        title = outer if single else f"{outer}.{name}"
+        if there and REFERENCE in table:
+            raise ParameterError(f"A scenario has [{title}] or [{path}.{REFERENCE}], not both.")
+        if REFERENCE in table:
+            return table[REFERENCE], f"{path}.{REFERENCE}"
+        if not there:
+            raise ParameterError(
+                f"[{path}] needs a reference; write a section [{title}] with a waveform, such as "
+                f'`kind = "constant"` and `level = …`, in a unit of what is measured.'
+            )
+        return (given if single else given[name]), title
+
+
+def _check_references(document: Table, found: Mapping[str, AbstractController]) -> None:
+    """Every reference is that of a controller."""
+    single = CONTROLLER in document
+    given = section_of(document, PAIRS[REFERENCE], {})
+    idle = next((name for name in given if single or name not in found), None)
+    if idle is not None:
+        raise ParameterError(
+            f"[references.{idle}] has no effect, since there is no [controllers.{idle}]. "
+            f"{suggest_name(idle, [] if single else found)}"
+        )
+    if REFERENCE in document and not single:
+        raise ParameterError(
+            "[reference] has no effect, since there is no [controller]; write [references.DRIVE]."
+        )
+
+
+def _list_units(bench: Bench) -> dict[str, str]:
+    """SI units of everything that may be read on a bench."""
+    return {name: output.unit for name, output in list_readings(bench).items()}
+
+
+def _list_texts(given: Any) -> list[str]:
+    """A text, or texts, as a list."""
+    if isinstance(given, str):
+        return [given]
+    return [str(one) for one in cast("list[Any]", given)] if isinstance(given, list) else []

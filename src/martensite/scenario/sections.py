@@ -1,0 +1,88 @@
+"""Sections of a scenario: their names, single and by name, and which of them make a bench."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, cast
+
+from martensite.base.errors import ParameterError
+from martensite.scenario.assemble import section_of
+from martensite.scenario.build import Table, as_table
+
+PAIRS = {
+    "sensor": "sensors",
+    "observer": "observers",
+    "controller": "controllers",
+    "reference": "references",
+}
+"""Section of a single one -> section of several."""
+BENCH, SUPERVISOR, FAULTS, RUN = "bench", "supervisor", "faults", "run"
+SECTIONS = (*PAIRS, *PAIRS.values(), SUPERVISOR, FAULTS, BENCH)
+"""What is around a system."""
+MAKING = tuple(name for name in SECTIONS if "reference" not in name and name != BENCH)
+"""Sections that make a bench of a scenario."""
+PERIOD, NAME, MODEL, REFERENCE = "period", "name", "model", "reference"
+Row = tuple[str, Table, str]
+"""Name, table and path of a component."""
+
+
+def is_bench(document: Table) -> bool:
+    """Whether a scenario describes a bench."""
+    return any(name in document for name in MAKING)
+
+
+def has_controllers(document: Table) -> bool:
+    """Whether a scenario has controllers."""
+    return "controller" in document or "controllers" in document
+
+
+def check_sections(document: Table) -> None:
+    """Raise `ParameterError` for sections that have no effect or stand for the same."""
+    for one, several in PAIRS.items():
+        if one in document and several in document:
+            raise ParameterError(f"A scenario has [{one}] or [{several}.NAME], not both.")
+    idle = next((name for name in SECTIONS if name in document), None)
+    if idle is not None and not is_bench(document):
+        raise ParameterError(
+            f"[{idle}] has no effect, since there is neither [sensor] nor [controller]."
+        )
+
+
+def list_rows(document: Table, one: str) -> Iterator[Row]:
+    """Every component of a section; the name of a single one is ''."""
+    if one in document and one in PAIRS:
+        yield "", section_of(document, one), one
+    several = PAIRS.get(one, one)
+    for name, table in section_of(document, several, {}).items():
+        yield name, as_table(table, f"{several}.{name}"), f"{several}.{name}"
+
+
+def flatten_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted paths and values of what is different in a model.
+
+    Raises:
+        ParameterError: it is no table.
+    """
+    if not isinstance(table, dict):
+        raise ParameterError(
+            f"A model is a table of what is different, such as "
+            f'`{{ "element.diameter" = "0.37 mm" }}`, but is {table!r}.'
+        )
+    for key, value in cast("dict[str, Any]", table).items():
+        if isinstance(value, dict):
+            yield from flatten_changes(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def check_name(name: str, path: str) -> str:
+    """A name that a column can carry.
+
+    Raises:
+        ParameterError: no column can.
+    """
+    if not name.isidentifier():
+        raise ParameterError(
+            f"[{path}] A name consists of letters, digits and underscores, but is `{name}`."
+        )
+    return name
