@@ -89,7 +89,7 @@ CYCLE = "flexinol-isobaric/isobaric_172MPa.txt"
 
 def five_records(text: str, levels: Sequence[float], names: Sequence[str]) -> Problem:
     """Five records and twelve free parameters; what was measured does not matter."""
-    from martensite.fit.wishes import read_wishes
+    from martensite.fit.free_parameters import read_ranges
 
     times = np.linspace(0.0, 100.0, ROWS)
     columns = {"time": times.tolist(), "strain": (0.04 * np.sin(times)).tolist()}
@@ -99,7 +99,7 @@ def five_records(text: str, levels: Sequence[float], names: Sequence[str]) -> Pr
         Experiment(str(level), one.system, one.waveform, record, {"strain": "strain"}, step=STEP)
         for level, one in zip(levels, scenarios, strict=True)
     ]
-    return build_problem(made, read_wishes(list(names), [one.system for one in made]))
+    return build_problem(made, read_ranges(list(names), [one.system for one in made]))
 
 
 def slopes_error(task: Problem) -> Any:

@@ -15,11 +15,11 @@ import numpy as np
 
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.scenario.tables import read_table
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 TRUE = {"element.law.A_s": "62 degC", "element.law.C_A": "9 MPa/K", "element.law.eps_L": "0.037"}
@@ -48,7 +48,7 @@ duration = "80 s"
 samples = 81
 step = "1 s"
 """
-Wishes = tuple[Wish | str, ...]
+Wishes = tuple[SearchRange | str, ...]
 
 
 @dataclass(frozen=True)
@@ -118,5 +118,5 @@ def sample(folder: Path, free: Wishes = FREE, each: Wishes = ("offset",), **how:
 
 def poor_sample(folder: Path) -> Sample:
     """One with a parameter on its bound, one without effect, and one for every record."""
-    free = (Wish("A_s", 330.0, 333.0, 332.0), "C_A", "eps_L", "heat_capacity")
-    return sample(folder, free, ("offset", Wish("E_A", 4e10, 1.2e11)))
+    free = (SearchRange("A_s", 330.0, 333.0, 332.0), "C_A", "eps_L", "heat_capacity")
+    return sample(folder, free, ("offset", SearchRange("E_A", 4e10, 1.2e11)))

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from martensite.design.sampling.base import design
-from martensite.design.sweep.axes import Axis, Target
+from martensite.design.sweep.axes import Axis
 from martensite.design.sweep.table import Column, SweepTable
+from martensite.search.free_numbers import Target
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1

@@ -14,7 +14,8 @@ import pytest
 
 from martensite.base.errors import InputError
 from martensite.design.sampling.base import DESIGNS, AbstractSample, design
-from martensite.design.sweep.axes import Axis, Target, axis
+from martensite.design.sweep.axes import Axis, axis
+from martensite.search.free_numbers import Target
 
 COUNT = 60
 TARGETS = {

@@ -62,7 +62,7 @@ def test_it_agrees_with_brute_force() -> None:
     assert best.goal <= grid.values[0] * (1.0 + 1e-5)
     near = optimise_box(NEAR, "element.count=4..5", best.step)
     fine = scan(near, Scales(near.question), [2, 9, 9, 9])
-    z = np.array([f.place(v) for f, v in zip(near.question.free, best.numbers, strict=True)])
+    z = np.array([f.share(v) for f, v in zip(near.question.free, best.numbers, strict=True)])
     assert fine.best is not None
     assert best.goal <= fine.values[0] * (1.0 + 1e-5) <= best.goal * 1.05
     assert max(fine.cells(z)[2:]) <= 3.0

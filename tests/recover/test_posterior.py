@@ -10,11 +10,11 @@ import pytest
 from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.posterior import SPLIT, Posterior, posterior
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import read_scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 
@@ -50,7 +50,7 @@ def fit(c_compiler: str) -> Fit:
     record = Record("pull", {"time": run.times, "strain": strain}, {"time": "s", "strain": "1"})
     one = Experiment("pull", scenario.system, scenario.waveform, record, {"strain": "strain"})
     return solve_problem(
-        build_problem([one], [Wish("eps_L", 0.03, 0.05), Wish("A_f", 340.0, 365.0)])
+        build_problem([one], [SearchRange("eps_L", 0.03, 0.05), SearchRange("A_f", 340.0, 365.0)])
     )
 
 

@@ -11,11 +11,11 @@ import pytest
 from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.runner import Runner
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 REPETITIONS = 200
@@ -74,7 +74,7 @@ class Cell:
     text: str
     output: str
     unit: str
-    free: tuple[Wish, ...]
+    free: tuple[SearchRange, ...]
     rows: int = 101
     step: float = 0.5
 
@@ -88,21 +88,33 @@ CELLS = (
         "liang-rogers, dead weight, heated by current",
         wire("flexinol-90", 'kind = "liang-rogers", modulus = "mixture"') + WEIGHT + HEATED,
         "position", "m",
-        (Wish("A_s", 330.0, 352.0), Wish("eps_L", 0.03, 0.05), Wish("cooling.h", 55.0, 90.0)),
+        (
+            SearchRange("A_s", 330.0, 352.0),
+            SearchRange("eps_L", 0.03, 0.05),
+            SearchRange("cooling.h", 55.0, 90.0),
+        ),
     ),
     Cell(
         "brinson, bias spring, heated by current",
         wire("flexinol-90", 'kind = "brinson", sigma_s = "50 MPa", sigma_f = "90 MPa"')
         + SPRING + HEATED,
         "position", "m",
-        (Wish("A_f", 343.0, 357.0), Wish("M_s", 316.0, 328.0), Wish("eps_L", 0.03, 0.05)),
+        (
+            SearchRange("A_f", 343.0, 357.0),
+            SearchRange("M_s", 316.0, 328.0),
+            SearchRange("eps_L", 0.03, 0.05),
+        ),
     ),
     Cell(
         "lagoudas, testing machine, in a chamber",
         wire("niti-lagoudas", 'kind = "lagoudas"') + MACHINE
         + CHAMBER.format(low="-20 degC", high="110 degC"),
         "strain", "1",
-        (Wish("A_f", 320.0, 342.0), Wish("M_s", 298.0, 314.0), Wish("H_sat", 0.04, 0.07)),
+        (
+            SearchRange("A_f", 320.0, 342.0),
+            SearchRange("M_s", 298.0, 314.0),
+            SearchRange("H_sat", 0.04, 0.07),
+        ),
         step=1.0,
     ),
     Cell(
@@ -110,7 +122,11 @@ CELLS = (
         wire("flexinol-90", 'kind = "tanaka"') + WEIGHT
         + CHAMBER.format(low="20 degC", high="130 degC"),
         "strain", "1",
-        (Wish("A_s", 330.0, 348.0), Wish("M_f", 305.0, 318.0), Wish("eps_L", 0.03, 0.05)),
+        (
+            SearchRange("A_s", 330.0, 348.0),
+            SearchRange("M_f", 305.0, 318.0),
+            SearchRange("eps_L", 0.03, 0.05),
+        ),
         step=1.0,
     ),
 )  # fmt: skip
@@ -151,7 +167,7 @@ def fitted(cell: Cell, noise: float, seed: int) -> Fit:
     true = exact(cell)
     random = np.random.default_rng(seed)
     measured = true + noise * np.ptp(true) * random.standard_normal(true.size)
-    wishes: list[Wish] = []
+    wishes: list[SearchRange] = []
     for wish in cell.free:
         assert wish.low is not None
         assert wish.high is not None

@@ -12,7 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from martensite.base.errors import InputError, ParameterError, UnitError
-from martensite.design.sweep.axes import Axis, Target, axis
+from martensite.design.sweep.axes import Axis, axis
+from martensite.search.free_numbers import Target
 
 TARGETS = {
     name: Target(name, name, unit, nominal)

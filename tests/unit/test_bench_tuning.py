@@ -17,7 +17,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.design.rules.rule_starts import gains_by_tests, loop_tests, pid_values
 from martensite.design.tuning.bench_tuning import tune_bench
-from martensite.design.tuning.free_gains import free_gains
+from martensite.design.tuning.free_gains import build_free_gains
 from martensite.design.tuning.gain_search import Search
 from martensite.design.tuning.goals import ERRORS, Cost, Course, Goal
 from martensite.design.tuning.loop_runs import LoopRuns, Seen, judged_output
@@ -240,11 +240,10 @@ def test_tuning_lowers_the_cost_over_plants(sensed: LoopRuns) -> None:
 
 
 def test_a_bound_that_is_hit_is_said(sensed: LoopRuns) -> None:
-    low = {"Kp": (20.0, 200.0)}
-    found = tune_bench(sensed.bench, 8.0, ["Kp"], bounds=low, search=QUICK)
+    found = tune_bench(sensed.bench, 8.0, ["Kp=20..200"], search=QUICK)
     assert found.after[GAINS[0]] == pytest.approx(200.0, rel=2e-3)
     assert "ended at its bound 200" in found.notes[0]
-    free = tune_bench(sensed.bench, 8.0, ["Kp"], bounds={"Kp": (10.0, 1e5)}, search=QUICK)
+    free = tune_bench(sensed.bench, 8.0, ["Kp=10..1e5"], search=QUICK)
     assert not free.notes
 
 
@@ -257,26 +256,26 @@ def test_a_number_that_does_not_matter_is_left_alone(sensed: LoopRuns) -> None:
 
 def test_signs_are_kept_and_starts_without_one_begin_at_a_bound() -> None:
     bench = linear_bench(-2.0)
-    (one,) = free_gains(bench, ["Kp"], [{_path(bench, "Kp"): -4.0}])
-    assert one.sign == -1.0
-    assert one.value(one.place(-3.0)) == pytest.approx(-3.0)
-    assert one.value(one.place(0.0)) == pytest.approx(one.value(one.low))
-    assert one.value(one.high) < one.value(one.low) < 0.0
+    (one,) = build_free_gains(bench, ["Kp"], [{_path(bench, "Kp"): -4.0}])
+    assert one.logarithmic
+    assert one.low < one.high < 0.0
+    assert one.value(one.share(-3.0)) == pytest.approx(-3.0)
+    assert one.value(one.share(0.0)) == pytest.approx(one.high)
 
 
 @pytest.mark.parametrize(
-    ("free", "bounds", "said"),
+    ("free", "said"),
     [
-        ([], None, "Nothing is free"),
-        (["Kq"], None, "There is no parameter `Kq`"),
-        (["Kd"], None, "has no bounds"),
-        (["Kp"], {"Ki": (1.0, 2.0)}, "which is not free"),
-        (["Kp"], {"Kp": (2.0, 1.0)}, "must rise"),
+        ([], "Nothing is free"),
+        (["Kq"], "There is no parameter `Kq`"),
+        (["Kd"], "has no bounds"),
+        (["Kp=2..1"], "must rise"),
+        (["Kp=-1..1 log"], "on one side of 0"),
     ],
 )
-def test_what_cannot_be_free(free: list[str], bounds: Any, said: str) -> None:
+def test_what_cannot_be_free(free: list[str], said: str) -> None:
     with pytest.raises(ParameterError, match=said):
-        free_gains(linear_bench(), free, [], bounds)
+        build_free_gains(linear_bench(), free, [])
 
 
 def _path(bench: Bench, name: str) -> str:

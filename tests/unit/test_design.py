@@ -187,7 +187,7 @@ def test_it_leaves_a_start_that_does_not_move() -> None:
     begin = Steering(bundle().system, cold, 3.0)
     free = DIAMETER, "drive.waveform.high=0.05..12 W"
     one = designs(free, "energy", LIMITS, begin)
-    z = np.array([one.place(one.start) for one in one.question.free])
+    z = np.array([one.share(one.start) for one in one.question.free])
     flat = one.slopes(z)
     assert flat is not None
     assert np.abs(flat.slopes[0, 1]).max() < 1e-9  # of the stroke
@@ -251,7 +251,7 @@ REFUSED: dict[str, tuple[str, type[Exception]]] = {
     "strand.diametr=0.1..0.2 mm": ("Did you mean `element.strand.diameter`", ParameterError),
     "element.count=0.5..3": ("must rise and lie within", ParameterError),
     "element.count=1..3.5": ("must be whole numbers", ParameterError),
-    "environment.temperature": ("needs bounds", ParameterError),
+    "limits.stress_limit=0..9 MPa log": ("on one side of 0|no number", ParameterError),
     "drive.waveform.at=0..1 s": ("There is no number", ParameterError),
 }
 
@@ -297,7 +297,7 @@ def test_scales_and_bounds_are_chosen() -> None:
         False,
     )
     assert (stiffness.low, stiffness.high) == pytest.approx((80.0, 2000.0))
-    assert stiffness.value(np.array(stiffness.place(400.0))) == pytest.approx(400.0)
+    assert stiffness.value(stiffness.share(400.0)) == pytest.approx(400.0)
     assert (stiffness.bound(0.0), stiffness.bound(0.5), stiffness.bound(1.0)) == (
         "lower", None, "upper",
     )  # fmt: skip

@@ -16,15 +16,16 @@ from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, wr
 
 from martensite.base.errors import DataError, InputError, UnitError
 from martensite.fit.api import fit_logs, read_problem
+from martensite.fit.columns import ComparedColumn, read_columns, read_noise
 from martensite.fit.compared import columns_of, echoes
 from martensite.fit.documents import read_fit_file
-from martensite.fit.free import Wish
+from martensite.fit.free_parameters import read_ranges
 from martensite.fit.hold_out import ALL, held_out
 from martensite.fit.steps import halved, with_step
-from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import read_table
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 FREE = "A_s,A_f"
@@ -178,20 +179,20 @@ def systems(log: Record | None = None) -> list[Any]:
 @pytest.mark.parametrize(
     ("text", "wish"),
     [
-        ("A_s", Wish("A_s")),
-        (" A_s = 40..90 degC ", Wish("A_s", 313.15, 363.15)),
-        ("A_s=40 degC..90 degC", Wish("A_s", 313.15, 363.15)),
-        ("A_s=..90 degC", Wish("A_s", None, 363.15)),
-        ("A_s=40 degC..", Wish("A_s", 313.15, None)),
-        ("A_s=40..90 degC@60 degC", Wish("A_s", 313.15, 363.15, 333.15)),
-        ("A_s@60 degC", Wish("A_s", None, None, 333.15)),
-        ("C_A=5..12.5 MPa/K", Wish("C_A", 5e6, 12.5e6)),
-        ("eps_L=.03..6e-2", Wish("eps_L", 0.03, 0.06)),
-        ("cooling.h=30..200 W/m^2/K", Wish("cooling.h", 30.0, 200.0)),
+        ("A_s", SearchRange("A_s")),
+        (" A_s = 40..90 degC ", SearchRange("A_s", 313.15, 363.15)),
+        ("A_s=40 degC..90 degC", SearchRange("A_s", 313.15, 363.15)),
+        ("A_s=..90 degC", SearchRange("A_s", None, 363.15)),
+        ("A_s=40 degC..", SearchRange("A_s", 313.15, None)),
+        ("A_s=40..90 degC@60 degC", SearchRange("A_s", 313.15, 363.15, 333.15)),
+        ("A_s@60 degC", SearchRange("A_s", None, None, 333.15)),
+        ("C_A=5..12.5 MPa/K", SearchRange("C_A", 5e6, 12.5e6)),
+        ("eps_L=.03..6e-2", SearchRange("eps_L", 0.03, 0.06)),
+        ("cooling.h=30..200 W/m^2/K", SearchRange("cooling.h", 30.0, 200.0)),
     ],
 )
-def test_wish_is_read_with_bounds_and_start(text: str, wish: Wish) -> None:
-    (found,) = read_wishes([text], systems())
+def test_wish_is_read_with_bounds_and_start(text: str, wish: SearchRange) -> None:
+    (found,) = read_ranges([text], systems())
     assert found.name == wish.name
     for mine, right in zip(
         (found.low, found.high, found.start), (wish.low, wish.high, wish.start), strict=True
@@ -208,7 +209,7 @@ def test_wish_is_read_with_bounds_and_start(text: str, wish: Wish) -> None:
     ],
 )
 def test_offsets_and_delays_are_differences(text: str, low: float, high: float) -> None:
-    (found,) = read_wishes([text], systems(), own=True)
+    (found,) = read_ranges([text], systems(), own=True)
     assert (found.low, found.high) == pytest.approx((low, high), abs=1e-12)
 
 
@@ -220,19 +221,19 @@ def test_offsets_and_delays_are_differences(text: str, low: float, high: float) 
         ("A_s=40..90 mm", "`A_s`: The unit `mm` cannot be converted"),
         ("A_s=40..90", "has no unit"),
         ("B_s=1..2 K", "no parameter `B_s`"),
-        ("", "is not a free parameter"),
+        ("", "is no free number"),
         ("offset.strain", "belongs to a record"),
         ("delay", "belongs to a record"),
     ],
 )
 def test_wish_that_cannot_be_read_is_refused(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        read_wishes([text], systems())
+        read_ranges([text], systems())
 
 
 def test_bounds_of_an_offset_need_its_output() -> None:
     with pytest.raises(InputError, match="need the output they are for"):
-        read_wishes(["offset=-1..1 mm"], systems(), own=True)
+        read_ranges(["offset=-1..1 mm"], systems(), own=True)
 
 
 def test_noise_is_a_difference_with_a_unit() -> None:
@@ -257,7 +258,7 @@ def test_noise_that_cannot_be_is_refused(noise: dict[str, str | float], words: s
 
 
 def test_columns_are_read_in_three_forms() -> None:
-    right = [Compared("strain", "strain"), Compared("position", "laser", -0.5)]
+    right = [ComparedColumn("strain", "strain"), ComparedColumn("position", "laser", -0.5)]
     assert read_columns(["strain", "position=laser*-0.5"]) == right
     assert read_columns("strain, position = laser * -0.5") == right
     assert read_columns({"strain": "strain", "position": "laser*-0.5"}) == right
@@ -552,7 +553,7 @@ def test_missing_fit_file_and_a_scenario_alone_are_refused() -> None:
     with pytest.raises(DataError, match="There is no fit file"):
         fit_logs("fitt.toml")
     with pytest.raises(UnitError, match="delay"):
-        read_wishes(["delay=1..2 K"], systems(), own=True)
+        read_ranges(["delay=1..2 K"], systems(), own=True)
     scenario: Scenario = read_scenario(ISOBARIC, log=cycle())
     with pytest.raises(InputError, match="only a fit file stands alone"):
         fit_logs(scenario)

@@ -472,7 +472,7 @@ def long_names(fit: Fit) -> Fit:
              [*fit.problem.experiments, *(kept.experiment for kept in fit.kept)]}  # fmt: skip
     seen = tuple(replace(one, name=names[one.name]) for one in fit.problem.experiments)
     free = tuple(
-        replace(one, record=names[one.record], name=f"{one.ending}@{names[one.record]}")
+        replace(one, record=names[one.record], name=f"{one.path}@{names[one.record]}")
         if one.record else one for one in fit.problem.free
     )  # fmt: skip
     kept = tuple(

@@ -20,11 +20,11 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, SolveError
 from martensite.fit import runner as runners
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Wish
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.voltage import VoltageSource
 from martensite.scenario.scenario import load
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
@@ -154,7 +154,7 @@ def test_held_stretches_are_not_seen_but_judged():
     """What is kept back may be nonsense."""
     one = experiment()
     wrong = moved(one, lambda x: x + 1e-3 * one.times * (one.times < 1.0))
-    task = build_problem([replace(wrong, held=((0.0, 1.0),))], [Wish("A_s", start=350.0)])
+    task = build_problem([replace(wrong, held=((0.0, 1.0),))], [SearchRange("A_s", start=350.0)])
     fit = solve_problem(task)
     assert task.lengths == [90]
     assert fit["A_s"] == pytest.approx(law_a().A_s, abs=1e-5)
@@ -176,7 +176,7 @@ def test_records_that_are_kept_back_are_predicted(native: bool, monkeypatch: pyt
         experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])),
     )
     held = replace(two, held=((-math.inf, math.inf),))
-    task = build_problem([one, held], [Wish("A_s", start=350.0)], each=["offset"])
+    task = build_problem([one, held], [SearchRange("A_s", start=350.0)], each=["offset"])
     fit = solve_problem(task)
     assert fit.problem.names == ("A_s", "offset.position@one")
     assert fit.kept[0].model[:, 0] == pytest.approx(two.measured[:, 0], abs=1e-9)
@@ -214,7 +214,7 @@ def test_a_delay_is_found():
         function=lambda t: HEATING.value(max(t - 0.03, 0.0)), kinks=(0.03, 1.03, 2.03, 3.03)
     )
     one = replace(experiment(rows=241, wave=late), waveform=HEATING)
-    fit = solve_problem(build_problem([one], [Wish("A_s", start=344.0)], each=["delay"]))
+    fit = solve_problem(build_problem([one], [SearchRange("A_s", start=344.0)], each=["delay"]))
     assert fit["delay@one"] == pytest.approx(0.03, abs=1e-4)
     assert fit["A_s"] == pytest.approx(law_a().A_s, abs=0.02)
     assert fit.cost < 1e-6
@@ -255,8 +255,8 @@ def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
     names = [
         "A_s",
         "C_A",
-        Wish("element.latent_heat", 0.0, 3e4, 0.0),
-        Wish("Theta", -1e6, 1e6, 0.0),
+        SearchRange("element.latent_heat", 0.0, 3e4, 0.0),
+        SearchRange("Theta", -1e6, 1e6, 0.0),
     ]
     volts = experiment(
         "volts", system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()), wave=VOLTS,
@@ -301,7 +301,7 @@ def test_points_that_contradict_themselves_are_passed_over(monkeypatch: pytest.M
 
     monkeypatch.setattr(Problem, "evaluate", counted)
     sharp = experiment(rows=481, system=chamber(law_a(A_s=350.9), mass=1.0))
-    task = build_problem([sharp], [Wish("A_s", 300.0, 400.0, 349.0)])
+    task = build_problem([sharp], [SearchRange("A_s", 300.0, 400.0, 349.0)])
     assert task.evaluate([0.9]) is None
     assert task.costs(np.array([[0.9], task.start]))[0] == math.inf
     fit = solve_problem(task)
@@ -310,13 +310,13 @@ def test_points_that_contradict_themselves_are_passed_over(monkeypatch: pytest.M
 
 
 def test_a_start_that_contradicts_itself_is_an_error_with_a_remedy():
-    task = build_problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
+    task = build_problem([experiment()], [SearchRange("A_s", 300.0, 400.0, 390.0)])
     with pytest.raises(SolveError, match="start from other values"):
         solve_problem(task)
 
 
 def test_another_start_is_found_where_the_first_fails():
-    task = build_problem([experiment()], [Wish("A_s", 300.0, 400.0, 390.0)])
+    task = build_problem([experiment()], [SearchRange("A_s", 300.0, 400.0, 390.0)])
     assert solve_problem(task, starts=2)["A_s"] == pytest.approx(law_a().A_s, abs=1e-4)
 
 

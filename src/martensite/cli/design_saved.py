@@ -10,13 +10,13 @@ from martensite.base.errors import InputError
 
 if TYPE_CHECKING:
     from martensite.design.optimise.designed import Designed
-    from martensite.design.optimise.free import Choice
     from martensite.scenario.scenario import Scenario
+    from martensite.search.free_numbers import Target
 
 
 def written(scenario: Scenario) -> dict[str, str]:
     """Path in the system of every number that may be free -> its path in the scenario."""
-    from martensite.design.optimise.free import level_path
+    from martensite.design.optimise.targets import name_level
     from martensite.scenario.assemble import waveform_path
     from martensite.simulate.steered import PEAK, Steering
 
@@ -27,7 +27,7 @@ def written(scenario: Scenario) -> dict[str, str]:
         before = waveform_path(system, level.drive, places.drive)
         if level.name == PEAK:
             before = before.removesuffix("waveform.")
-        found[level_path(level.drive, level.name)] = before + level.name
+        found[name_level(level.drive, level.name)] = before + level.name
     return found
 
 
@@ -51,8 +51,8 @@ def saved(found: Designed, scenario: Scenario) -> str:
 
     numbers: dict[str, Any] = {}
     for one, value in zip(found.question.free, found.numbers, strict=True):
-        for choice in one.choices:
-            numbers |= _settings(choice, value, scenario, whole=one.whole)
+        for target in one.targets:
+            numbers |= _settings(target, value, scenario, whole=one.whole)
     document = change_document(tomllib.loads(scenario.text), numbers)
     sense = "most" if found.question.most else "least"
     goal = f"# designed for the {sense} {found.question.goal.words}"
@@ -61,36 +61,36 @@ def saved(found: Designed, scenario: Scenario) -> str:
     return "\n".join([goal, *limits, *missed, "", as_toml(document)])
 
 
-def _settings(choice: Choice, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
+def _settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
     """What a number is in the scenario: by path, as text with a unit."""
     from martensite.scenario.exact_text import exact_text
     from martensite.simulate.steered import PEAK
 
-    if choice.level is not None and choice.level.name == PEAK:
-        return _scaled(choice, value / choice.value, scenario)
-    if choice.unit == "1":
-        return {choice.written: int(value) if whole else value}
-    return {choice.written: exact_text(value, choice.unit)}
+    if target.level is not None and target.level.name == PEAK:
+        return _scaled(target, value / target.value, scenario)
+    if target.unit == "1":
+        return {target.name: int(value) if whole else value}
+    return {target.name: exact_text(value, target.unit)}
 
 
-def _scaled(choice: Choice, factor: float, scenario: Scenario) -> dict[str, Any]:
+def _scaled(target: Target, factor: float, scenario: Scenario) -> dict[str, Any]:
     """All levels of a waveform, scaled."""
     from martensite.base import units
     from martensite.scenario.exact_text import exact_text
     from martensite.simulate.driven import by_name
 
-    before = choice.written.removesuffix("peak")
+    before = target.name.removesuffix("peak")
     held = _waveform(scenario, before).get("values")
     if isinstance(held, list):
         values = [
-            units.parse_quantity(v, choice.unit) if isinstance(v, str) else float(v) for v in held
+            units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held
         ]
-        return {f"{before}waveform.values": [exact_text(factor * v, choice.unit) for v in values]}
-    level = choice.level
+        return {f"{before}waveform.values": [exact_text(factor * v, target.unit) for v in values]}
+    level = target.level
     drive = "" if level is None else level.drive
     wave = by_name(scenario.system, scenario.waveform)[drive]
     return {
-        f"{before}waveform.{leaf.path}": exact_text(factor * leaf.value, choice.unit)
+        f"{before}waveform.{leaf.path}": exact_text(factor * leaf.value, target.unit)
         for leaf in wave.leaves() if leaf.declared.unit == "drive"
     }  # fmt: skip
 

@@ -53,7 +53,7 @@ class Given:
             InputError: something is missing, or contradicts a fit file.
         """
         from martensite.fit.documents import is_fit_file, read_fit_file
-        from martensite.fit.wishes import split_list
+        from martensite.fit.free_parameters import split_list
         from martensite.scenario.overrides import read_settings
 
         if any(map(is_fit_file, self.logs)):

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from martensite.fit.free import Free
     from martensite.fit.posterior import Posterior
     from martensite.fit.profiles import Profile
     from martensite.fit.task import LogFit
+    from martensite.search.free_numbers import FreeNumber
     from martensite.search.scores import Score
 
 PARAMETERS = ("parameter", "value", "95 % interval", "start", "bounds", "")
@@ -138,7 +138,7 @@ def _end(end: float) -> float | None:
     return end if math.isfinite(end) else None
 
 
-def _parameter(fit: LogFit, free: Free) -> dict[str, Any]:
+def _parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
     low, high = fit.uncertainty.widened(free.name)
     return {
         "value": fit[free.name], "unit": free.unit, "low": _end(low), "high": _end(high),
@@ -165,26 +165,26 @@ def _mark(fit: LogFit, name: str, known: bool) -> str:
     return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
 
 
-def _shown(free: Free) -> tuple[float, float, str]:
+def _shown(free: FreeNumber) -> tuple[float, float, str]:
     """Factor and offset to SI, and name, of the unit in which a parameter is read."""
     from martensite.base import units
-    from martensite.fit.nuisance import is_nuisance
+    from martensite.fit.free_parameters import is_nuisance
     from martensite.search.words import difference
 
-    if is_nuisance(free):
+    if is_nuisance(free.path):
         factor, spelling = difference(free.unit)
         return factor, 0.0, spelling
     spelling = units.choose_readable_unit(free.unit)
     return (*units.find_conversion(spelling, free.unit), spelling)
 
 
-def _value(free: Free, value: float) -> str:
+def _value(free: FreeNumber, value: float) -> str:
     factor, offset, spelling = _shown(free)
     number = f"{(value - offset) / factor:.5g}"
     return number if spelling == "1" else f"{number} {spelling}"
 
 
-def _range(free: Free, low: float, high: float) -> str:
+def _range(free: FreeNumber, low: float, high: float) -> str:
     factor, offset, _ = _shown(free)
     return f"{(low - offset) / factor:.5g} to {_value(free, high)}"
 

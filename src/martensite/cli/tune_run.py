@@ -215,7 +215,7 @@ def _free(given: Given, runs: LoopRuns, pid: bool) -> list[str]:
         raise InputError("Option `--free` is needed for a controller that is no `pid`.")
     names = PID if given.free is None else [name.strip() for name in given.free.split(",")]
     own = {leaf.path for leaf in runs.bench.controllers.members()[runs.drive].leaves()}
-    return [f"{runs.drive}.{name}" if name in own else name for name in names]
+    return [f"{runs.drive}.{x}" if x.partition("=")[0].strip() in own else x for x in names]
 
 
 def _starts(

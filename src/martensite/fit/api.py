@@ -8,24 +8,24 @@ from typing import Any
 
 from martensite.base.errors import InputError
 from martensite.fit.documents import read_fit_file
-from martensite.fit.free import Wish
+from martensite.fit.free_parameters import split_list
 from martensite.fit.logs import Log, Model, Source, check_matching
 from martensite.fit.problem import Problem
 from martensite.fit.task import Columns, LogFit, Task
 from martensite.fit.watch import Tell
-from martensite.fit.wishes import split_list
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
-Wishes = str | Sequence[str | Wish]
+Ranges = str | Sequence[str | SearchRange]
 
 
 def read_problem(
     scenario: Model | Sequence[Model],
     logs: Source | Sequence[Source],
-    free: Wishes,
+    free: Ranges,
     *,
-    each: Wishes = (),
+    each: Ranges = (),
     hold_out: str | Sequence[str] | None = None,
     columns: Columns | None = None,
     noise: Mapping[str, str | float] | None = None,
@@ -52,7 +52,7 @@ def read_problem(
         SolveError: a run at the start values fails.
     """
     task = task_of(scenario, logs, free).changed(
-        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        each=_list_ranges(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
         settings=overrides,
     )  # fmt: skip
     return task.arranged().problem
@@ -61,9 +61,9 @@ def read_problem(
 def fit_logs(
     scenario: Model | Sequence[Model],
     logs: Source | Sequence[Source] | None = None,
-    free: Wishes | None = None,
+    free: Ranges | None = None,
     *,
-    each: Wishes = (),
+    each: Ranges = (),
     hold_out: str | Sequence[str] | None = None,
     columns: Columns | None = None,
     noise: Mapping[str, str | float] | None = None,
@@ -104,7 +104,7 @@ def fit_logs(
     """
     task = _of_file(scenario) if logs is None or free is None else task_of(scenario, logs, free)
     task = task.changed(
-        each=_wishes(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        each=_list_ranges(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
         settings=overrides,
         search={"method": method, "loss": loss, "starts": starts, "seed": seed},
     )  # fmt: skip
@@ -112,7 +112,7 @@ def fit_logs(
 
 
 def task_of(
-    scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Wishes
+    scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges
 ) -> Task:
     """The task of some logs, one scenario or one for each, and free parameters.
 
@@ -122,10 +122,10 @@ def task_of(
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     models = [scenario] if isinstance(scenario, (str, Path, Scenario)) else list(scenario)
     pairs = zip(sources, check_matching(sources, models), strict=True)
-    return Task(tuple(Log(source, model) for source, model in pairs), _wishes(free))
+    return Task(tuple(Log(source, model) for source, model in pairs), _list_ranges(free))
 
 
-def _wishes(given: Wishes) -> list[str | Wish]:
+def _list_ranges(given: Ranges) -> list[str | SearchRange]:
     """Free parameters; a text may list several with commas."""
     if isinstance(given, str):
         return list(split_list(given))

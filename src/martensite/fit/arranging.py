@@ -13,30 +13,30 @@ from typing import Any
 
 from martensite.base.errors import InputError
 from martensite.fit.checks import look, silent
+from martensite.fit.columns import ComparedColumn, read_columns, read_noise
 from martensite.fit.compared import columns_of
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Wish
+from martensite.fit.free_parameters import DELAY, OFFSET, read_ranges
 from martensite.fit.hold_out import ALL, AUTO, NONE, held_out
 from martensite.fit.logs import Loaded, gaps, read_logs, untimed
-from martensite.fit.nuisance import DELAY, OFFSET
 from martensite.fit.problem import build_problem
 from martensite.fit.steps import with_step
 from martensite.fit.task import Arranged, Task
-from martensite.fit.wishes import Compared, read_columns, read_noise, read_wishes
+from martensite.search.free_numbers import SearchRange
 
 
 def arranged(task: Task) -> Arranged:
     """The problem of a task.
 
     Raises:
-        InputError: logs, scenario and wishes do not fit each other.
+        InputError: logs, scenario and free parameters do not fit each other.
         SolveError: a run that is to show the step fails.
     """
     if not task.logs:
         raise InputError("A fit needs at least one log; none given.")
     found = read_logs(task.logs)
     systems = [one.scenario.system for one in found]
-    free, each = read_wishes(task.free, systems), read_wishes(task.each, systems, own=True)
+    free, each = read_ranges(task.free, systems), read_ranges(task.each, systems, own=True)
     noise, wanted = read_noise(task.noise, systems), read_columns(task.columns)
     made, notes = _experiments(found, task, wanted)
     if not wanted:
@@ -68,7 +68,7 @@ def _stepped(
 
 
 def _experiments(
-    found: Sequence[Loaded], task: Task, wanted: Sequence[Compared]
+    found: Sequence[Loaded], task: Task, wanted: Sequence[ComparedColumn]
 ) -> tuple[list[Experiment], list[str]]:
     """One experiment per record, without steps, and what to say of its columns."""
     held = _held(found, task.hold_out)
@@ -103,7 +103,7 @@ def _held(found: Sequence[Loaded], hold_out: str | Sequence[str]) -> list[Any]:
 
 
 def _audible(
-    made: list[Experiment], free: Sequence[Wish], each: Sequence[Wish]
+    made: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
 ) -> tuple[list[Experiment], list[str]]:
     """Experiments without the outputs that no free parameter moves in any record."""
     training = build_problem(made, free, each=_of_systems(each)).training
@@ -120,6 +120,6 @@ def _audible(
     return [replace(one, columns=c) for one, c in zip(made, kept, strict=True)], notes
 
 
-def _of_systems(each: Sequence[Wish]) -> list[Wish]:
+def _of_systems(each: Sequence[SearchRange]) -> list[SearchRange]:
     """Those that move a system, not what is read off it."""
     return [one for one in each if one.name != DELAY and one.name.partition(".")[0] != OFFSET]

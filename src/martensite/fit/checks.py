@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.fit.free import Free
+from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.multistart import sobol_points
-from martensite.fit.nuisance import is_nuisance
 from martensite.fit.problem import Evaluation, Problem
+from martensite.search.free_numbers import FreeNumber
 from martensite.search.words import change, joined, listed, number, quantity
 
 POINTS = 8
@@ -61,7 +61,7 @@ def silent(problem: Problem) -> list[tuple[str, str]]:
     found = problem.evaluate(problem.start, slopes=True)
     if found is None:
         return []
-    own = [i for i, free in enumerate(problem.free) if not is_nuisance(free)]
+    own = [i for i, free in enumerate(problem.free) if not is_nuisance(free.path)]
     return [
         (one.name, output)
         for one, fitted in zip(problem.experiments, found.fitted, strict=True)
@@ -125,13 +125,13 @@ def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> st
     return remedy
 
 
-def _acted(problem: Problem, free: Free) -> list[str]:
+def _acted(problem: Problem, free: FreeNumber) -> list[str]:
     """Outputs that a parameter moves at the start, compared or not."""
     from martensite.kernels.c99 import find_compiler
     from martensite.simulate.native_slopes import march_slopes
 
     found: list[str] = []
-    if find_compiler() is None or is_nuisance(free):
+    if find_compiler() is None or is_nuisance(free.path):
         return found
     for k, runner in enumerate(problem.runners):
         values = runner.compiled.values(problem.system(k, problem.start))

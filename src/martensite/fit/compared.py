@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, suggest_name
-from martensite.fit.wishes import Compared
+from martensite.fit.columns import ComparedColumn
 from martensite.signals.records import Record
 
 ECHOES = {"K": ("temperature", "hottest"), "V": ("voltage",), "A": ("current",), "W": ("power",)}
@@ -30,7 +30,10 @@ def echoes(system: AbstractSystem) -> set[str]:
 
 
 def columns_of(
-    record: Record, system: AbstractSystem, wanted: Sequence[Compared], follows: Mapping[str, str]
+    record: Record,
+    system: AbstractSystem,
+    wanted: Sequence[ComparedColumn],
+    follows: Mapping[str, str],
 ) -> tuple[dict[str, str], Record, list[str]]:
     """Output -> column of a record, the record with scaled columns, and what is left out.
 
@@ -59,7 +62,7 @@ def columns_of(
 
 
 def _asked(
-    record: Record, wanted: Sequence[Compared], system: AbstractSystem
+    record: Record, wanted: Sequence[ComparedColumn], system: AbstractSystem
 ) -> tuple[dict[str, str], Record, list[str]]:
     columns, known = {}, system.outputs()
     for one in wanted:
@@ -82,7 +85,7 @@ def _named(record: Record, name: str) -> str:
     return name if name in record.columns else spelt
 
 
-def _scaled(record: Record, column: str, one: Compared, unit: str) -> Record:
+def _scaled(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
     """The record with a column for an output, in its unit."""
     numbers = [one.factor * number for number in record[column]]
     return replace(

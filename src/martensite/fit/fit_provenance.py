@@ -15,11 +15,11 @@ from martensite.base.confidence import EVERYTHING, Interval
 from martensite.fit.fit import Fit
 from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
 from martensite.fit.fit_verdicts import amount
-from martensite.fit.free import Free
 from martensite.fit.task import LogFit
 from martensite.scenario.datasets import dataset_names, describe_dataset
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import FreeNumber
 from martensite.signals.records import Record
 
 PACKAGE = "martensite"
@@ -90,7 +90,7 @@ def interval_words(interval: Interval, unit: str) -> str:
     return NOT_DETERMINED if interval == EVERYTHING else shown_range(interval, unit)
 
 
-def _free(fit: Fit, free: Free) -> dict[str, Any]:
+def _free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     found: dict[str, Any] = {
         "value": exact_text(fit[free.name], free.unit),
         "interval": interval_words(fit.uncertainty.interval(free.name), free.unit),

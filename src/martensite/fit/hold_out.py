@@ -13,7 +13,7 @@ import math
 from collections.abc import Sequence
 
 from martensite.base.errors import InputError, UnknownNameError
-from martensite.fit.wishes import split_list
+from martensite.fit.free_parameters import split_list
 
 Stretches = tuple[tuple[float, float], ...]
 AUTO, NONE = "auto", "none"

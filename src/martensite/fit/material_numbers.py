@@ -16,8 +16,7 @@ from martensite.base.parameters import Leaf
 from martensite.fit.canonical import Leaves, canonical, one_law
 from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, interval_words
-from martensite.fit.free import Free
-from martensite.fit.nuisance import is_nuisance
+from martensite.fit.free_parameters import is_nuisance
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.materials.base import Material, Number, Source
 from martensite.physics.materials.names import NAMES
@@ -25,6 +24,7 @@ from martensite.scenario.assemble import scenario_path
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.law_match import law_words
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import FreeNumber
 
 FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
 """Keys of the sources that a fit adds."""
@@ -77,11 +77,11 @@ class Numbers:
         found |= dict(self._carried(leaves))
         return {name: found[name] for name in NAMES if name in found}
 
-    def others(self) -> list[Free]:
+    def others(self) -> list[FreeNumber]:
         """What was fitted to all records together and is no number of the material."""
         known = {*NAMES, *self.law.declarations}
         shared = (free for free in self.fit.problem.free if free.record is None)
-        return [free for free in shared if free.ending.rpartition(".")[2] not in known]
+        return [free for free in shared if free.path.rpartition(".")[2] not in known]
 
     def _leaves(self) -> Leaves:
         """The canonical numbers of the actuator, with all numbers fitted."""
@@ -94,7 +94,7 @@ class Numbers:
         return [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
 
     def _number(self, name: str, leaf: Leaf) -> Number:
-        physical = [free for free in self.fit.problem.free if not is_nuisance(free)]
+        physical = [free for free in self.fit.problem.free if not is_nuisance(free.path)]
         moving = [free for free in physical if free.moves(leaf.path)]
         if not moving:
             return self._inherited(name, leaf)
@@ -105,7 +105,7 @@ class Numbers:
             return _number(leaf, text, "fitted", FIT, trust(self.fit, moving[0]))
         return self._each(moving, leaf)
 
-    def _each(self, moving: list[Free], leaf: Leaf) -> Number:
+    def _each(self, moving: list[FreeNumber], leaf: Leaf) -> Number:
         """A number that every record has for itself is none of the material: its start stays."""
         fitted = ", ".join(
             f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving
@@ -114,7 +114,7 @@ class Numbers:
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _number(leaf, text, "assumed", self._scenario_source(), note)
 
-    def _idle(self, name: str, leaf: Leaf, free: Free) -> Number:
+    def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> Number:
         """A number that the records say nothing about is not fitted, wherever it ended."""
         begun = replace(leaf, value=free.start)
         found = self._inherited(name, begun)
@@ -154,7 +154,7 @@ class Numbers:
         return SCENARIO
 
 
-def trust(fit: Fit, free: Free) -> str:
+def trust(fit: Fit, free: FreeNumber) -> str:
     """Interval and bounds of a fitted number, and what is wrong with them, in words."""
     found = fit.uncertainty
     wide = interval_words(found.widened(free.name), free.unit)

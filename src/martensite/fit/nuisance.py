@@ -16,16 +16,18 @@ import numpy as np
 
 from martensite.base.errors import UnknownNameError
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Free, Wish, free_parameters
+from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers
+from martensite.search.free_numbers import FreeNumber, SearchRange
 
-OFFSET, DELAY = "offset", "delay"
 LATE = 0.05
 """Longest delay either way, as a share of the record."""
 FARTHEST = 2.0
 """Largest offset either way, in measured ranges."""
 
 
-def own_parameters(wishes: Sequence[Wish], experiments: Sequence[Experiment]) -> list[Free]:
+def build_own_parameters(
+    ranges: Sequence[SearchRange], experiments: Sequence[Experiment]
+) -> list[FreeNumber]:
     """Free parameters that every experiment has for itself.
 
     `offset` alone stands for all outputs that are compared.
@@ -34,44 +36,43 @@ def own_parameters(wishes: Sequence[Wish], experiments: Sequence[Experiment]) ->
         ParameterError: an unknown name, or bounds that are none.
         UnknownNameError: an offset of an output that is not compared.
     """
-    found: list[Free] = []
-    for wish in wishes:
+    found: list[FreeNumber] = []
+    for wanted in ranges:
         for experiment in experiments:
-            found += _own(wish, experiment)
+            found += _list_own(wanted, experiment)
     return found
 
 
-def _own(wish: Wish, experiment: Experiment) -> list[Free]:
-    name, record = wish.name, experiment.name
+def _list_own(wanted: SearchRange, experiment: Experiment) -> list[FreeNumber]:
+    name, record = wanted.name, experiment.name
     if name == DELAY:
         latest = LATE * float(experiment.times[-1] - experiment.times[0])
-        return [_free(wish, DELAY, "s", latest, record, "delay of the record")]
+        return [_build_own(wanted, DELAY, "s", latest, record, "delay of the record")]
     head, _, output = name.partition(".")
     if head != OFFSET:
-        return free_parameters([wish], [experiment.system], record)
+        return build_free_numbers([wanted], [experiment.system], record)
     outputs = [output] if output else list(experiment.outputs)
-    return [_offset(wish, one, experiment) for one in outputs]
+    return [_build_offset(wanted, one, experiment) for one in outputs]
 
 
-def _offset(wish: Wish, output: str, experiment: Experiment) -> Free:
+def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> FreeNumber:
     if output not in experiment.outputs:
         raise UnknownNameError("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = FARTHEST * float(np.nanmax(column) - np.nanmin(column))
     unit = experiment.system.outputs()[output].unit
-    return _free(wish, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}")
+    return _build_own(
+        wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}"
+    )
 
 
-def _free(wish: Wish, ending: str, unit: str, reach: float, record: str, doc: str) -> Free:
-    low = -reach if wish.low is None else wish.low
-    high = reach if wish.high is None else wish.high
-    start = min(max(0.0, low), high) if wish.start is None else wish.start
-    return Free(f"{ending}@{record}", ending, unit, start, low, high, False, record, doc)
-
-
-def is_nuisance(free: Free) -> bool:
-    """True for what belongs to the record and not to the system."""
-    return free.ending == DELAY or free.ending.startswith(OFFSET + ".")
+def _build_own(
+    wanted: SearchRange, path: str, unit: str, reach: float, record: str, doc: str
+) -> FreeNumber:
+    low = -reach if wanted.low is None else wanted.low
+    high = reach if wanted.high is None else wanted.high
+    start = min(max(0.0, low), high) if wanted.start is None else wanted.start
+    return FreeNumber(f"{path}@{record}", path, unit, start, low, high, record=record, doc=doc)
 
 
 def delayed(

@@ -21,16 +21,11 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Free, Wish, free_parameters
-from martensite.fit.nuisance import (
-    DELAY,
-    OFFSET,
-    delayed,
-    is_nuisance,
-    own_parameters,
-)
+from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers, is_nuisance
+from martensite.fit.nuisance import build_own_parameters, delayed
 from martensite.fit.problem_checks import check_problem
 from martensite.fit.runner import Runner, Seen
+from martensite.search.free_numbers import FreeNumber, SearchRange
 
 
 @dataclass(frozen=True)
@@ -67,12 +62,12 @@ class Problem:
     """What is to be fitted to what."""
 
     experiments: tuple[Experiment, ...]
-    free: tuple[Free, ...]
+    free: tuple[FreeNumber, ...]
     noise: Mapping[str, float] = field(default_factory=dict[str, float])
     """Output -> standard deviation of its measurement [SI], where it is known."""
     step: float | None = None
     """Longest step of all runs [s]; that of each experiment if None."""
-    later: tuple[Free, ...] = ()
+    later: tuple[FreeNumber, ...] = ()
     """What records that are kept back have for themselves: fitted to them afterwards."""
 
     def __post_init__(self) -> None:
@@ -179,7 +174,7 @@ class Problem:
         return [
             (i, [j for j, path in enumerate(paths) if free.moves(path)])
             for i, free in enumerate(self.free)
-            if free.record in (None, name) and not is_nuisance(free)
+            if free.record in (None, name) and not is_nuisance(free.path)
         ]
 
     @property
@@ -232,12 +227,12 @@ class Problem:
             return None
         one, model = self.experiments[k], seen.values
         for i, free in enumerate(self.free):
-            if free.record == one.name and is_nuisance(free):
+            if free.record == one.name and is_nuisance(free.path):
                 value, slope = free.value(float(u[i])), free.slope(float(u[i]))
-                if free.ending == DELAY:
+                if free.path == DELAY:
                     model, slopes = delayed(one.times, model, slopes, value, slope, i)
                 else:
-                    place = one.outputs.index(free.ending.removeprefix(OFFSET + "."))
+                    place = one.outputs.index(free.path.removeprefix(OFFSET + "."))
                     model = model.copy()
                     model[:, place] += value
                     if slopes is not None:
@@ -252,9 +247,9 @@ class Problem:
 
 def build_problem(
     experiments: Sequence[Experiment],
-    free: Sequence[Wish | str],
+    free: Sequence[SearchRange | str],
     *,
-    each: Sequence[Wish | str] = (),
+    each: Sequence[SearchRange | str] = (),
     noise: Mapping[str, float] | None = None,
     step: float | None = None,
 ) -> Problem:
@@ -271,12 +266,12 @@ def build_problem(
         InputError: a name is unknown, double, or has impossible bounds.
     """
     systems = [one.system for one in experiments]
-    shared = free_parameters([_wish(x) for x in free], systems)
-    wishes = [_wish(x) for x in each]
+    shared = build_free_numbers([_as_range(x) for x in free], systems)
+    ranges = [_as_range(x) for x in each]
     fitted, kept = ([x for x in experiments if x.held_out is flag] for flag in (False, True))
-    own, later = own_parameters(wishes, fitted), own_parameters(wishes, kept)
+    own, later = build_own_parameters(ranges, fitted), build_own_parameters(ranges, kept)
     return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later))
 
 
-def _wish(name: Wish | str) -> Wish:
-    return Wish(name) if isinstance(name, str) else name
+def _as_range(name: SearchRange | str) -> SearchRange:
+    return SearchRange(name) if isinstance(name, str) else name

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Free
-from martensite.fit.nuisance import is_nuisance
+from martensite.fit.free_parameters import is_nuisance
+from martensite.search.free_numbers import FreeNumber
 
 if TYPE_CHECKING:
     from martensite.fit.problem import Problem
@@ -37,9 +37,9 @@ def check_problem(problem: Problem) -> None:
         _refuse_double(one, problem.free)
 
 
-def _refuse_double(one: Experiment, free: Sequence[Free]) -> None:
+def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
     """Refuse two free parameters that move the same number of an experiment."""
-    own = [x for x in free if x.record in (None, one.name) and not is_nuisance(x)]
+    own = [x for x in free if x.record in (None, one.name) and not is_nuisance(x.path)]
     for leaf in one.system.leaves():
         movers = [x.name for x in own if x.moves(leaf.path)]
         if len(movers) > 1:

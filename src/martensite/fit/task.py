@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
 from martensite.fit.problem import Problem
@@ -17,6 +16,7 @@ from martensite.fit.steps import remarks_on_step
 from martensite.fit.swapped import refuse_swapped
 from martensite.fit.watch import Tell
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 INTERRUPTED = "interrupted"
@@ -51,8 +51,8 @@ class Task:
     """What is to be fitted to what, and how."""
 
     logs: tuple[Log, ...]
-    free: Sequence[str | Wish]
-    each: Sequence[str | Wish] = ()
+    free: Sequence[str | SearchRange]
+    each: Sequence[str | SearchRange] = ()
     hold_out: str | Sequence[str] = AUTO
     columns: Columns | None = None
     """Outputs that are compared, `OUTPUT=COLUMN*FACTOR`; all that logs and system share if None."""
@@ -65,7 +65,7 @@ class Task:
         """The problem, ready to be solved.
 
         Raises:
-            InputError: logs, scenario and wishes do not fit each other.
+            InputError: logs, scenario and free parameters do not fit each other.
             SolveError: a run that is to show the step fails.
         """
         from martensite.fit.arranging import arranged
@@ -75,7 +75,7 @@ class Task:
     def changed(
         self,
         *,
-        each: Sequence[str | Wish] = (),
+        each: Sequence[str | SearchRange] = (),
         hold_out: str | Sequence[str] | None = None,
         columns: Columns | None = None,
         noise: Mapping[str, str | float] | None = None,

@@ -17,13 +17,13 @@ from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Declared
 from martensite.design.backends.processes import cores
 from martensite.design.sampling.base import DESIGNS
-from martensite.design.sweep.axes import Target
 from martensite.design.sweep.extras import extra
 from martensite.design.sweep.job import MEASURES as USUAL
 from martensite.design.sweep.subject import targets_of, waveforms_of
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.variants import RUNTIMES
 
@@ -77,15 +77,15 @@ def _targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
 
 
 def _target(one: Target, declared: Declared) -> dict[str, Any]:
-    shown = units.choose_familiar_unit(one.nominal, one.unit)
+    shown = units.choose_familiar_unit(one.value, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
     return {
         "name": one.name,
         "about": one.doc,
         "unit": "" if shown == "1" else shown,
-        "value": units.from_si(one.nominal, shown, one.unit),
-        "words": exact_text(one.nominal, one.unit),
+        "value": units.from_si(one.value, shown, one.unit),
+        "words": exact_text(one.value, one.unit),
         "low": units.from_si(low, shown, one.unit),
         "high": units.from_si(high, shown, one.unit),
         "open": declared.open_low,

@@ -18,11 +18,11 @@ from martensite.app.identify.mapped import records_of
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
-from martensite.fit.free import Wish
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
 from martensite.fit.task import Search, Task
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 MOST_STARTS = 64
@@ -54,13 +54,13 @@ def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:
             f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}."
         )
     logs = tuple(Log(one, scenario_for(request, one), name=one.name) for one in records)
-    free = _wishes(request, "free")
+    free = _list_ranges(request, "free")
     if not free:
         raise ParameterError("Nothing is free; choose at least one parameter to be found.")
     return Task(
         logs=logs,
         free=free,
-        each=_wishes(request, "each"),
+        each=_list_ranges(request, "each"),
         hold_out=_hold_out(request),
         columns=[str(name) for name in wanted(request, "compare", list, [])] or None,
         noise=_noise(request),
@@ -69,14 +69,14 @@ def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:
     )
 
 
-def _wishes(request: Mapping[str, Any], name: str) -> list[Wish]:
-    found: list[Wish] = []
+def _list_ranges(request: Mapping[str, Any], name: str) -> list[SearchRange]:
+    found: list[SearchRange] = []
     for entry in wanted(request, name, list, []):
         if not isinstance(entry, dict):
             raise BadMessageError(f"`{name}` must hold tables with a `name`.")
         table = cast("dict[str, Any]", entry)
-        ends = (_number(table, key) for key in ("low", "high", "start"))
-        found.append(Wish(wanted(table, "name", str), *ends))
+        low, high, start = (_number(table, key) for key in ("low", "high", "start"))
+        found.append(SearchRange(wanted(table, "name", str), low, high, start))
     return found
 
 

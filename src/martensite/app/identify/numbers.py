@@ -10,8 +10,9 @@ from martensite.app.identify.shown import shown_number
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
-from martensite.fit.free import Wish, free_parameters
+from martensite.fit.free_parameters import build_free_numbers
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
 
 
 def numbers_of(scenario: Scenario) -> list[dict[str, Any]]:
@@ -55,7 +56,7 @@ def _entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
 def _box(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
     """The bounds that a fit would choose; none where it has to be told."""
     try:
-        (free,) = free_parameters([Wish(name)], [scenario.system])
+        (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
     except ParameterError:
         return None, None
     return free.low, free.high

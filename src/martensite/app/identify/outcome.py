@@ -13,10 +13,10 @@ from martensite.app.identify.watching import parameter, rounded
 from martensite.app.views.columns import kept_rows
 from martensite.fit.fit_rows import Compared, compared
 from martensite.fit.fit_verdicts import predictions, warnings
-from martensite.fit.free import Free
-from martensite.fit.nuisance import is_nuisance
+from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.task import LogFit
 from martensite.scenario.exact_text import exact_text
+from martensite.search.free_numbers import FreeNumber
 
 DRAWN = 800
 
@@ -59,7 +59,7 @@ def _others(fit: LogFit) -> list[str]:
     return [sentence for sentence in warnings(fit) if sentence not in told]
 
 
-def _parameter(fit: LogFit, free: Free) -> dict[str, Any]:
+def _parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
     low, high = fit.uncertainty.widened(free.name)
     known = math.isfinite(low) and math.isfinite(high)
     return {
@@ -107,7 +107,7 @@ def fitted_text(fit: LogFit) -> str:
     numbers: Mapping[str, str] = {
         scenario.places.path(leaf.path): exact_text(fit[free.name], leaf.declared.unit, 9)
         for free in fit.problem.free
-        if free.record in (None, first.name) and not is_nuisance(free)
+        if free.record in (None, first.name) and not is_nuisance(free.path)
         for leaf in scenario.system.leaves()
         if free.moves(leaf.path)
     }

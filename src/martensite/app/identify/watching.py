@@ -13,10 +13,10 @@ from martensite.app.identify.thin import DRAWN
 from martensite.app.views.columns import kept_rows
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Free
-from martensite.fit.nuisance import is_nuisance
+from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Problem
 from martensite.fit.watch import Note
+from martensite.search.free_numbers import FreeNumber
 
 EVERY = 0.4
 """Seconds between two notes."""
@@ -120,11 +120,11 @@ def measured(one: Experiment) -> dict[str, Any]:
     }
 
 
-def parameter(free: Free) -> dict[str, Any]:
+def parameter(free: FreeNumber) -> dict[str, Any]:
     """A parameter that is searched: where from, between which bounds, shown in which unit."""
     how = shown_number(free.start, free.unit)
-    if is_nuisance(free):
-        how = shown_difference(free.ending.removeprefix("offset."), free.unit)
+    if is_nuisance(free.path):
+        how = shown_difference(free.path.removeprefix("offset."), free.unit)
     return {
         "name": free.name,
         "record": free.record,

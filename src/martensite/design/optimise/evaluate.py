@@ -1,6 +1,6 @@
 """Designs judged: values of the goal and of all constraints, in batches, and exact derivatives.
 
-A design is a point z in the box of its free numbers (`martensite.design.optimise.free`). Batches
+A design is a point z in the box of its free numbers (`martensite.search.free_numbers`). Batches
 are
 marched in C side by side; at one point the run is marched with its derivatives, and by the chain
 rule
@@ -82,7 +82,7 @@ class Designs:
         Raises:
             ParameterError: a level of a waveform cannot be free.
         """
-        levels = [c.level for one in question.free for c in one.choices if c.level is not None]
+        levels = [c.level for one in question.free for c in one.targets if c.level is not None]
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, Counts()
         self.native = find_compiler() is not None if native is None else native
@@ -96,7 +96,7 @@ class Designs:
         self.outputs = list_needed(every, self.system)
         self._base = np.array(self.compiled.values(self.system))
         self._rows = [
-            [self._row(c.path, c.level) for c in one.choices] for one in question.free
+            [self._row(c.path, c.level) for c in one.targets] for one in question.free
         ]  # fmt: skip
 
     def numbers(self, z: Numbers) -> Numbers:
@@ -260,7 +260,7 @@ def at_levels(steering: Steering, question: Question, numbers: Sequence[float]) 
         ParameterError: the system refuses the numbers together.
     """
     pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True)
-             for c in one.choices]  # fmt: skip
+             for c in one.targets]  # fmt: skip
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)
     for drive in waves:

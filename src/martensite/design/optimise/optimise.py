@@ -89,7 +89,7 @@ def optimise_design(
         steering, question, samples=samples, step=first, also=also, native=native
     )  # fmt: skip
     hunt = Hunt(designs, search or Search(), watch)
-    begin = np.array([one.place(one.start) for one in question.free])
+    begin = np.array([one.share(one.start) for one in question.free])
     relaxed = hunt.run(begin)
     whole = any(one.whole for one in question.free)
     history = list(hunt.history)
@@ -110,7 +110,7 @@ def optimise_design(
 def _longest(steering: Steering, question: Question) -> float:
     """The shortest of the longest sensible steps at the corners of the box [s]."""
     ends = [[(c.path, v) for v in (one.low, one.high)]
-            for one in question.free for c in one.choices if c.level is None]  # fmt: skip
+            for one in question.free for c in one.targets if c.level is None]  # fmt: skip
     corners = itertools.islice(itertools.product(*ends), 256)
     return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
 

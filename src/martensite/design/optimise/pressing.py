@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from martensite.base import units
 from martensite.design.optimise.evaluate import Designs
 from martensite.design.optimise.judged import Gradient, Scales
-from martensite.design.optimise.question import WARM
+from martensite.search.free_numbers import BOX_TEMPERATURE
 
 ACTIVE = 2e-3
 """Slack up to which a constraint counts as active, as a share of its limit."""
@@ -100,7 +100,7 @@ def balance(designs: Designs, scales: Scales, z: NDArray[np.float64]) -> Balance
     for (k, side), weight in zip(met, weights[len(slack) :], strict=True):
         limit = free[k].low if side == "lower" else free[k].high
         rate = weight * scales.goal / abs(free[k].slope(float(z[k])))
-        step = PER_CENT * (WARM if free[k].unit == "K" else abs(limit) or free[k].high)
+        step = PER_CENT * (BOX_TEMPERATURE if free[k].unit == "K" else abs(limit) or free[k].high)
         pressing.append(Pressing(
             free[k].name, f"{side} bound", limit, free[k].unit, rate, step, rate * step,
             rate * step / goal, side == "upper",

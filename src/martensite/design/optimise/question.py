@@ -17,14 +17,13 @@ from dataclasses import dataclass
 
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
-from martensite.design.optimise.free import Choice, Free, choices, found_choices, read_free
+from martensite.design.optimise.targets import find_alike, list_targets, read_design_number
+from martensite.search.free_numbers import BOX_TEMPERATURE, FreeNumber, Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.steered import Steering
 
 _CONSTRAINT = re.compile(r"^(.*?[^<>=\s])\s*(<=|>=|<|>|≤|≥)\s*(.*?)\s*$")
 _SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")
-WARM = 50.0
-"""Scale of a constraint on a temperature [K]."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class Constraint:
     def scale(self) -> float:
         """A difference that counts, in SI."""
         if self.aim.unit == "K":
-            return WARM
+            return BOX_TEMPERATURE
         return abs(self.limit) or 1.0
 
     @property
@@ -76,7 +75,7 @@ class Constraint:
 class Question:
     """What a design is to be."""
 
-    free: tuple[Free, ...]
+    free: tuple[FreeNumber, ...]
     goal: Aim
     most: bool
     """Whether the goal shall be as large as it can, else as small."""
@@ -112,22 +111,22 @@ def read_question(
         raise ParameterError(
             "Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`."
         )
-    known = choices(steering, written)
-    freed = tuple(read_free(text, known, steering.system) for text in free)
+    known = list_targets(steering, written)
+    freed = tuple(read_design_number(text, known, steering.system) for text in free)
     _refuse_twice(freed)
     aim = read_aim(goal, steering, freed)
     limits = tuple(read_constraint(text, steering, freed) for text in subject)
     return Question(freed, aim, most, limits, ({}, *(_case(text, known, freed) for text in cases)))
 
 
-def _refuse_twice(freed: Sequence[Free]) -> None:
-    paths = [choice.path for one in freed for choice in one.choices]
+def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
+    paths = [target.path for one in freed for target in one.targets]
     twice = next((path for path in paths if paths.count(path) > 1), None)
     if twice is not None:
         raise ParameterError(f"`{twice}` is named as free more than once.")
 
 
-def read_aim(words: str, steering: Steering, freed: Sequence[Free]) -> Aim:
+def read_aim(words: str, steering: Steering, freed: Sequence[FreeNumber]) -> Aim:
     """A measure, or a free number by its name or path.
 
     Raises:
@@ -135,7 +134,7 @@ def read_aim(words: str, steering: Steering, freed: Sequence[Free]) -> Aim:
     """
     words = words.strip()
     for place, one in enumerate(freed):
-        if words == one.name or any(words in (c.path, c.written) for c in one.choices):
+        if words == one.name or any(words in (c.path, c.name) for c in one.targets):
             return Aim(one.name, one.unit, place=place)
     name = words.partition("(")[0].strip()
     if name not in MEASURES.names():
@@ -147,7 +146,7 @@ def read_aim(words: str, steering: Steering, freed: Sequence[Free]) -> Aim:
     return Aim(words, found.unit_in(steering.system), found)
 
 
-def read_constraint(text: str, steering: Steering, freed: Sequence[Free]) -> Constraint:
+def read_constraint(text: str, steering: Steering, freed: Sequence[FreeNumber]) -> Constraint:
     """A constraint from a text such as `max(stress) <= 200 MPa`.
 
     Raises:
@@ -167,10 +166,10 @@ def read_constraint(text: str, steering: Steering, freed: Sequence[Free]) -> Con
         raise UnitError(f"Constraint `{text}`: {error}") from None
 
 
-def _case(text: str, known: Sequence[Choice], freed: Sequence[Free]) -> dict[str, float]:
+def _case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
     """Numbers of the system that differ in a case."""
     found: dict[str, float] = {}
-    free = {choice.path for one in freed for choice in one.choices}
+    free = {target.path for one in freed for target in one.targets}
     for piece in text.split(","):
         match = _SETTING.match(piece)
         if match is None:
@@ -178,12 +177,12 @@ def _case(text: str, known: Sequence[Choice], freed: Sequence[Free]) -> dict[str
                 f"`{text}` is no case; write what differs, such as "
                 "`environment.temperature=35 degC`."
             )
-        for choice in found_choices(match[1], known):
-            if choice.path in free or choice.level is not None:
-                what = "is free" if choice.path in free else "is a level of a waveform"
+        for target in find_alike(match[1], known):
+            if target.path in free or target.level is not None:
+                what = "is free" if target.path in free else "is a level of a waveform"
                 raise ParameterError(f"`{match[1]}` {what} and cannot differ from case to case.")
             try:
-                found[choice.path] = units.parse_quantity(match[2], choice.unit)
+                found[target.path] = units.parse_quantity(match[2], target.unit)
             except UnitError as error:
                 raise UnitError(f"Case `{text}`: {error}") from None
     return found

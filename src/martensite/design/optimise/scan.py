@@ -111,4 +111,4 @@ def _axis(designs: Designs, k: int, count: int) -> Numbers:
     if not one.whole:
         return np.linspace(0.0, 1.0, count)
     whole = np.unique(np.round(np.linspace(one.low, one.high, count)))
-    return np.array([one.place(float(number)) for number in whole])
+    return np.array([one.share(float(number)) for number in whole])

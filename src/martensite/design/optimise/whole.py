@@ -102,7 +102,7 @@ def _held(hunt: Hunt, begin: Numbers, places: list[int], numbers: Combination) -
     fixed = np.zeros(hunt.size, np.bool_)
     fixed[places] = True
     z = begin.copy()
-    z[places] = [free[k].place(float(n)) for k, n in zip(places, numbers, strict=True)]
+    z[places] = [free[k].share(float(n)) for k, n in zip(places, numbers, strict=True)]
     return _searched(hunt, z, fixed)
 
 

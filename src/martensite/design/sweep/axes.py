@@ -23,29 +23,12 @@ from numpy.typing import NDArray
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
+from martensite.search.free_numbers import Target, is_bare, parse_range
 
 Numbers: TypeAlias = NDArray[np.float64]
 MOST_LEVELS = 10_000_000
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_RANGE = re.compile(rf"^({_NUMBER})\s*\.\.\s*({_NUMBER})\s*([^:]*?)\s*(?::\s*(\d+))?\s*(log)?$")
 _NORMAL = re.compile(rf"^(.*?)\s*(?:\+-|\+/-|±)\s*({_NUMBER})\s*(.*)$")
-
-
-@dataclass(frozen=True)
-class Target:
-    """A number that can be varied."""
-
-    name: str
-    """Its path in the scenario, which `--set` takes."""
-    path: str
-    """Its path in the system, or in the waveform."""
-    unit: str
-    """SI unit."""
-    nominal: float
-    """Value in the scenario, in SI."""
-    doc: str = ""
-    drive: str | None = None
-    """What the waveform drives that has it; None for a number of the system."""
 
 
 @dataclass(frozen=True)
@@ -126,14 +109,15 @@ def axis(words: str, targets: Mapping[str, Target]) -> Axis:
             f"`{words}` is no axis; write for example `diameter=0.1..0.5 mm:9`, "
             "`A_s=68, 70 degC` or `length=250 mm +- 2 %`."
         )
-    target = _target(name.strip(), targets)
+    target = _find_one(name.strip(), targets)
     try:
-        return _range(numbers.strip(), target) or _others(numbers.strip(), target)
+        read = _read_axis_range if ".." in numbers else _read_levels
+        return read(numbers.strip(), target)
     except UnitError as error:
         raise UnitError(f"Axis `{target.name}`: {error}") from None
 
 
-def _target(name: str, targets: Mapping[str, Target]) -> Target:
+def _find_one(name: str, targets: Mapping[str, Target]) -> Target:
     found = find_paths(name, targets)
     if len(found) == 1:
         return targets[found[0]]
@@ -142,36 +126,34 @@ def _target(name: str, targets: Mapping[str, Target]) -> Target:
     raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets)}")
 
 
-def _range(words: str, target: Target) -> Axis | None:
-    match = _RANGE.match(words)
-    if match is None:
-        return None
-    low, high = (_parsed(f"{match[k]} {match[3]}", target) for k in (1, 2))
-    count, log = int(match[4]) if match[4] else None, bool(match[5])
+def _read_axis_range(words: str, target: Target) -> Axis:
+    low, high, count, scale = parse_range(words, target.unit, lambda end: _parse(end, target))
+    if low is None or high is None or scale == "whole":
+        raise UnitError(f"`{words}` is no range with two ends, such as `1..2:9 log`.")
     if not low < high:
         raise ParameterError(f"Axis `{target.name}` must rise, but is `{words}`.")
-    if log and low <= 0.0:
+    if scale == "log" and low <= 0.0:
         raise ParameterError(f"A logarithmic axis must be above 0, but `{words}` is not.")
     if count is not None and not 2 <= count <= MOST_LEVELS:
         raise ParameterError(f"Axis `{target.name}` must have 2 levels or more, not {count}.")
-    return Axis(target, "range", (low, high), count, log)
+    return Axis(target, "range", (low, high), count, scale == "log")
 
 
-def _others(words: str, target: Target) -> Axis:
+def _read_levels(words: str, target: Target) -> Axis:
     match = _NORMAL.match(words)
     if match is not None:
-        return _normal(match[1], float(match[2]), match[3].strip(), target)
+        return _read_normal(match[1], float(match[2]), match[3].strip(), target)
     *first, last = (piece.strip() for piece in words.split(","))
     unit = re.sub(rf"^{_NUMBER}\s*", "", last)
-    every = [piece if _has_unit(piece) else f"{piece} {unit}" for piece in (*first, last)]
-    return Axis(target, "levels", tuple(_parsed(piece, target) for piece in every))
+    every = [f"{piece} {unit}" if is_bare(piece) else piece for piece in (*first, last)]
+    return Axis(target, "levels", tuple(_parse(piece, target) for piece in every))
 
 
-def _normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
+def _read_normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
     """A distribution around a mean; the scenario's number if none is given."""
-    if unit and unit != "%" and mean and not _has_unit(mean):
+    if unit and unit != "%" and is_bare(mean):
         mean = f"{mean} {unit}"
-    middle = _parsed(mean, target) if mean else target.nominal
+    middle = _parse(mean, target) if mean else target.value
     if unit == "%":
         if target.unit == "K":
             raise ParameterError(f"A share of `{target.name}` means nothing; write `+- 2 K`.")
@@ -184,9 +166,5 @@ def _normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
     return Axis(target, "normal", (middle, wide))
 
 
-def _parsed(words: str, target: Target) -> float:
+def _parse(words: str, target: Target) -> float:
     return units.parse_quantity(words, target.unit)
-
-
-def _has_unit(words: str) -> bool:
-    return not re.fullmatch(rf"\s*{_NUMBER}\s*", words)

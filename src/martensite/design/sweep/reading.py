@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.sweep.axes import Axis, Target, axis
+from martensite.design.sweep.axes import Axis, axis
 from martensite.design.sweep.store import STATUS, Store
 from martensite.design.sweep.table import NOT_MADE, Column, SweepTable
+from martensite.search.free_numbers import Target
 
 
 def read_sweep(path: Path | str) -> SweepTable:
@@ -59,7 +60,7 @@ def axes_of(store: Store) -> list[Axis]:
     The scenario is not read again: it may need parts of the user's own.
     """
     arrays = {name: array for name, array in store.group.arrays() if _role(array) == "varied"}
-    targets = {n: Target(n, n, a.attrs["units"], 1.0) for n, a in arrays.items()}
+    targets = {str(n): Target(str(n), str(n), a.attrs["units"], 1.0) for n, a in arrays.items()}
     return [axis(words, targets) for words in store.spec["over"]]
 
 

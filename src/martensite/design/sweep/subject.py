@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import InputError
-from martensite.design.sweep.axes import Target
 from martensite.kernels.c99 import find_compiler
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.scales import Scales
+from martensite.search.free_numbers import Target
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.driven import by_name
 from martensite.simulate.variants import Course

@@ -16,12 +16,13 @@ import numpy as np
 
 from martensite.base.errors import SolveError
 from martensite.control.loop.bench import Bench
-from martensite.design.tuning.free_gains import Bounds, FreeGain, free_gains, values_at
+from martensite.design.tuning.free_gains import build_free_gains
 from martensite.design.tuning.gain_search import Hunt, Search, Tell
 from martensite.design.tuning.goals import Cost, Course, Goal, Numbers
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
 from martensite.design.tuning.measures import Measures, measures
 from martensite.design.tuning.perturbed import Plants
+from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
 
 
@@ -63,8 +64,8 @@ class TunedBench:
 def tune_bench(
     bench: Bench, duration: float, free: Sequence[str] = ("Kp", "Ki", "Kd"), *,
     goal: Goal | None = None, plants: Plants | None = None,
-    starts: Sequence[Mapping[str, float]] = (), bounds: Bounds | None = None,
-    drive: str | None = None, search: Search | None = None, noise_seed: int | None = 0,
+    starts: Sequence[Mapping[str, float]] = (), drive: str | None = None,
+    search: Search | None = None, noise_seed: int | None = 0,
     waveforms: Mapping[str, AbstractWaveform] | None = None, watch: Tell | None = None,
     native: bool | None = None,
 ) -> TunedBench:  # fmt: skip
@@ -73,11 +74,11 @@ def tune_bench(
     Args:
         bench: with controllers, whose references are what shall be followed.
         duration: length of every run [s].
-        free: paths, or unique endings, of parameters of controllers.
+        free: paths, or unique endings, of parameters of controllers, with bounds if they are not
+            to be chosen: `Kp=1..100`.
         goal: what a loop shall do.
         plants: those it shall do it on; the nominal one alone if None.
         starts: numbers by path where searches begin, beside those of the bench.
-        bounds: least and largest number by a name in `free`.
         drive: whose loop is judged; needed if there are several.
         search: how to search.
         noise_seed: of the noise of the sensors, the same in every run; None for none.
@@ -93,17 +94,17 @@ def tune_bench(
         bench, duration, drive=drive, seed=noise_seed, waveforms=waveforms, native=native
     )
     own = {path: float(value) for path, value in zip(runs.paths, runs.base, strict=True)}
-    freed = free_gains(bench, free, starts, bounds)
+    freed = build_free_gains(bench, free, starts)
     before = {one.path: own[one.path] for one in freed}
     first = runs.run(runs.table({}, 1))
     course = Course(_run_of(first, 0), bench.period) if _ran(first) else _course(runs, starts)
     hunt = Hunt(runs, Cost(goal or Goal(), course), freed, plants, search or Search(), watch)
     cost, best, ends = hunt.best([before, *[{**before, **start} for start in starts]])
-    after = {path: float(value) for path, value in values_at(freed, best).items()}
+    after = {path: float(value) for path, value in hunt.numbers(best).items()}
     found = compared(runs, after, course)
     return replace(
         found, cost_before=hunt.table(before), cost=cost, evaluations=hunt.evaluations,
-        gradients=hunt.gradients, ends=ends, notes=_notes(freed, best),
+        gradients=hunt.gradients, ends=ends, notes=_list_bounds(freed, best / hunt.width),
     )  # fmt: skip
 
 
@@ -147,14 +148,15 @@ def _course(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
     raise SolveError("The loop cannot be run with its own numbers, nor with those of any start.")
 
 
-def _notes(free: Sequence[FreeGain], z: Numbers) -> list[str]:
+def _list_bounds(free: Sequence[FreeNumber], shares: Numbers) -> list[str]:
     """Sentences on bounds that were hit."""
     found: list[str] = []
-    for one, place in zip(free, z, strict=True):
-        bound = one.caught(float(place))
+    for one, share in zip(free, shares.tolist(), strict=True):
+        bound = one.bound(share)
         if bound is not None:
+            end = one.low if bound == "lower" else one.high
             found.append(
-                f"`{one.path}` ended at its bound {bound:.4g}: a better number may be beyond it, "
+                f"`{one.path}` ended at its bound {end:.4g}: a better number may be beyond it, "
                 f"or it does not matter."
             )
     return found

@@ -1,130 +1,95 @@
-"""Free numbers of controllers: where they are, between which bounds, on which scale.
+"""Free numbers of controllers, as texts of `martensite.search.free_numbers`: `Kp`, `Ki=0.1..10`.
 
-    p = sign e^z          for a number that begins away from 0, which keeps its sign
-    p = z                 for one that may be 0 and has declared bounds
-
-Bounds are those asked for, else a hundredth of the least to the hundredfold of the largest start.
-A start beyond them, or at 0, begins at the nearest bound.
+A number that begins away from 0 keeps its sign and is searched on its logarithm. Bounds that are
+not asked for are a hundredth of the least to the hundredfold of the largest start, or what is
+declared of a number that begins at 0.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
 from martensite.control.loop.bench import Bench
+from martensite.search.free_numbers import (
+    FreeNumber,
+    SearchRange,
+    Target,
+    build_free,
+    is_bare,
+    parse_free,
+    read_free,
+)
 
-WIDE = 100.0
+BOX_FACTOR = 100.0
 """Box around the starts, as a factor."""
-NEAR = 1e-3
-"""Part of the box from a bound that counts as being there."""
-Bounds = Mapping[str, tuple[float, float]]
 
 
-@dataclass(frozen=True)
-class FreeGain:
-    """A number to be found."""
-
-    path: str
-    sign: float
-    """-1 or 1 on a logarithmic scale, 0 on a linear one."""
-    low: float
-    """Bound of z."""
-    high: float
-
-    def value(self, z: Any) -> Any:
-        """The number at z."""
-        return self.sign * np.exp(z) if self.sign else z
-
-    def slope(self, z: float) -> float:
-        """d(number)/dz."""
-        return self.value(z) if self.sign else 1.0
-
-    def place(self, value: float) -> float:
-        """z of a number, within the bounds."""
-        if not self.sign:
-            return min(max(value, self.low), self.high)
-        size = self.sign * value
-        return min(max(math.log(size), self.low), self.high) if size > 0.0 else self.low
-
-    def caught(self, z: float) -> float | None:
-        """The number at a bound, if z is there."""
-        hair = NEAR * (self.high - self.low)
-        for bound in (self.low, self.high):
-            if abs(z - bound) <= hair:
-                return float(self.value(bound))
-        return None
-
-
-def free_gains(
-    bench: Bench, names: Sequence[str], starts: Sequence[Mapping[str, float]],
-    bounds: Bounds | None = None,
-) -> list[FreeGain]:  # fmt: skip
+def build_free_gains(
+    bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]
+) -> list[FreeNumber]:
     """Free numbers of the controllers of a bench.
 
     Args:
         bench: the bench.
-        names: paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`.
+        texts: paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`,
+            with bounds if they are not to be chosen.
         starts: numbers by path where searches begin.
-        bounds: least and largest number by the name that was given.
 
     Raises:
         ParameterError: an unknown name, a number without a sign or bounds, bounds that are none.
     """
-    asked = dict(bounds or {})
-    unknown = next((name for name in asked if name not in names), None)
-    if unknown is not None:
-        raise ParameterError(f"There are bounds for `{unknown}`, which is not free.")
-    if not names:
+    if not texts:
         raise ParameterError("Nothing is free: name parameters of controllers, such as Kp and Ki.")
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
-    paths = [path_of(bench, name) for name in names]
-    return [
-        _free(leaves[path], [s[path] for s in starts if path in s], asked.get(name))
-        for path, name in zip(paths, names, strict=True)
-    ]
+    found: list[FreeNumber] = []
+    for text in texts:
+        leaf = leaves[find_gain(bench, parse_free(text)[0])]
+        wanted = _read_gain(text, leaf, [s[leaf.path] for s in starts if leaf.path in s])
+        found.append(build_free(wanted, [Target.from_leaf(leaf)], leaf.path))
+    return found
 
 
-def path_of(bench: Bench, name: str) -> str:
+def find_gain(bench: Bench, name: str) -> str:
     """Path in a bench of a parameter of its controllers."""
     return "controllers." + bench.controllers.resolve(name.removeprefix("controllers."))
 
 
-def _free(leaf: Leaf, starts: list[float], asked: tuple[float, float] | None) -> FreeGain:
+def _read_gain(text: str, leaf: Leaf, starts: list[float]) -> SearchRange:
+    unit = leaf.declared.unit
+    wanted = read_free(
+        text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit)
+    )
+    wanted = replace(wanted, name=leaf.path)
+    if wanted.low is None or wanted.high is None:
+        low, high = _choose_bounds(leaf, starts)
+        wanted = replace(
+            wanted,
+            low=low if wanted.low is None else wanted.low,
+            high=high if wanted.high is None else wanted.high,
+        )
+    one_sign = (wanted.low or 0.0) * (wanted.high or 0.0) > 0.0
+    return replace(wanted, scale=wanted.scale or ("log" if one_sign else "linear"))
+
+
+def _choose_bounds(leaf: Leaf, starts: list[float]) -> tuple[float, float]:
+    """Bounds around the starts, of one sign; those declared of a number that begins at 0."""
     least, most = leaf.declared.bounds
     sizes = [value for value in [leaf.value, *starts] if value != 0.0]
-    sign = math.copysign(1.0, sizes[-1] if sizes else 1.0)
-    if asked is not None:
-        low, high = asked
-        if not (least <= low < high <= most):
-            raise ParameterError(
-                f"Bounds of `{leaf.path}` must rise and be {leaf.declared.allowed()}, but are "
-                f"{low:g} and {high:g}."
-            )
-        if low <= 0.0 <= high:
-            return FreeGain(leaf.path, 0.0, low, high)
-        ends = sorted((abs(low), abs(high)))
-        return FreeGain(leaf.path, math.copysign(1.0, low), math.log(ends[0]), math.log(ends[1]))
-    sizes = [sign * value for value in sizes if sign * value > 0.0]
     if not sizes:
         if math.isfinite(least) and math.isfinite(most):
-            return FreeGain(leaf.path, 0.0, least, most)
+            return least, most
         raise ParameterError(
             f"`{leaf.path}` is 0 and has no bounds: give it bounds or a start, or leave it out."
         )
+    sign = math.copysign(1.0, sizes[-1])
+    sizes = [sign * value for value in sizes if sign * value > 0.0]
     outer = [bound for bound in (sign * least, sign * most) if bound > 0.0]
-    largest = min([WIDE * max(sizes), *(b for b in outer if b >= max(sizes))])
-    smallest = max([min(sizes) / WIDE, *(b for b in outer if b < min(sizes))])
-    return FreeGain(leaf.path, sign, math.log(smallest), math.log(largest))
-
-
-def values_at(free: Sequence[FreeGain], z: NDArray[np.float64]) -> dict[str, Any]:
-    """Numbers by path at places z, shape (..., free)."""
-    return {one.path: one.value(z[..., k]) for k, one in enumerate(free)}
+    largest = min([BOX_FACTOR * max(sizes), *(b for b in outer if b >= max(sizes))])
+    smallest = max([min(sizes) / BOX_FACTOR, *(b for b in outer if b < min(sizes))])
+    low, high = sorted((sign * smallest, sign * largest))
+    return low, high

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import SolveError
-from martensite.design.tuning.free_gains import FreeGain, values_at
 from martensite.design.tuning.goals import Cost, Numbers
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
 from martensite.design.tuning.perturbed import Plants
+from martensite.search.free_numbers import FreeNumber
 
 Tell = Callable[[str, float], None]
 FAILED = 1e3
@@ -59,7 +59,7 @@ class Hunt:
     """The search of one tuning: it counts its runs."""
 
     def __init__(
-        self, runs: LoopRuns, cost: Cost, free: Sequence[FreeGain], plants: Plants | None,
+        self, runs: LoopRuns, cost: Cost, free: Sequence[FreeNumber], plants: Plants | None,
         search: Search, watch: Tell | None,
     ) -> None:  # fmt: skip
         self.runs, self.cost, self.free = runs, cost, free
@@ -67,8 +67,8 @@ class Hunt:
         self.drawn: Mapping[str, Any] = plants.values if plants else {}
         self.count = plants.count if plants else 1
         self.evaluations = self.gradients = 0
-        self.low = np.array([one.low for one in free])
-        self.high = np.array([one.high for one in free])
+        self.width = np.array([one.width for one in free])
+        """Searches run over places z = width · share, so that a step is one of a logarithm."""
         self.moving = [one.path for one in free]
         self.followed = min(max(search.slopes, 1), self.count)
 
@@ -87,7 +87,7 @@ class Hunt:
             if costs.min() >= least:
                 break
             ends.append(self._descend(cloud[int(costs.argmin())], len(begun) + k, total))
-        own = np.array([one.place(starts[0][one.path]) for one in self.free])
+        own = self.place(starts[0])
         kept = float(self.values(own[None, :])[0]), own
         least, z = min([kept, *ends], key=lambda end: end[0])
         return least, z, tuple(sorted(end[0] for end in ends))
@@ -100,7 +100,7 @@ class Hunt:
         Raises:
             SolveError: none can be run.
         """
-        places = np.array([[one.place(start[one.path]) for one in self.free] for start in starts])
+        places = np.array([self.place(start) for start in starts])
         costs = self.values(places)
         if not (costs < FAILED).any():
             raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")
@@ -112,20 +112,29 @@ class Hunt:
 
     def _around(self, z: Numbers, count: int, wide: float, rng: np.random.Generator) -> Numbers:
         """Points around one; linear numbers are moved by shares of their range."""
-        scale = np.where([one.sign != 0.0 for one in self.free], 1.0, 0.2 * (self.high - self.low))
+        scale = np.where([one.logarithmic for one in self.free], 1.0, 0.2 * self.width)
         moved = z + wide * scale * rng.standard_normal((count, len(self.free)))
-        return np.clip(moved, self.low, self.high)
+        return np.clip(moved, 0.0, self.width)
 
     def table(self, values: Mapping[str, float]) -> float:
         """Cost of numbers by path."""
         numbers = {path: [value] for path, value in values.items()}
         return float(self._costs(numbers, 1)[0])
 
+    def numbers(self, places: Numbers) -> dict[str, Numbers]:
+        """Free numbers by path at places, shape (..., free)."""
+        shares = places / self.width
+        return {one.path: one.value(shares[..., k]) for k, one in enumerate(self.free)}
+
+    def place(self, values: Mapping[str, float]) -> Numbers:
+        """The nearest place of numbers by path."""
+        return self.width * np.array([one.share(values[one.path]) for one in self.free])
+
     def values(self, places: Numbers) -> Numbers:
         """Costs of points, shape (points, free) -> (points,)."""
         if not len(places):
             return np.zeros(0)
-        return self._costs(values_at(self.free, places), len(places))
+        return self._costs(self.numbers(places), len(places))
 
     def _costs(self, numbers: Mapping[str, Any], points: int) -> Numbers:
         """Costs of points on all plants, run together."""
@@ -139,9 +148,11 @@ class Hunt:
     def gradient(self, z: Numbers) -> tuple[float, Numbers]:
         """Cost at a point and its derivatives, over the plants that are followed."""
         drawn = {path: column[: self.followed] for path, column in self.drawn.items()}
-        table = self.runs.table({**drawn, **values_at(self.free, z)}, self.followed)
+        table = self.runs.table({**drawn, **self.numbers(z)}, self.followed)
         costs, slopes = np.zeros(len(table)), np.zeros((len(table), len(z)))
-        inner = np.array([one.slope(float(p)) for one, p in zip(self.free, z, strict=True)])
+        shares = (z / self.width).tolist()
+        inner = np.array([one.slope(u) for one, u in zip(self.free, shares, strict=True)])
+        inner /= self.width
         for k, row in enumerate(table):
             found = self.runs.slopes(row, self.moving)
             if found is None:
@@ -160,7 +171,7 @@ class Hunt:
         """One search from a point."""
         self.tell(f"search {k + 1}", k, total)
         optimize = import_module("scipy.optimize")
-        bounds = list(zip(self.low, self.high, strict=True))
+        bounds = [(0.0, width) for width in self.width]
         steps = 0
 
         def told(_: Any) -> None:

@@ -10,8 +10,8 @@ from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import digest
 from martensite.fit.fit_rows import HELD_OUT, Compared, compared
 from martensite.fit.fit_verdicts import amount
-from martensite.fit.free import Free
 from martensite.scenario.exact_text import format_quantity
+from martensite.search.free_numbers import FreeNumber
 from martensite.search.scores import Score
 from martensite.search.words import number
 from martensite.show.reports.blocks import Grid, Row
@@ -66,7 +66,7 @@ def parameters(fit: Fit) -> Grid:
     )  # fmt: skip
 
 
-def _parameter(fit: Fit, free: Free) -> Row:
+def _parameter(fit: Fit, free: FreeNumber) -> Row:
     found, value = fit.uncertainty, fit[free.name]
     spelling = units.choose_familiar_unit(value, free.unit)
     plain, wide = found.interval(free.name), found.widened(free.name)
@@ -113,7 +113,7 @@ def _interval(ends: Interval, unit: str, spelling: str, decimals: int | None) ->
 
 def own_numbers(fit: Fit) -> Grid | None:
     """What records that were kept back have for themselves; None if that is nothing."""
-    known = {free.ending: free for free in fit.problem.free}
+    known = {free.path: free for free in fit.problem.free}
     rows = list[Row]()
     for kept in fit.kept:
         for name, value in kept.numbers.items():

@@ -17,11 +17,11 @@ from functools import cache
 
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.profiles import Profile
 from martensite.fit.solve import solve_problem
 from martensite.physics.thermal.constant import ConstantCooling
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.signals.staircase import Staircase
 from martensite.studies.electrothermal import model
@@ -76,13 +76,15 @@ def heated(offset: float) -> Fit:
     the search begins at the best of evenly spaced h, with the resistivities of the other way.
     """
     one = experiment(offset)
-    first = build_problem([one], ["rho_A", "rho_M", Wish("h", *_FILM)])
+    first = build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM)])
     shares = [k / (_COUNT - 1) for k in range(_COUNT)]
     films = [FILMS[0] + share * (FILMS[1] - FILMS[0]) for share in shares]
     points = [[*first.start[:2], first.free[2].share(h)] for h in films]
     costs = first.costs(points)
     best = films[min(range(_COUNT), key=lambda k: float(costs[k]))]
-    return solve_problem(build_problem([one], ["rho_A", "rho_M", Wish("h", *_FILM, start=best)]))
+    return solve_problem(
+        build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM, start=best)])
+    )
 
 
 @cache

@@ -24,7 +24,6 @@ from typing import Any
 
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free import Wish
 from martensite.fit.problem import build_problem
 from martensite.fit.profile import profile
 from martensite.fit.profiles import Profile
@@ -32,6 +31,7 @@ from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
 from martensite.physics.electrical.mixture import MixtureResistance
 from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record, table_waveform
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
@@ -140,15 +140,15 @@ def _system(shape: str, offset: float) -> Any:
     return base.with_parts(element=element, source=PrescribedTemperature()).with_values(values)
 
 
-def wishes(shape: str) -> list[Wish]:
+def wishes(shape: str) -> list[SearchRange]:
     """What is free: the strip must hold the plateau between the phases, or end on it."""
     at = staircase().table["apparent_temperature"][staircase().within(*EDGE)[0]]
-    found = [Wish("rho_A", *_RESISTIVITY), Wish("rho_M", *_RESISTIVITY)]
+    found = [SearchRange("rho_A", *_RESISTIVITY), SearchRange("rho_M", *_RESISTIVITY)]
     if shape == STRAINED:
-        return [*found, Wish("eps_L", *_STRETCHED)]
+        return [*found, SearchRange("eps_L", *_STRETCHED)]
     low, high = (celsius + model.ZERO for celsius in _STRIP)
-    found += [Wish("A_s", low, at - _MARGIN), Wish("A_f", at + _MARGIN, high)]
-    return found + [Wish(name, *_COEFFICIENT) for name in SHAPES[shape]]
+    found += [SearchRange("A_s", low, at - _MARGIN), SearchRange("A_f", at + _MARGIN, high)]
+    return found + [SearchRange(name, *_COEFFICIENT) for name in SHAPES[shape]]
 
 
 @cache

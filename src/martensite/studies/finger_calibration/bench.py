@@ -19,9 +19,9 @@ import numpy as np
 
 from martensite.base.errors import SolveError
 from martensite.fit.experiment import Experiment
-from martensite.fit.free import Wish
 from martensite.fit.problem import Evaluation, Problem, build_problem
 from martensite.scenario.scenario import Scenario, load
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.studies.tables import Printed
 
@@ -128,7 +128,7 @@ def _experiment(name: str, system: AbstractSystem, angles: Any, printed: Printed
 def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[float]) -> Problem:
     """The search of the paper: its five parameters within its ranges."""
     wishes = [
-        Wish(one.name, one.low, one.high, begin)
+        SearchRange(one.name, one.low, one.high, begin)
         for one, begin in zip(printed.searched, start, strict=True)
     ]
     return build_problem(records, wishes, noise={"angle": NOISE})

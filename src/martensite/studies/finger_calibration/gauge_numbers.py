@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.fit.free import Wish
 from martensite.fit.identifiability import Identifiability, assess_identifiability
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.solve import solve_problem
+from martensite.search.free_numbers import SearchRange
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
 from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width
@@ -62,8 +62,8 @@ def whole(printed: Printed) -> Problem:
         *((one.name, one.value) for one in printed.fixed),
         *((name, system.value_of(name)) for name in BEYOND),
     ]
-    wishes = [Wish(one.name, one.low, one.high, one.value) for one in printed.searched]
-    wishes += [Wish(name, value / AROUND, value * AROUND, value) for name, value in rest]
+    wishes = [SearchRange(one.name, one.low, one.high, one.value) for one in printed.searched]
+    wishes += [SearchRange(name, value / AROUND, value * AROUND, value) for name, value in rest]
     return build_problem(bench.experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
 
 

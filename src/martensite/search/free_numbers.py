@@ -1,0 +1,311 @@
+"""Free numbers: what may move, between which bounds, on which scale. One grammar for all searches.
+
+    A_s                                  between bounds chosen from its declaration
+    A_s=40..90 degC                      with bounds; either may be left out
+    A_s=40..90 degC@60 degC              with a start
+    element.diameter=0.05..0.5 mm log    on a scale: linear, log, or whole numbers
+
+A search runs over shares u from 0 to 1 of the range, one per free number:
+
+    linear        p = low + u (high - low)
+    logarithmic   p = low (high/low)^u        both bounds of one sign
+
+Bounds that are not asked for are a box around the start inside what is declared: 50 K to both
+sides of a temperature, the fifth to the fivefold of what has a sign, all that is declared where
+this is finite and holds a zero. The scale is logarithmic where both bounds are positive and a
+factor of four apart, but for temperatures.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, overload
+
+from martensite.base import units
+from martensite.base.errors import ParameterError, UnitError
+from martensite.base.parameters import Leaf, find_paths
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from martensite.simulate.steered import Level
+
+BOX_TEMPERATURE = 50.0
+"""Half the width of a box of temperatures [K]."""
+BOX_FACTOR = 5.0
+"""Box of a number of one sign: from the start over this factor to the start times it."""
+LOG_RATIO = 4.0
+"""Ratio of bounds from which a positive number is searched on its logarithm."""
+BOUND_SHARE = 1e-3
+"""Part of a range from a bound that counts as being there."""
+_FREE = re.compile(
+    r"^\s*([^=@\s]+)\s*(?:=\s*([^@]*?))?\s*(?:@\s*(.+?))?(?:\s+(linear|log|whole))?\s*$"
+)
+_RANGE = re.compile(r"^\s*(.*?)\s*\.\.\s*(.*?)\s*(?::\s*(\d+))?(?:\s+(linear|log|whole))?\s*$")
+_NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A number that a search or a sweep can move."""
+
+    name: str
+    """Its path in the scenario, which `--set` takes."""
+    path: str
+    """Its path in the system, or in the waveform."""
+    unit: str
+    """SI unit."""
+    value: float
+    """In the scenario [SI]."""
+    doc: str = ""
+    drive: str | None = None
+    """What the waveform drives that has it; None for a number of the system."""
+    bounds: tuple[float, float] = (-math.inf, math.inf)
+    """What its declaration allows [SI]."""
+    allowed: str = "finite"
+    """The same in words."""
+    level: Level | None = None
+    """The level of a waveform that it is."""
+
+    @classmethod
+    def from_leaf(cls, leaf: Leaf, name: str | None = None) -> Target:
+        """A parameter of a system, under its path in the scenario."""
+        declared = leaf.declared
+        return cls(
+            leaf.path if name is None else name,
+            leaf.path,
+            declared.unit,
+            float(leaf.value),
+            declared.doc,
+            bounds=declared.bounds,
+            allowed=declared.allowed(),
+        )
+
+    def describe_value(self, value: float) -> str:
+        """A value [SI] in the unit that a person would rather read."""
+        unit = units.choose_readable_unit(self.unit)
+        number = f"{units.from_si(value, unit, self.unit):.6g}"
+        return number if unit == "1" else f"{number} {unit}"
+
+
+@dataclass(frozen=True)
+class SearchRange:
+    """A number that is asked to be free, by its path or an ending of it; None is chosen."""
+
+    name: str
+    low: float | None = None
+    """Lower bound [SI]."""
+    high: float | None = None
+    start: float | None = None
+    """Where to begin [SI]; None for the value in the scenario."""
+    scale: str | None = None
+    """linear, log or whole."""
+
+
+@dataclass(frozen=True)
+class FreeNumber:
+    """A number to be found."""
+
+    name: str
+    """As asked for, unique in a problem; of several that move together what they share."""
+    path: str
+    """Path, or ending of the paths of all parameters that take its value."""
+    unit: str
+    """SI unit."""
+    start: float
+    low: float
+    high: float
+    logarithmic: bool = False
+    whole: bool = False
+    record: str | None = None
+    """The one experiment that has it for itself; None if it is common to all."""
+    doc: str = ""
+    targets: tuple[Target, ...] = ()
+    """What takes its value."""
+
+    @overload
+    def value(self, share: float) -> float: ...
+    @overload
+    def value(self, share: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def value(self, share: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """The number [SI] at a share of its range."""
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** share
+        return self.low + share * (self.high - self.low)
+
+    def slope(self, share: float) -> float:
+        """d(value)/d(share) [SI]."""
+        if self.logarithmic:
+            return self.value(share) * math.log(self.high / self.low)
+        return self.high - self.low
+
+    def share(self, value: float) -> float:
+        """The inverse of `value`, limited to [0, 1]."""
+        within = min(max(value, self.low), self.high)
+        if self.logarithmic:
+            return math.log(within / self.low) / math.log(self.high / self.low)
+        return (within - self.low) / (self.high - self.low)
+
+    @property
+    def width(self) -> float:
+        """The range in units of the number, or in powers of e on a logarithmic scale."""
+        if self.logarithmic:
+            return abs(math.log(self.high / self.low))
+        return self.high - self.low
+
+    def bound(self, share: float) -> str | None:
+        """`lower` or `upper` where a share is at a bound."""
+        if share <= BOUND_SHARE:
+            return "lower"
+        return "upper" if share >= 1.0 - BOUND_SHARE else None
+
+    def moves(self, path: str) -> bool:
+        """Whether a parameter of this path takes the value."""
+        return path == self.path or path.endswith("." + self.path)
+
+
+def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
+    """The numbers of a path in system or scenario, or else all whose paths it ends."""
+    targets = list(known)
+    names = {*find_paths(name, [one.name for one in targets])}
+    paths = {*find_paths(name, [one.path for one in targets])}
+    if name in names or name in paths:
+        names, paths = names & {name}, paths & {name}
+    return [one for one in targets if one.name in names or one.path in paths]
+
+
+def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
+    """Name, bounds, start and scale of a free number, as they are written.
+
+    Raises:
+        ParameterError: the text is no free number.
+    """
+    match = _FREE.match(text)
+    if match is None or ".." in match[1]:
+        raise ParameterError(
+            f"`{text}` is no free number; write `NAME`, `NAME=LOW..HIGH UNIT`, or "
+            "`NAME=LOW..HIGH UNIT@START UNIT`, such as `element.diameter=0.05..0.5 mm`."
+        )
+    name, bounds, start, scale = match.groups()
+    return name, bounds, start, scale
+
+
+def read_free(text: str, unit: str, read: Callable[[str], float]) -> SearchRange:
+    """A free number from its text.
+
+    Args:
+        text: as above.
+        unit: SI unit of the number.
+        read: what makes a number [SI] of a quantity.
+
+    Raises:
+        ParameterError: the text is no free number.
+        UnitError: a bound or the start is no quantity in the unit of the number.
+    """
+    name, bounds, start, scale = parse_free(text)
+    try:
+        low, high, _, _ = (None,) * 4 if bounds is None else parse_range(bounds, unit, read)
+        return SearchRange(name, low, high, None if start is None else read(start), scale)
+    except UnitError as error:
+        raise UnitError(f"Free number `{name}`: {error}") from None
+
+
+def parse_range(
+    text: str, unit: str, read: Callable[[str], float]
+) -> tuple[float | None, float | None, int | None, str | None]:
+    """Bounds, count and scale of a range such as `20..200 W/m^2/K:5 log`.
+
+    A unit behind the second bound holds for both.
+
+    Raises:
+        UnitError: it is no range, or a bound is no quantity in the unit.
+    """
+    match = _RANGE.match(text)
+    if match is None or not (match[1] or match[2]):
+        shown = "" if unit == "1" else f" {units.choose_readable_unit(unit)}"
+        raise UnitError(f"`{text}` is no range; write for example `1..2{shown}`.")
+    low, high, count, scale = match.groups()
+    behind = _NUMBER.match(high)
+    if behind and is_bare(low):
+        low = f"{low} {high[behind.end() :]}".strip()
+    ends = [read(end) if end else None for end in (low, high)]
+    return ends[0], ends[1], int(count) if count else None, scale
+
+
+def is_bare(text: str) -> bool:
+    """Whether a text is a number without a unit."""
+    match = _NUMBER.match(text)
+    return match is not None and match.end() == len(text)
+
+
+def build_free(
+    wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None
+) -> FreeNumber:
+    """A free number with its bounds and scale.
+
+    Args:
+        wanted: what is asked for.
+        targets: what takes its value; the first gives start, unit and what is allowed.
+        name: what it is called.
+        record: the experiment that has it for itself.
+
+    Raises:
+        ParameterError: there are no bounds, or they are none.
+    """
+    first = targets[0]
+    start = first.value if wanted.start is None else wanted.start
+    low, high = _choose_bounds(wanted, first, start)
+    least, most = first.bounds
+    if not (low < high and least <= low and high <= most):
+        raise ParameterError(
+            f"Bounds of the free number `{wanted.name}` must rise and lie within what is allowed "
+            f"({first.allowed}), but are {first.describe_value(low)} and "
+            f"{first.describe_value(high)}."
+        )
+    if wanted.scale == "log" and not low * high > 0.0:
+        raise ParameterError(
+            f"Bounds of the free number `{wanted.name}` on a logarithmic scale must be on one side "
+            f"of 0, but are {first.describe_value(low)} and {first.describe_value(high)}."
+        )
+    wide = low > 0.0 and high / low >= LOG_RATIO and first.unit != "K"
+    return FreeNumber(
+        name,
+        wanted.name,
+        first.unit,
+        start,
+        low,
+        high,
+        wanted.scale == "log" or (wanted.scale != "linear" and wide),
+        wanted.scale == "whole",
+        record,
+        first.doc,
+        tuple(targets),
+    )
+
+
+def _choose_bounds(wanted: SearchRange, target: Target, start: float) -> tuple[float, float]:
+    """Bounds as asked for, and a box around the start where they are not."""
+    low, high = wanted.low, wanted.high
+    if low is None or high is None:
+        box = _choose_box(wanted.name, target, start)
+        low, high = box[0] if low is None else low, box[1] if high is None else high
+    return low, high
+
+
+def _choose_box(name: str, target: Target, start: float) -> tuple[float, float]:
+    least, most = target.bounds
+    if target.unit == "K" and math.isfinite(start):
+        return max(start - BOX_TEMPERATURE, least), min(start + BOX_TEMPERATURE, most)
+    if start != 0.0 and math.isfinite(start):
+        ends = sorted((start / BOX_FACTOR, start * BOX_FACTOR))
+        return max(ends[0], least), min(ends[1], most)
+    if not (math.isfinite(least) and math.isfinite(most)):
+        raise ParameterError(
+            f"The free number `{name}` is {start:g} and its declaration sets no bounds; "
+            f"write them, such as `{name}=low..high`."
+        )
+    return least, most
