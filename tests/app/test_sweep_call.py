@@ -107,7 +107,8 @@ def test_a_run_is_opened_with_exactly_its_numbers(
     table = read_sweep(Shelf(desk.folder).path(key))
     leaves = {leaf.path: leaf.value for leaf in scenario.whole.leaves()}
     assert leaves["element.diameter"] == table.varied["element.diameter"].values[27]
-    assert scenario.waveform.high == table.varied["drive.waveform.high"].values[27]
+    high = table.varied["drive.waveform.high"].values[27]
+    assert scenario.single_waveform.value_of("high") == high
     with pytest.raises(DataError, match="no run 48"):
         row({"key": key, "row": 48}, desk)
 

@@ -104,8 +104,8 @@ def test_a_map_is_made_and_a_run_opens_in_the_bench(page: Page, bench: Bench) ->
     letters = re.search(r"scenario=([\w-]+)", page.url)
     scenario = read_scenario(unpacked(letters[1] if letters else ""))
     spread = (0.08 + 0.04 * 2 / 5) * 1e-3
-    assert scenario.system.element.diameter == pytest.approx(spread, rel=1e-12)
-    assert scenario.waveform.high == pytest.approx(0.405, rel=1e-12)
+    assert scenario.single_system.element.diameter == pytest.approx(spread, rel=1e-12)
+    assert scenario.single_waveform.value_of("high") == pytest.approx(0.405, rel=1e-12)
 
 
 def test_reload_cancel_resume_delete(page: Page, bench: Bench) -> None:

@@ -160,7 +160,7 @@ def test_the_wire_warms_when_the_current_comes() -> None:
 
 
 def test_scenario_says_what_is_stated() -> None:
-    wire, waveform = model.wire(), model.scenario().waveform
+    wire, waveform = model.wire(), model.scenario().single_waveform
     assert wire.diameter == pytest.approx(STATED.diameter)
     assert wire.length == pytest.approx(STATED.length)
     assert waveform.value(0.0) == pytest.approx(1.0 - STATED.offset, abs=1e-3)
@@ -170,7 +170,7 @@ def test_scenario_says_what_is_stated() -> None:
 def test_plateaus_of_the_model_are_steady_states() -> None:
     """I²R = h S (T - T_a) and V = R I on every plateau of austenite."""
     table = model.predicted("material", STATED)
-    environment = model.scenario().system.environment
+    environment = model.scenario().single_system.environment
     surface = math.pi * STATED.diameter * STATED.length
     for i, current in enumerate(table["current"]):
         resistance, temperature = table["resistance"][i], table["temperature"][i]

@@ -77,7 +77,7 @@ class TestRecords:
         system = bench.finger(NEAR.arm, PRINTED.offsets[0])
         for name, value in (*TABLE.items(), *((one.name, one.value) for one in PRINTED.fixed)):
             assert system.value_of(name) == pytest.approx(value, rel=1e-12)
-        assert bench.scenario().waveform.frequency == PRINTED.frequency
+        assert bench.scenario().single_waveform.value_of("frequency") == PRINTED.frequency
         assert bench.scenario().duration == pytest.approx(1.0 / PRINTED.frequency, abs=1e-3)
 
 

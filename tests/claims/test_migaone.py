@@ -119,7 +119,7 @@ def test_scenario_says_what_the_paper_does() -> None:
     assert bench.number("series_resistance") == pytest.approx(
         wire_numbers.series_resistance(2.5, PRINTED), abs=0.005
     )
-    assert scenario.waveform.value(100.0) == pytest.approx(PRINTED.steps[-1].voltage)
+    assert scenario.single_waveform.value(100.0) == pytest.approx(PRINTED.steps[-1].voltage)
 
 
 def test_scenario_moves_and_returns() -> None:

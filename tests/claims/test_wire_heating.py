@@ -207,7 +207,7 @@ def test_scenarios_are_the_closures(closure: str) -> None:
     assert isinstance(run, Result)
     assert run["stress"][0] == pytest.approx(0.5 * 9.80665 / (math.pi / 4 * D**2), rel=1e-6)
     assert run["temperature"][0] - bench.ZERO == pytest.approx(22.0, abs=0.25)
-    assert scenario.waveform.value(1.0) == 1.2
+    assert scenario.single_waveform.value(1.0) == 1.2
 
 
 def test_simulated_closures(listed: dict[str, Claim]) -> None:

@@ -214,7 +214,7 @@ samples = 51
 def element(text: str = SCENARIO, **changes: Any) -> Any:
     """The element that a scenario builds."""
     named = {key.replace("__", "."): value for key, value in changes.items()}
-    return read_scenario(text, overrides=named or None).system.element
+    return read_scenario(text, overrides=named or None).single_system.element
 
 
 def sentence(**changes: Any) -> str:

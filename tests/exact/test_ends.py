@@ -165,23 +165,23 @@ AXIAL = (
 
 def test_ends_draw_the_conductivity_of_the_material() -> None:
     found = read_scenario(SCENARIO.replace("ENDS", '{ kind = "clamped" }'))
-    wire: Any = found.system.element
+    wire: Any = found.single_system.element
     assert wire.ends == ClampedEnds(thermal_conductivity=18.0)
     assert found.origins["element.ends.thermal_conductivity"] == "datasheet, flexinol-90"
-    assert read_scenario(SCENARIO.replace("ENDS", '"clamped"')).system.element == wire
+    assert read_scenario(SCENARIO.replace("ENDS", '"clamped"')).single_system.element == wire
 
 
 def test_ends_can_be_written_out() -> None:
     text = '{ kind = "clamped", thermal_conductivity = "10 W/m/K", contact = "2 mW/K" }'
-    wire: Any = read_scenario(SCENARIO.replace("ENDS", text)).system.element
+    wire: Any = read_scenario(SCENARIO.replace("ENDS", text)).single_system.element
     assert wire.ends == ClampedEnds(thermal_conductivity=10.0, contact=2e-3)
-    plain: Any = read_scenario(SCENARIO.replace("ends = ENDS\n", "")).system.element
+    plain: Any = read_scenario(SCENARIO.replace("ends = ENDS\n", "")).single_system.element
     assert plain.ends == AdiabaticEnds()
 
 
 def test_axial_wire_draws_the_conductivity_of_the_material() -> None:
     found = read_scenario(AXIAL)
-    cut: Any = found.system.element
+    cut: Any = found.single_system.element
     assert isinstance(cut, AxialWire)
     assert cut.thermal_conductivity == 18.0
     assert found.origins["element.thermal_conductivity"] == "datasheet, flexinol-90"

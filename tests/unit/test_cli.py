@@ -114,7 +114,7 @@ def test_saved_data_hold_the_scenario_that_was_run(folder: Path) -> None:
 
     fine("run", "wire.toml", "--no-figure", "--set", "element.length=100 mm", "--out", "a.nc")
     text = open_result("a.nc").attrs["scenario"]
-    assert read_scenario(text).system.element.__dict__["length"] == pytest.approx(0.1)
+    assert read_scenario(text).single_system.element.__dict__["length"] == pytest.approx(0.1)
 
 
 def test_settings_tolerance_and_runtime_change_the_run(folder: Path) -> None:

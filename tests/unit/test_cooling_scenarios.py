@@ -44,7 +44,7 @@ def scenario(cooling: str) -> Scenario:
 
 
 def cooling_of(text: str) -> AbstractCooling:
-    return scenario(text).system.environment.cooling
+    return scenario(text).single_system.environment.cooling
 
 
 def sentence(cooling: str) -> str:
@@ -135,7 +135,7 @@ def test_what_cannot_be_meant_is_refused(text: str, words: str) -> None:
 def test_a_wire_in_still_air_settles_where_the_film_coefficient_says() -> None:
     found = scenario('"churchill-chu"')
     run = found.run()
-    wire, environment = found.system.element, found.system.environment
+    wire, environment = found.single_system.element, found.single_system.environment
     final = run["temperature"][-1]
     from martensite.kernels import floats
 
@@ -152,7 +152,7 @@ def test_water_cools_far_more_than_air() -> None:
 
 
 def test_a_cold_ambient_in_water_is_cautioned() -> None:
-    calm = scenario('{ kind = "morgan", fluid = "water" }').system.environment
+    calm = scenario('{ kind = "morgan", fluid = "water" }').single_system.environment
     assert calm.cautions() == []
     cold = calm.with_values({"temperature": 275.0})
     assert ["`water` is known" in caution for caution in cold.cautions()] == [True]

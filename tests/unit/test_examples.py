@@ -196,7 +196,8 @@ def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> Non
     assert result.warnings == []
     assert result.stroke > 4e-3
     assert max(result["power"]) == pytest.approx(0.45, rel=1e-9)
-    pulsed = compare_averaging(scenario.system, scenario.waveform, scenario.duration, 100.0)
+    system, waveform = scenario.single_system, scenario.single_waveform
+    pulsed = compare_averaging(system, waveform, scenario.duration, 100.0)
     assert pulsed.differences["power"].rms < 1e-3 * 0.45
     assert pulsed.ripple == pytest.approx(pulsed.estimate, rel=0.05)
 

@@ -170,7 +170,9 @@ def test_inputs_with_slopes_are_followed_within_a_step(
 def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
     """A step over three periods, and one over half of one, which holds what was sampled."""
     outputs = [one.name for one in made["loop"].named("output")]
-    wanted = simulate_bench(read_scenario(LOOP).whole, 3.0, seed=None)
+    bench = read_scenario(LOOP).bench
+    assert bench is not None
+    wanted = simulate_bench(bench, 3.0, seed=None)
     assert wanted.range("position") > 2e-3
     instance, period = Instance(made["loop"].path).begin(), 0.02
     sample, time = 0, 0.0

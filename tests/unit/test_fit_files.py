@@ -6,6 +6,7 @@ Source of truth: what the formats are documented to mean, and logs made with kno
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import read_table
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
+from martensite.signals.table import Table
 
 FREE = "A_s,A_f"
 
@@ -78,7 +80,9 @@ def test_gaps_of_a_followed_column_are_bridged() -> None:
     holes = list(log["temperature"])
     holes[0] = holes[10] = holes[11] = math.nan
     table = load("isobaric.toml", log=replace(log, columns=log.columns | {"temperature": holes}))
+    assert isinstance(table.waveform, Mapping)
     waveform = table.waveform["drive"]
+    assert isinstance(waveform, Table)
     assert len(waveform.times) == len(log) - 3
     assert waveform.value(10.5) == pytest.approx(0.5 * (holes[9] + holes[12]))
     assert waveform.value(0.0) == holes[1]

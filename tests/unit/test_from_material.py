@@ -30,7 +30,7 @@ WIRE = {"diameter": "0.25 mm", "length": "200 mm"}
 
 def build_in_scenario(kind: str, law: str, numbers: dict[str, str]) -> object:
     more = "\n".join(f'{name} = "{value}"' for name, value in numbers.items())
-    return ms.data.read_scenario(TEXT.format(kind=kind, law=law, more=more)).system.element
+    return ms.data.read_scenario(TEXT.format(kind=kind, law=law, more=more)).single_system.element
 
 
 def test_the_material_gives_numbers_law_resistance_and_limits() -> None:

@@ -111,7 +111,7 @@ def test_lost_is_what_is_older_than_any_reading_can_be() -> None:
 
 def test_checks_are_those_of_what_is_measured() -> None:
     scenario = sensed()
-    limits = scenario.system.element.limits
+    limits = scenario.single_system.element.limits
     checks = guard(scenario).checks.members()
     assert set(checks) == {
         "bound_drive", "hot_heat", "lost_heat", "stuck_heat", "lost_position", "stuck_position",

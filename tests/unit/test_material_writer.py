@@ -320,11 +320,11 @@ def test_a_scenario_takes_the_law_of_its_material_and_may_change_it(plain: Sampl
     document(plain)
     text = TEXT.replace('"flexinol-90"', f'"{plain.folder / "mine.toml"}"').replace(LAW, "")
     whole = read_scenario(text)
-    assert whole.system.element.law.modulus == "mixture"
+    assert whole.single_system.element.law.modulus == "mixture"
     assert whole.remarks == []
     assert read_scenario(text, None, {"element.law.A_s": "60 degC"}).remarks == []
     changed = read_scenario(text, None, {"element.law.modulus": "austenite"})
-    assert changed.system.element.law.modulus == "austenite"
+    assert changed.single_system.element.law.modulus == "austenite"
     (remark,) = changed.remarks
     assert "`modulus = austenite`" in remark and "`liang-rogers`" in remark
     (remark,) = read_scenario(text, None, {"element.law": "elahinia"}).cautions[:1]
@@ -367,7 +367,7 @@ def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) ->
     text = text.replace('kind = "wire"', 'kind = "wire"\nresistance = { kind = "per-length", '
                         'r_A = "8 ohm/m", r_M = "9 ohm/m" }')  # fmt: skip
     found = read_scenario(text)
-    law = found.system.element.law
+    law = found.single_system.element.law
     assert law.registered_name == "mas-polycrystal" and law.spread == 33e6
     assert found.origins["element.law.spread"] == "law, mine"
     assert found.origins["element.law.eps_T"] == "assumed, mine"

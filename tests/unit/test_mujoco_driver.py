@@ -289,7 +289,7 @@ def test_a_snippet_is_what_the_model_holds() -> None:
         ElementTree.tostring(root, encoding="unicode"), {"snippet.xml": snippet.encode()}
     )
     _, whole = bridge_of(scenario.system)
-    one, start = scenario.system, float(whole.strands[0].force)
+    one, start = scenario.single_system, float(whole.strands[0].force)
     wire = TendonActuator(
         tendon="element", element=one.element, environment=one.environment, source=one.source,
         start_force=start,

@@ -62,7 +62,7 @@ def sentence(text: str, path: Path | None = None) -> str:
 
 
 def law_of(scenario: Scenario) -> LiangRogers:
-    law = scenario.system.element.law
+    law = scenario.single_system.element.law
     assert isinstance(law, LiangRogers)
     return law
 
@@ -72,12 +72,12 @@ def law_of(scenario: Scenario) -> LiangRogers:
 
 def test_values_reach_their_parts_in_si() -> None:
     scenario = read_scenario(SOUND)
-    wire, load_ = scenario.system.element, scenario.system.mechanism
+    wire, load_ = scenario.single_system.element, scenario.system.mechanism
     assert isinstance(wire, Wire)
     assert isinstance(load_, DeadWeight)
     assert isinstance(scenario.waveform, Sine)
     assert (wire.diameter, wire.length) == (0.381e-3, 0.273)
-    assert scenario.system.environment.temperature == pytest.approx(311.65)
+    assert scenario.single_system.environment.temperature == pytest.approx(311.65)
     assert load_.mass == pytest.approx(0.4)
     assert scenario.waveform.high == pytest.approx(2.5)
     assert (scenario.duration, scenario.tolerance, scenario.samples) == (400.0, 1e-4, 1001)
@@ -88,7 +88,7 @@ def test_values_reach_their_parts_in_si() -> None:
 
 def test_material_fills_element_law_resistance_and_limits() -> None:
     scenario = read_scenario(SOUND)
-    material, system = scenario.material, scenario.system
+    material, system = scenario.material, scenario.single_system
     assert material is not None
     values = {name: number.value for name, number in material.values.items()}
     element = system.element
@@ -125,14 +125,14 @@ def test_chamber_needs_neither_environment_nor_cooling() -> None:
     )
     start, end = text.index("[environment]"), text.index("[mechanism]")
     scenario = read_scenario(text[:start] + text[end:])
-    assert scenario.waveform.value(0.0) == pytest.approx(293.15)
+    assert scenario.single_waveform.value(0.0) == pytest.approx(293.15)
 
 
 def test_listed_waveform_gives_the_duration() -> None:
     listed = 'waveform = { kind = "table", times = ["0 s", "1 min"], values = ["0 V", "3 V"] }'
     scenario = read_scenario(edited(WAVEFORM, listed).replace('duration = "400 s"', ""))
     assert scenario.duration == 60.0
-    assert scenario.waveform.value(30.0) == pytest.approx(1.5)
+    assert scenario.single_waveform.value(30.0) == pytest.approx(1.5)
 
 
 def test_recorded_waveform_is_found_beside_the_scenario(tmp_path: Path) -> None:
@@ -142,7 +142,7 @@ def test_recorded_waveform_is_found_beside_the_scenario(tmp_path: Path) -> None:
     path.write_text(edited(WAVEFORM, recorded).replace('duration = "400 s"', ""), encoding="utf-8")
     scenario = load(path)
     assert scenario.duration == 10.0
-    assert scenario.waveform.value(5.0) == pytest.approx(0.5)
+    assert scenario.single_waveform.value(5.0) == pytest.approx(0.5)
 
 
 def test_run_simulates_what_was_read() -> None:
@@ -290,7 +290,7 @@ def test_settings_reach_into_components() -> None:
     settings = ['element.diameter="0.25 mm"', "mechanism.mass=1 kg", "element.law.A_s=70 degC",
                 "element.resistance.rho_A=1e-6 ohm*m", "run.samples=51"]  # fmt: skip
     scenario = read_scenario(SOUND, None, read_settings(settings))
-    wire = scenario.system.element
+    wire = scenario.single_system.element
     assert isinstance(wire, Wire)
     assert wire.diameter == 0.25e-3
     assert scenario.system.mechanism.__dict__["mass"] == 1.0

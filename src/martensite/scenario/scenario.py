@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, ParameterError, suggest_name
+from martensite.actuators.assembly import AbstractSystem, System
+from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
 from martensite.kernels.namespace import Scalar
@@ -31,6 +31,7 @@ from martensite.scenario.places import Places
 from martensite.scenario.recorded import Recorded
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.sections import check_sections, has_controllers, is_bench
+from martensite.signals.base import AbstractWaveform
 from martensite.simulate.driven import Waveforms
 
 if TYPE_CHECKING:
@@ -128,6 +129,28 @@ class Scenario:
     def whole(self) -> AbstractSystem:
         """What runs: the bench, or the system alone."""
         return self.system if self.bench is None else self.bench
+
+    @property
+    def single_system(self) -> System:
+        """The system, of one element.
+
+        Raises:
+            InputError: it has several, or none.
+        """
+        if not isinstance(self.system, System):
+            raise InputError(f"Scenario `{self.title}` has no system of one element.")
+        return self.system
+
+    @property
+    def single_waveform(self) -> AbstractWaveform:
+        """The waveform of the only drive.
+
+        Raises:
+            InputError: there are several drives, or none has a waveform.
+        """
+        if not isinstance(self.waveform, AbstractWaveform):
+            raise InputError(f"Scenario `{self.title}` has no single waveform.")
+        return self.waveform
 
     def parts(self) -> Iterator[Parametrised]:
         """All components, those of controllers outside of the bench included."""

@@ -44,7 +44,7 @@ _STEP = 2.0
 
 def experiment(offset: float) -> Experiment:
     """The wire driven by voltage, with its current beside it."""
-    base = model.scenario().system
+    base = model.scenario().single_system
     environment = base.environment.with_parts(cooling=ConstantCooling(h=FILMS[0]))
     seen = fitted("mixture", offset)
     values = {name: seen[name] for name in ("rho_A", "rho_M")}

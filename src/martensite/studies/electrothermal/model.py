@@ -63,7 +63,7 @@ def scenario() -> Scenario:
 
 def wire() -> Wire:
     """The wire of the scenario."""
-    return cast("Wire", scenario().system.element)
+    return cast("Wire", scenario().single_system.element)
 
 
 def number(path: str) -> float:
@@ -85,7 +85,7 @@ def film(cooling: AbstractCooling, temperature: float) -> float:
 def free_films() -> tuple[float, float]:
     """h of free convection half-way: a horizontal and a vertical wire [W/(m² K)]."""
     at = half_way_temperature()
-    return film(scenario().system.environment.cooling, at), film(LeFevreEde(), at)
+    return film(scenario().single_system.environment.cooling, at), film(LeFevreEde(), at)
 
 
 def calibrate(staircase: Staircase) -> Calibration:
@@ -101,7 +101,7 @@ def calibrate(staircase: Staircase) -> Calibration:
 
 def build(key: str, stated: Printed, calibration: Calibration | None = None) -> System:
     """The system of one of `VARIANTS`; only `calibrated` needs a calibration."""
-    base = scenario().system
+    base = scenario().single_system
     if key == "maker":
         return base
     if key == "material" or calibration is None:

@@ -126,7 +126,7 @@ def _system(shape: str, offset: float) -> Any:
     As it was neither trained nor loaded it keeps its length, except where strain is the question;
     there the strip is that of the plain mixture.
     """
-    stated, base = printed_numbers("electrothermal"), model.scenario().system
+    stated, base = printed_numbers("electrothermal"), model.scenario().single_system
     resistivities = {"rho_A": stated.rho_A, "rho_M": stated.rho_M}
     resistance: Any = MixtureResistance(**resistivities)
     if shape != "mixture":

@@ -169,7 +169,7 @@ def _loops(axes: Any, printed: Printed) -> None:
     looks = ((NEAR, MEASURED[0], STILL), (FAR, MEASURED[1], STILL))
     for data, colour, start in looks:
         record = bench.table_problem(data, printed).experiments[0]
-        power = [bench.scenario().waveform.value(float(time)) for time in record.times]
+        power = [bench.scenario().single_waveform.value(float(time)) for time in record.times]
         axes.plot(power, np.degrees(record.measured[:, 0]), ".", color=colour, markersize=3.0)
         for one, look in (
             (best(data, printed), {"color": SOLVE}),

@@ -56,7 +56,7 @@ def scenario() -> Scenario:
 
 def base_wire() -> Wire:
     """The wire of the scenario."""
-    return cast("Wire", scenario().system.element)
+    return cast("Wire", scenario().single_system.element)
 
 
 def number(path: str) -> float:
@@ -76,7 +76,7 @@ def mean_constant(printed: Printed) -> ConstantCooling:
 
 def heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
     """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
-    base = scenario().system
+    base = scenario().single_system
     environment = base.environment.with_parts(cooling=cooling)
     system = base.with_parts(environment=environment, source=PowerSource())
     return system.with_values(values or {})
@@ -123,7 +123,7 @@ def steady_temperature(cooling: AbstractCooling, power: float) -> float:
 @cache
 def sine_run(key: str, printed: Printed) -> Result:
     """Two periods of the sine with one of `VARIANTS`."""
-    sine, duration, samples = scenario().waveform, scenario().duration, scenario().samples
+    sine, duration, samples = scenario().single_waveform, scenario().duration, scenario().samples
     times = [duration * i / (samples - 1) for i in range(samples)]
     volts = [sine.value(t) for t in times]
     powers = [v * v / equivalent_resistance(v, printed) for v in volts]
@@ -182,7 +182,7 @@ def actuation_time(
         duration: length of the run, in which the stroke must complete [s].
     """
     environment = Environment(temperature=ambient + ZERO, cooling=polynomial(printed))
-    base = scenario().system.with_parts(environment=environment, source=VoltageSource())
+    base = scenario().single_system.with_parts(environment=environment, source=VoltageSource())
     system = base.with_values(dict(values))
     wire = cast("Wire", system.element)
     rho = printed.resistance * wire.section() / wire.length

@@ -133,7 +133,7 @@ def _heat(axes: Any, printed: Printed) -> None:
     volts = axes.twinx()
     volts.plot(
         times,
-        [bench.scenario().waveform.value(start + t) for t in times],
+        [bench.scenario().single_waveform.value(start + t) for t in times],
         color=QUIET,
         linestyle=(0, (3, 1.5)),
         linewidth=1.0,
