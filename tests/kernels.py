@@ -41,6 +41,7 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.physics.thermal.base import Cylinder
 from martensite.signals.moments import Moments
+from martensite.testing.plants import find_range
 
 LANES = 256
 
@@ -247,18 +248,11 @@ def source_heat(source: Any, xp: Any, low: Any, high: Any, share: Any, ohms: Any
     return source.heat(xp, change, ohms)
 
 
-TRUTHS = {
-    "temperature": (250.0, 450.0), "ambient": (270.0, 310.0), "position": (-0.01, 0.01),
-    "angle": (-1.0, 1.0), "force": (0.0, 60.0), "current": (0.0, 0.6), "voltage": (-1.0, 5.0),
-}  # fmt: skip
-"""Ranges of what sensors look at."""
-
-
 def sensor_readings(sensor: Any, xp: Any, x: Any, y: Any, noise: Any, dt: Any) -> Any:
     """Two readings after rest, whether there is anything to measure, and what is remembered."""
     first, second = (
         [low + share * (high - low) for share, (low, high) in zip(shares, ranges, strict=False)]
-        for ranges in [[TRUTHS[name] for name in sensor.sees]]
+        for ranges in [[find_range(name) for name in sensor.sees]]
         for shares in ((x, y), (y, x))
     )
     state = sensor.rest(xp, first)

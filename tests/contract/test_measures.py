@@ -1,7 +1,6 @@
-"""What every measure keeps to: one number per run, whatever runs are beside it, with its slopes.
+"""Measures of curves whose extremes, crossings, means and integrals are known, and their words.
 
-Sources of truth: central differences of the measure itself; curves whose extremes, crossings, means
-and integrals are known.
+What every measure promises is in `martensite.testing.measures`.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import text
-from martensite.base.units import find_conversion
 from martensite.simulate.measures.base import (
     MEASURES,
     AbstractMeasure,
@@ -20,89 +18,8 @@ from martensite.simulate.measures.base import (
     list_needed,
     parse_measure,
 )
-from martensite.simulate.measures.extremes import Largest
 
 SYSTEM = problem_a()
-RUNS = 7
-TIMES = np.cumsum(np.append(0.0, np.random.default_rng(1).uniform(0.05, 0.2, 40)))
-OPTIONS = {"at": "position, time=1.234 s"}
-
-
-def named(name: str) -> AbstractMeasure:
-    return parse_measure(f"{name}({OPTIONS.get(name, '')})")
-
-
-def seen(columns: int = 2) -> np.ndarray:
-    """Smooth ways out and back, with ripples; (columns, samples, runs)."""
-    rng = np.random.default_rng(2)
-    share = TIMES / TIMES[-1]
-    out = np.sin(np.pi * share) ** 2
-    ripple = 0.02 * rng.standard_normal((columns, len(TIMES), RUNS))
-    return out[None, :, None] * rng.uniform(0.5, 2.0, (columns, 1, RUNS)) + ripple
-
-
-def differences(one: AbstractMeasure, samples: np.ndarray) -> np.ndarray:
-    """Central differences by every sample."""
-    found = np.zeros(samples.shape)
-    for place in np.ndindex(samples.shape[:2]):
-        step = np.zeros(samples.shape)
-        step[place] = 1e-6
-        up, down = one.value(TIMES, samples + step), one.value(TIMES, samples - step)
-        found[place] = (up - down) / 2e-6
-    return found
-
-
-@pytest.mark.parametrize("name", MEASURES.names())
-class TestMeasures:
-    def test_a_run_does_not_depend_on_those_beside_it(self, name: str) -> None:
-        one, samples = named(name), seen()
-        together = one.value(TIMES, samples)
-        assert together.shape == (RUNS,)
-        for k in range(RUNS):
-            assert one.value(TIMES, samples[:, :, k : k + 1])[0] == together[k]
-        order = np.array([3, 0, 6, 2, 5, 1, 4])
-        assert np.array_equal(one.value(TIMES, samples[:, :, order]), together[order])
-
-    def test_weights_are_its_derivatives(self, name: str) -> None:
-        one, samples = named(name), seen()
-        weights = one.weights(TIMES, samples)
-        assert weights.shape == samples.shape
-        assert np.abs(weights).max() > 0.0
-        assert weights == pytest.approx(differences(one, samples), rel=1e-6, abs=1e-8)
-
-    def test_weights_of_a_run_that_stays_are_finite(self, name: str) -> None:
-        still = np.zeros((1, len(TIMES), 2))
-        assert np.isfinite(named(name).weights(TIMES, still)).all()
-
-    def test_its_unit_is_one(self, name: str) -> None:
-        unit = parse_measure(f"{name}(power)").unit_in(SYSTEM)
-        assert find_conversion(unit, unit) == (1.0, 0.0)
-
-    def test_an_unknown_output_is_named_with_the_nearest(self, name: str) -> None:
-        with pytest.raises(InputError, match=r"`powr`.*Did you mean `power`"):
-            parse_measure(f"{name}(powr)").columns(SYSTEM)
-
-    def test_what_failed_does_not_touch_the_others(self, name: str) -> None:
-        one, samples = named(name), seen()
-        broken = samples.copy()
-        broken[:, :, 2] = np.nan
-        with np.errstate(all="ignore"):
-            found = one.value(TIMES, broken)
-        others = np.arange(RUNS) != 2
-        assert np.array_equal(found[others], one.value(TIMES, samples)[others])
-
-
-def test_wrong_weights_are_noticed() -> None:
-    class Doubled(Largest):
-        """With slopes twice as large."""
-
-        def weights(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
-            return 2.0 * super().weights(times, seen)
-
-    samples = seen()
-    apart = np.abs(Doubled().weights(TIMES, samples) - differences(Doubled(), samples))
-    assert apart.max() == pytest.approx(1.0, rel=1e-6)
-
 
 # ---------------------------------------------------------------- known curves
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @app.command()
 def conform(
     target: Annotated[
-        str, typer.Argument(metavar="FILE|NAME", help="A .py file with parts, or a part.")
+        str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name.")
     ],
     json: Json = False,
     modules: Imports = None,
@@ -29,9 +29,9 @@ def conform(
     """
     import_modules(modules)
     from martensite.cli import show
-    from martensite.testing import check_conformance, find_parts
+    from martensite.testing import check_target
 
-    found = [check_conformance(cls, kind) for kind, cls in find_parts(target)]
+    found = check_target(target)
     if json:
         show.as_json([_row(one) for one in found])
     else:

@@ -19,10 +19,10 @@ from martensite.signals.base import DRIVE
 
 
 def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
-    """Every registry of parts, by the word for one of its entries, and that of blocks if wanted.
+    """Every registry of parts, by the word for one of its entries.
 
-    Blocks of identified models are no parts of a scenario, and load NumPy, which takes longer than
-    all the rest.
+    Those of blocks and measures if wanted: they are no parts of a scenario, and load NumPy, which
+    takes longer than all the rest.
     """
     from martensite.actuators.elements.base import ELEMENTS
     from martensite.actuators.mechanisms.base import MECHANISMS
@@ -58,8 +58,9 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     ]
     if blocks:
         from martensite.identify.blocks.base import BLOCKS
+        from martensite.simulate.measures.base import MEASURES
 
-        found.append(BLOCKS)
+        found += [BLOCKS, MEASURES]
     return {registry.kind: registry for registry in found}
 
 

@@ -29,7 +29,7 @@ def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] 
         return None
     if isinstance(declared.default, Parametrised):
         return type(declared.default)
-    found = _find_annotated(owner, name)
+    found = find_annotated(owner, name)
     return None if found is None or found.__name__.startswith("Abstract") else found
 
 
@@ -104,7 +104,7 @@ def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
     return [float(one) for one in numbers]
 
 
-def _find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
+def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
     """The class that an annotation names, `None` beside it or not."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
     try:

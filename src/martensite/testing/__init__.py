@@ -11,6 +11,8 @@ from martensite.testing.conformance import (
     ConformanceError,
     Finding,
     check_conformance,
+    check_material,
+    check_target,
     find_parts,
 )
 from martensite.testing.examples import build_example, list_variants
@@ -21,6 +23,8 @@ __all__ = [
     "Finding",
     "build_example",
     "check_conformance",
+    "check_material",
+    "check_target",
     "find_parts",
     "list_variants",
 ]

@@ -1,7 +1,7 @@
 """Whether a part keeps what its interface promises: suites of checks, one for every kind of part.
 
-A check is a function of a part that raises `ConformanceError` with a sentence. Parts are tried as
-made of their typical values, once for every choice of every option.
+A check is a function of a part, or of a material, that raises `ConformanceError` with a sentence.
+Parts are tried as made of their typical values, once for every choice of every option.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import import_modules
+from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.catalogue import list_registries
 from martensite.simulate.provenance import keep_record
 from martensite.testing.examples import label_part, list_variants
@@ -23,11 +24,22 @@ Check = Callable[[Any], None]
 SUITES = {
     "law": "laws",
     "cooling": "heat_losses",
+    "ends": "heat_losses",
+    "fluid": "heat_losses",
     "resistance": "circuits",
     "drive": "circuits",
     "element": "elements",
     "mechanism": "mechanisms",
     "waveform": "waveforms",
+    "sensor": "sensors",
+    "observer": "observers",
+    "controller": "controllers",
+    "supervisor": "supervisors",
+    "check": "supervisors",
+    "fault": "faults",
+    "block": "blocks",
+    "measure": "measures",
+    "material": "materials",
 }
 """Kind of a part -> module of this package that has its suite in `CHECKS`, by kind."""
 
@@ -115,6 +127,28 @@ def check_conformance(
     return report
 
 
+def check_material(name: str | Path) -> Conformance:
+    """Run the suite of materials on one, by its name or its file.
+
+    Raises:
+        InputError: there is no such material, or its file is malformed.
+    """
+    material = load_material(name)
+    found = [check_part(material, check) for check in find_checks("material")]
+    return Conformance(material.name, "material", tuple(found))
+
+
+def check_target(target: str) -> list[Conformance]:
+    """Run the suites on all that a name, a `.py` file or the `.toml` file of a material stands for.
+
+    Raises:
+        InputError: there is no such part, the file registers none, or it cannot be read.
+    """
+    if target.endswith(".toml") or target in material_names():
+        return [check_material(target)]
+    return [check_conformance(cls, kind) for kind, cls in find_parts(target)]
+
+
 def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
     """Kind and class of the parts that a name stands for, or that a file registers.
 
@@ -135,12 +169,14 @@ def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
         return own
     own = [(kind, r[target]) for kind, r in known.items() if target in r.names()]
     if not own:
-        raise UnknownNameError("part", target, [n for r in known.values() for n in r.names()])
+        names = [n for r in known.values() for n in r.names()]
+        raise UnknownNameError("part", target, [*names, *material_names()])
     return own
 
 
-def check_part(part: Parametrised, check: Check) -> Finding:
+def check_part(part: Parametrised | Material, check: Check) -> Finding:
     """What one check says of one part; an error in the part's own code is a fault too."""
+    label = label_part(part) if isinstance(part, Parametrised) else part.name
     promise = (check.__doc__ or "").partition("\n")[0]
     try:
         check(part)
@@ -150,4 +186,4 @@ def check_part(part: Parametrised, check: Check) -> Finding:
         fault = f"it raised {type(error).__name__}: {error}"
     else:
         fault = ""
-    return Finding(label_part(part), check.__name__, promise, fault)
+    return Finding(label, check.__name__, promise, fault)

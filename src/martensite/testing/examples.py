@@ -6,20 +6,24 @@ a part by its name.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, TypeVar, cast
 
-from martensite.actuators.assembly import Members
+from martensite.actuators.assembly import AbstractSystem, Members, System
 from martensite.base import units
-from martensite.base.errors import ParameterError
+from martensite.base.errors import ParameterError, UnitError
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
-from martensite.scenario.components import component_class, is_members
+from martensite.physics.electrical.voltage import VoltageSource
+from martensite.scenario.components import component_class, find_annotated, is_members
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH
 
 Some = TypeVar("Some", bound=Parametrised)
 LEVEL = {DRIVE: "V"}
-"""SI unit in which a level is given whose unit depends on the place; readings are in kelvin."""
+"""SI unit in which a level is given whose unit depends on the place."""
 
 
 def build_example(cls: type[Some], /, **choices: Any) -> Some:
@@ -32,11 +36,17 @@ def build_example(cls: type[Some], /, **choices: Any) -> Some:
     Raises:
         ParameterError: something is required of which no typical value is declared.
     """
-    values = dict(choices)
+    values = {name: _read_level(cls, name, one) for name, one in choices.items()}
     for name, declared in cls.declarations.items():
         if name not in values:
             values[name] = _find_value(cls, name, declared, values)
     return cls(**values)
+
+
+@cache
+def build_plant() -> System:
+    """A wire of typical numbers under a voltage: what parts of a loop are tried on."""
+    return build_example(System, source=VoltageSource())
 
 
 def list_variants(cls: type[Some], **choices: Any) -> list[Some]:
@@ -57,7 +67,10 @@ def _find_value(
     cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]
 ) -> Any:
     """The typical value of a field, or its default."""
-    unit = LEVEL.get(declared.unit, "K" if declared.unit in units.OF_READINGS else declared.unit)
+    unit = LEVEL.get(declared.unit, declared.unit)
+    if unit in units.OF_READINGS:  # a controller follows a position, the others look at kelvin
+        place = "m" if "position" in (values.get(n) for n in cls.names_reading) else "K"
+        unit = f"{place}/s" if unit == units.RATE else place
     typical = declared.typical_in("V" if declared.kind == "part" else unit)
     if declared.kind == "part":
         return _find_part(cls, name, declared, typical)
@@ -74,6 +87,16 @@ def _find_value(
         f"`{name}` of `{cls.__name__}` has neither a default nor a typical {sort}, so that no "
         f"example can be made; declare one: {word}(..., typical=…)."
     )
+
+
+def _read_level(cls: type[Parametrised], name: str, value: Any) -> Any:
+    """A choice; in SI if it is a text with a unit for what has the unit of some reading."""
+    declared = cls.declarations.get(name)
+    if isinstance(value, str) and declared is not None and declared.unit in units.OF_READINGS:
+        for unit in (one for one in HIGH if one not in ("1", "delta_degC")):
+            with contextlib.suppress(UnitError):
+                return units.parse_quantity(value, unit)
+    return value
 
 
 def _to_number(typical: Any, unit: str) -> float:
@@ -95,6 +118,8 @@ def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: 
         return tuple(_to_number(one, _unit_of(one)) for one in cast("tuple[Any, ...]", typical))
     if typical is not None:
         return _build_typical(typical, declared.registry, inner)
+    if issubclass(find_annotated(cls, name) or cls, AbstractSystem):
+        return build_plant()
     if inner is None or is_members(inner):
         raise ParameterError(
             f"`{name}` of `{cls.__name__}` has no typical component; give one, or declare it: "

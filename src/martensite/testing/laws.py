@@ -21,6 +21,8 @@ Point = tuple[float, float]
 """Stress [Pa], temperature [K]."""
 PATHS = 40
 CELSIUS = 273.15
+AROUND = 40.0
+"""How far beyond its own temperatures a law is heated and cooled [K]."""
 TAIL = 0.01
 """Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
 
@@ -194,7 +196,9 @@ def check_cuts(law: AbstractLaw) -> None:
 
 def check_direction(law: AbstractLaw) -> None:
     """Without stress, heating takes martensite away and cooling brings it."""
-    up = [(0.0, float(t)) for t in range(250, 481)]
+    own = [leaf.value for leaf in law.leaves() if leaf.declared.unit == "K" and leaf.value > 0.0]
+    low, high = min([290.0, *own]) - AROUND, max([440.0, *own]) + AROUND
+    up = [(0.0, float(t)) for t in range(max(int(low), 1), int(high) + 1)]
     for way, start, sign in ((up, 1.0, -1.0), (up[::-1], 0.0, 1.0)):
         memories = follow_path(law, way, start, dt=1e3)
         found = [law.fractions(memory).martensite for memory in memories]

@@ -39,6 +39,8 @@ class AbstractBlock(Parametrised):
     """The declared parameters that `adapted` sets from a record."""
     linear: ClassVar[bool] = False
     """True if it is a linear dynamic system."""
+    bounded: ClassVar[bool] = True
+    """False if some free numbers make it grow without bound."""
 
     @property
     def inputs(self) -> int:
@@ -122,8 +124,13 @@ class AbstractBlock(Parametrised):
 
     def text(self) -> str:
         """The block as it is written in the text of a chain."""
-        values = [(getattr(self, name), self.declarations[name].default) for name in self.shape]
-        told = [value for value, usual in values if not isinstance(value, str) or value != usual]
+        told = [getattr(self, name) for name in self.shape]
+        for name in reversed(
+            self.shape
+        ):  # what is read goes by place: only the last may be left out
+            if not isinstance(told[-1], str) or told[-1] != self.declarations[name].default:
+                break
+            told.pop()
         inner = ",".join(v if isinstance(v, str) else f"{v:g}" for v in told)
         return f"{self.short}({inner})" if inner else self.short
 

@@ -43,6 +43,7 @@ class Feedback(AbstractRanged):
 
     short = "fb"
     shape = ("order", "degree", "past")
+    bounded = False
 
     order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)

@@ -46,8 +46,10 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     fixed = ("low", "high", "reach")
     cites = ("aljanaideh2011",)
 
-    plays: float = param("1", "number of plays", low=1.0, high=200.0, default=4.0)
-    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0)
+    plays: float = param("1", "number of plays", low=1.0, high=200.0, default=4.0, typical=3.0)
+    knots: float = param(
+        "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
+    )
     reach: float = param("1", "what thresholds end below, over the rise of the curves",
                          above=0.0, high=1.0, default=0.25)  # fmt: skip
 

@@ -45,7 +45,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     linear = False
 
     order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
-    degree: float = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0)
+    degree: float = param(
+        "1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0
+    )
     ins: float = param("1", "number of inputs", low=1.0, high=1.0, default=1.0)
     offset: str = option(
         "whether the outputs at zero input are free; else they are 0", "yes", "no", default="yes"

@@ -32,7 +32,7 @@ class PiecewiseLinear(AbstractCurve):
     short = "pwl"
     shape = ("knots", "inner")
 
-    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0)
+    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
     inner: str = option("whether the knots between the ends move", "free", "fixed", default="free")
 
     def check(self) -> None:

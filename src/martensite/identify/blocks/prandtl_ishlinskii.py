@@ -43,7 +43,7 @@ class PrandtlIshlinskii(AbstractBlock):
     fixed = ("low", "high", "reach")
     cites = ("krasnoselskii1989", "kuhnen2003")
 
-    plays: float = param("1", "number K of plays", low=1.0, default=12.0)
+    plays: float = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
     reach: float = param("1", "highest threshold over the range of the input", above=0.0,
                          high=1.0, default=0.25)  # fmt: skip
     low: float = param("1", "lower end of the range of the input", default=-1.0)

@@ -35,8 +35,12 @@ class Preisach(AbstractCurve):
     fixed = ("low", "high", "reach")
     cites = ("brokate1996", "mayergoyz2003")
 
-    levels: float = param("1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0)
-    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0)
+    levels: float = param(
+        "1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0, typical=3.0
+    )
+    knots: float = param(
+        "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
+    )
     reach: float = param("1", "highest threshold over the range of the input", above=0.0,
                          high=0.45, default=0.25)  # fmt: skip
     slopes: str = option(

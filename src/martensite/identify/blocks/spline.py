@@ -36,7 +36,7 @@ class Spline(AbstractCurve):
     shape = ("knots",)
     cites = ("deboor1978",)
 
-    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0)
+    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
 
     def check(self) -> None:
         """Knots are whole."""

@@ -32,9 +32,9 @@ class StateSpace(AbstractBlock):
     shape = ("order", "ins", "outs", "nk")
     linear = True
 
-    order: float = param("1", "number of poles", low=1.0, default=2.0)
-    ins: float = param("1", "number of inputs", low=1.0, default=1.0)
-    outs: float = param("1", "number of outputs", low=1.0, default=1.0)
+    order: float = param("1", "number of poles", low=1.0, default=2.0, typical=3.0)
+    ins: float = param("1", "number of inputs", low=1.0, default=1.0, typical=2.0)
+    outs: float = param("1", "number of outputs", low=1.0, default=1.0, typical=2.0)
     nk: float = param("1", "delay in samples; 0 adds feed-through", low=0.0, default=1.0)
     offset: str = option(
         "whether the outputs at zero input are free; else they are 0", "yes", "no", default="no"

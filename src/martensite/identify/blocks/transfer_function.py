@@ -29,8 +29,10 @@ class TransferFunction(AbstractBlock):
     shape = ("nb", "nf", "nk")
     linear = True
 
-    nb: float = param("1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0)
-    nf: float = param("1", "number of poles", low=0.0, default=1.0)
+    nb: float = param(
+        "1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0, typical=3.0
+    )
+    nf: float = param("1", "number of poles", low=0.0, default=1.0, typical=3.0)
     nk: float = param("1", "delay in samples", low=0.0, default=1.0)
 
     def numbers(self) -> tuple[str, ...]:

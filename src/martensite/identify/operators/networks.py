@@ -36,7 +36,7 @@ class AbstractNetwork(AbstractCurve):
 
     shape = ("units",)
 
-    units: float = param("1", "number of units", low=1.0, high=1000.0, default=10.0)
+    units: float = param("1", "number of units", low=1.0, high=1000.0, default=10.0, typical=2.0)
 
     def check(self) -> None:
         """Units are whole."""
