@@ -303,7 +303,7 @@ def test_sources_are_known():
 
 def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
     for module in ("tables", "finger_calibration.figure"):
-        monkeypatch.setattr(f"martensite.studies.{module}.compiler", lambda: None)
+        monkeypatch.setattr(f"martensite.studies.{module}.find_compiler", lambda: None)
     (claim,) = FingerCalibration().claims()
     assert claim.verdict == "not checkable"
     assert "C compiler" in claim.why

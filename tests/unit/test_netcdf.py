@@ -189,8 +189,8 @@ def test_saving_needs_no_xarray(tmp_path: Path) -> None:
         "import sys\n"
         f"sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}\n"
         "sys.modules['xarray'] = sys.modules['pandas'] = None\n"
-        "from test_netcdf import make_result, save\n"
-        f"save(make_result(), {str(tmp_path / 'a.nc')!r})\n"
+        "from test_netcdf import make_result, save_result\n"
+        f"save_result(make_result(), {str(tmp_path / 'a.nc')!r})\n"
     )
     subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True)
     assert open_result(tmp_path / "a.nc").sizes["time"] == len(TIMES)

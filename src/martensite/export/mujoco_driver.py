@@ -108,9 +108,9 @@ from pathlib import Path
 import martensite as ms
 import mujoco
 ${IMPORTED}from martensite.export.mujoco_plant import scalar_joints
-from martensite.base.files import replacing
+from martensite.base.files import replace_file
 from martensite.scenario.overrides import read_settings
-from martensite.scenario.scenario import read
+from martensite.scenario.scenario import read_scenario
 
 HERE = Path(__file__).resolve().parent
 MODEL = $MODEL
@@ -165,7 +165,7 @@ def write(result, path):
     """Write time, joints, and what is known of every element."""
     names = ["time", *result.joints]
     names += [f"{tendon}.{name}" for tendon, own in result.tendons.items() for name in own]
-    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+    with replace_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(names)
         rows.writerows(zip(*(result[name] for name in names)))
@@ -189,7 +189,7 @@ def main():
     parser.add_argument("--film", type=Path, help=".mp4, .gif, or .png for the last pose")
     parser.add_argument("--view", action="store_true", help="look on, as fast as in life")
     given = parser.parse_args()
-${IMPORT}    scenario = read(SCENARIO, SOURCE, read_settings(given.set or []))
+${IMPORT}    scenario = read_scenario(SCENARIO, SOURCE, read_settings(given.set or []))
     forces, system = dict(ELEMENTS.values()), scenario.system
     if given.hold:
         forces = ms.export.holding_tensions(given.model, list(forces), keyframe=given.keyframe)

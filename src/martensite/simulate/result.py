@@ -157,7 +157,7 @@ class Result:
         Raises:
             DataError: the file cannot be written.
         """
-        import_module("martensite.scenario.netcdf").save(self, path)
+        import_module("martensite.scenario.netcdf").save_result(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """A dataset over time [s], with units and provenance as attributes."""
