@@ -25,7 +25,7 @@ from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_stori
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import load_material
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
-from martensite.simulate.point import Leg, material_point
+from martensite.simulate.point import PathLeg, material_point
 
 LANES = 256
 SPREAD = 0.004  # of every parameter; more would let the strips of some lanes change places
@@ -95,7 +95,7 @@ def case(name: str, loop: str, steps: int) -> Case:
 def single(given: Case, runtime: str) -> Callable[[], Any]:
     """One run; returns the strain after every step."""
     legs = [
-        Leg(stress=stress, temperature=temperature, duration=0.5 * SECONDS)
+        PathLeg(stress=stress, temperature=temperature, duration=0.5 * SECONDS)
         for stress, temperature in (given.turn, given.start)
     ]
 

@@ -20,9 +20,9 @@ from martensite.simulate.arrays import build_schedule, jitted_march
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.envelope import envelope_of
-from martensite.simulate.grid import Grid, build_grid
+from martensite.simulate.grid import TimeGrid, build_grid
 from martensite.simulate.march import classify_step, march_floats
-from martensite.simulate.marching import Plan
+from martensite.simulate.marching import MarchPlan
 from martensite.simulate.marching_native import Runs, march_runs
 from martensite.simulate.native import march_lanes
 
@@ -62,7 +62,7 @@ def parameter_sets(p: Wire, count: int) -> list[Wire]:
     ]
 
 
-def grid(step: float) -> Grid:
+def grid(step: float) -> TimeGrid:
     """Samples, and steps of at most `step` [s]."""
     return build_grid([waveform()], DURATION, SAMPLES, step, [False])
 
@@ -84,7 +84,7 @@ def judged(march: Callable[[], tuple[Any, Status]]) -> Callable[[], Any]:
     return run
 
 
-def prepared(problem: Problem, step: float) -> tuple[Any, Grid, list[int]]:
+def prepared(problem: Problem, step: float) -> tuple[Any, TimeGrid, list[int]]:
     """The system, its grid, and the places of the columns that are judged."""
     whole = problem.system()
     outputs = compile_march(whole).outputs
@@ -129,10 +129,10 @@ def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
     return judged(march)
 
 
-def plan_of(whole: Any, tolerance: float) -> Plan:
+def plan_of(whole: Any, tolerance: float) -> MarchPlan:
     """A march with error control."""
     times = [OUTPUT_INTERVAL * k for k in range(SAMPLES)]
-    return Plan(
+    return MarchPlan(
         compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, envelope_of(whole)
     )
 

@@ -27,7 +27,7 @@ from martensite.physics.thermal.polynomial import PolynomialCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone
 from martensite.simulate.compiled import CompiledMarch, compile_march, feed_step
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import march_floats
 
 LANES = 256
@@ -62,11 +62,11 @@ def system(p: Wire) -> System:
     )
 
 
-def grid(drive: Drive, longest: float) -> Grid:
+def grid(drive: Drive, longest: float) -> TimeGrid:
     """The steps of `aligned` as a grid of voltages."""
     rows = aligned(drive, longest)
     volts = [[math.sqrt(U) for U, _ in row] for row in rows]
-    return Grid(
+    return TimeGrid(
         times=[k / 10 for k in range(len(rows) + 1)],
         sampled=[(volts[0][0],), *((row[-1],) for row in volts)],
         counts=[len(row) for row in rows],
@@ -237,14 +237,14 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
         import numpy as np
 
         from martensite.simulate.envelope import envelope_of
-        from martensite.simulate.marching import Plan
+        from martensite.simulate.marching import MarchPlan
         from martensite.simulate.marching_native import Runs, march_runs
 
         size = int(np.size(p.h0))
         compiled, values = traced(p) if lanes == 1 else varied(p)
         one = p._replace(**{name: float(np.ravel(getattr(p, name))[0]) for name in THETA})
         times = [k / 10 for k in range(round(10 * drive.duration) + 1)]
-        plan = Plan(
+        plan = MarchPlan(
             compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one))
         )
         runs = Runs(plan, values, size, (position(compiled),), lanes)

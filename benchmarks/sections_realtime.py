@@ -21,9 +21,9 @@ from benchmarks.sections import Options, section
 from martensite.actuators.assembly import System
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid
-from martensite.control.controllers.planning import Price, Search
+from martensite.control.controllers.planning import PlanSearch, Price
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
@@ -59,7 +59,7 @@ def bench(observed: bool) -> Bench:
     pid = Pid(measured=name, reference=COURSE, Kp=300.0, Ki=2.0, Kd=100.0)
     return Bench(
         plant=plant(), period=PERIOD, substeps=1, observers=found,
-        sensors=Sensors(position=Mounted(sensor=PositionSensor())),
+        sensors=Sensors(position=MountedSensor(sensor=PositionSensor())),
         controllers=Controllers(drive=pid),
     )  # fmt: skip
 
@@ -102,7 +102,7 @@ def predictive() -> Mpc:
     """A predictive controller of the same wire."""
     return Mpc.for_system(
         plant(), measured="position", reference=COURSE, period=PERIOD, price=Price(error=1e-4),
-        search=Search(plans=32, rounds=3),
+        search=PlanSearch(plans=32, rounds=3),
     )  # fmt: skip
 
 

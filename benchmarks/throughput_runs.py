@@ -24,7 +24,7 @@ from martensite.simulate.arrays import build_schedule, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import grid_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.native import march_lanes
 
 LANES = 64
@@ -43,7 +43,7 @@ class Case(NamedTuple):
     name: str
     compiled: CompiledMarch
     values: Sequence[Any]
-    grid: Grid
+    grid: TimeGrid
     output: str
 
     @property

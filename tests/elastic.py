@@ -10,12 +10,12 @@ from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machine
 from martensite.actuators.elements.base import AbstractElement, Condition, Heating, Pull, Spring
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.temperature import PrescribedTemperature
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.table import Table
@@ -36,7 +36,7 @@ class Elastic(AbstractElement):
     """A spring whose free length falls with temperature; not registered."""
 
     straight: ClassVar[bool] = False
-    limits: ClassVar[Limits] = Limits()
+    limits: ClassVar[ElementLimits] = ElementLimits()
     compliance: Scalar = param("m/N", "elongation per force", above=0.0, default=1e-4)
     contraction: Scalar = param("m/K", "shortening per temperature", low=0.0, default=1e-3)
 
@@ -51,9 +51,9 @@ class Elastic(AbstractElement):
 
     def advance(
         self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Warm, Report]:
+    ) -> tuple[Warm, StepReport]:
         warm = state._replace(temperature=heating.drive)
-        return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), Report(0.0, 0.0)
+        return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), StepReport(0.0, 0.0)
 
     def condition(
         self, xp: Namespace, state: Warm, force: Scalar, environment: Environment

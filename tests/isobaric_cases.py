@@ -10,7 +10,7 @@ import numpy as np
 
 from martensite.physics.laws.base import AbstractLaw
 from martensite.signals.records import Record
-from martensite.simulate.point import Leg, material_point
+from martensite.simulate.point import PathLeg, material_point
 
 UNITS = {"time": "s", "temperature": "K", "strain": "1", "stress": "Pa"}
 
@@ -120,8 +120,8 @@ def isobar(
 ) -> Record:  # fmt: skip
     """What a law does under a stress, from cold to hot to cold, after a first cooling."""
     ends = (hottest, coldest)
-    legs = [Leg(temperature=coldest, steps=4 * rows)]
-    legs += [Leg(temperature=t, steps=rows) for t in ends]
+    legs = [PathLeg(temperature=coldest, steps=4 * rows)]
+    legs += [PathLeg(temperature=t, steps=rows) for t in ends]
     run = material_point(law, legs, start=(stress, hottest), tolerance=None)
     first = run.ends[1]
     strain = np.asarray(run.strain[first:])

@@ -20,9 +20,9 @@ from elastic import REST, Elastic
 
 from martensite.actuators.elements.base import Heating, Spring
 from martensite.actuators.elements.lumped import AbstractLumped
-from martensite.actuators.mechanics.motion import Course, Motion
+from martensite.actuators.mechanics.motion import Motion, MotionHistory
 from martensite.actuators.mechanisms.base import AbstractMechanism, Load
-from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
@@ -177,7 +177,7 @@ def mechanism_answers(
         return multibody_answers(mechanism, xp, x, y, z)
     if not isinstance(mechanism, AbstractLoadLine):  # told by a signal: see its steps
         return tuple(mechanism.start_forces(xp))
-    assembly = Assembly(start)
+    assembly = LoadLineReference(start)
     force = mechanism.force(xp, assembly, Spring(free, compliance))
     position = mechanism.position(xp, assembly, force, free + compliance * force)
     return mechanism.start_force(xp), force, position
@@ -196,7 +196,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
     forces = [3.0 + xp.sin(x + y + k) for k in ports]
     supply = mechanism.supply(xp, motion.position, forces, motion.velocity)
     own: Any = mechanism
-    course = Course(*motion, motion.acceleration if mechanism.moves else ())
+    course = MotionHistory(*motion, motion.acceleration if mechanism.moves else ())
     found = (
         mechanism.contraction(xp, motion.position), mechanism.demand(xp, motion, signals),
         mechanism.transmission(xp, motion), supply, mechanism.start_forces(xp), home,

@@ -10,13 +10,13 @@ from builders import hanging_wire
 
 from martensite.actuators.elements.wire import Wire
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
-from martensite.export.strand import Weights
+from martensite.export.strand import ForceWeights
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 
 GRAVITY = 9.81
-LAGGED = Weights(0.0, 1.0, 0.0)
+LAGGED = ForceWeights(0.0, 1.0, 0.0)
 """The force at the start of a step acts during it: what the bridge does not do."""
 
 HANGING = """<mujoco>
@@ -83,7 +83,7 @@ def weighed(mass: float, dt: float, coupling: str = "end", **changes: Any) -> Mu
 
 
 def recurrence(
-    frequency: float, dt: float, weights: Weights, speed: float, steps: int
+    frequency: float, dt: float, weights: ForceWeights, speed: float, steps: int
 ) -> list[float]:
     """Displacements of an oscillator of angular `frequency` [1/s] after a push, step by step.
 

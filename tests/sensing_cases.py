@@ -15,7 +15,7 @@ from builders import problem_a, wire_a
 from martensite.actuators.assembly import AbstractSystem, System
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.base import AbstractObserver
@@ -59,7 +59,7 @@ def sensing_bench(
     noise: float = 0.01, **changes: Any,
 ) -> Bench:  # fmt: skip
     """A bench whose only sensor is a resistance meter; with a reference, a sensorless loop."""
-    meter = Mounted(sensor=ResistanceSensor(relative_noise=noise))
+    meter = MountedSensor(sensor=ResistanceSensor(relative_noise=noise))
     parts: dict[str, Any] = {"plant": plant, "period": PERIOD, "sensors": Sensors(resistance=meter)}
     if observer is not None:
         parts["observers"] = Observers(wire=observer)

@@ -23,9 +23,9 @@ from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.driven import arrange_waveforms
-from martensite.simulate.grid import Grid, grid_at
+from martensite.simulate.grid import TimeGrid, grid_at
 from martensite.simulate.native import march_lanes
-from martensite.simulate.native_slopes import Slopes, march_slopes
+from martensite.simulate.native_slopes import OutputSlopes, march_slopes
 
 MISMATCH = 1e-8
 STEPS = {"ribbon": 0.005}
@@ -61,7 +61,7 @@ class Case:
         return compile_march(self.system)
 
     @cached_property
-    def grid(self) -> Grid:
+    def grid(self) -> TimeGrid:
         waves = arrange_waveforms(self.system, self.waves)
         times = np.linspace(0.0, self.duration, self.samples).tolist()
         return grid_at(waves, times, self.step, [d.at_end for d in self.system.drives()])
@@ -89,7 +89,7 @@ class Case:
         assert worst[0, 0] <= MISMATCH, "a step is not solved to rounding"
         return rows[:, :, 0]
 
-    def slopes(self, seeds: np.ndarray) -> Slopes:
+    def slopes(self, seeds: np.ndarray) -> OutputSlopes:
         """Outputs with exact derivatives."""
         return march_slopes(self.compiled, self.values.tolist(), seeds, self.grid, self.outputs)
 

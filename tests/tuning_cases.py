@@ -10,7 +10,7 @@ from builders import problem_a, wire_a
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.identify.blocks.polynomial import Polynomial
@@ -47,7 +47,7 @@ def wire_bench(sensed: bool = True) -> Bench:
     pid = Pid(
         measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0, gains_are="in-seconds"
     )
-    encoder = Sensors(position=Mounted(sensor=PositionSensor(), delay=0.1))
+    encoder = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.1))
     return Bench(
         plant=system, period=0.05, substeps=2, sensors=encoder if sensed else Sensors(),
         controllers=Controllers(drive=pid),

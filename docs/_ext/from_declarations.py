@@ -18,8 +18,8 @@ import blocks
 import commands
 import parts
 
-from martensite.actuators.elements.limits import Limits
-from martensite.control.loop.mounted import Mounted
+from martensite.actuators.elements.limits import ElementLimits
+from martensite.control.loop.mounted import MountedSensor
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
@@ -46,9 +46,9 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(BenchSettings),
     "from-plant": lambda: parts.parameters_of(FromPlant),
-    "mounted": lambda: parts.parameters_of(Mounted),
+    "mounted": lambda: parts.parameters_of(MountedSensor),
     "environment": lambda: parts.parameters_of(Environment),
-    "limits": lambda: parts.parameters_of(Limits),
+    "limits": lambda: parts.parameters_of(ElementLimits),
     "public-names": parts.public_names,
     "app-addresses": bench.addresses,
     "app-calls": bench.calls,

@@ -21,7 +21,7 @@ from martensite.scenario.tables import read_table
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.electrothermal import model, record, record_numbers
 from martensite.studies.electrothermal.model_numbers import KEPT, calibration
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
 from martensite.studies.tables import printed_numbers
 
@@ -114,7 +114,7 @@ def test_a_file_that_is_not_the_one_listed_is_an_error(without, tmp_path) -> Non
 
 @needs_record
 def test_record() -> None:
-    run = Staircase(STATED)
+    run = RecordStaircase(STATED)
     raw = read_table(f"data:{record.UNTRAINED}")
     assert (len(raw), raw.dropped) == (1068, 9)
     table = run.table
@@ -131,7 +131,7 @@ def test_record() -> None:
 
 @needs_record
 def test_the_drop_and_the_offset() -> None:
-    run = Staircase(STATED)
+    run = RecordStaircase(STATED)
     assert run.drop() == pytest.approx((1.2422, 1.6931), abs=2e-4)
     assert run.drop()[0] < run.half_way() < run.drop()[1]
     assert run.half_way() == pytest.approx(1.432, abs=1e-3)
@@ -185,7 +185,7 @@ def test_plateaus_of_the_model_are_steady_states() -> None:
 
 @needs_record
 def test_differences() -> None:
-    run, fitted = Staircase(STATED), calibration(STATED)
+    run, fitted = RecordStaircase(STATED), calibration(STATED)
     assert fitted.rho_A == pytest.approx(8.42e-7, rel=1e-3)
     assert fitted.rho_M == pytest.approx(9.20e-7, rel=1e-3)
     found = {
@@ -206,14 +206,14 @@ def test_half_of_the_drop_lies_where_it_was_put() -> None:
     fitted = calibration(STATED)
     surface = math.pi * STATED.diameter * STATED.length
     mean = 0.5 * (fitted.rho_A + fitted.rho_M) * STATED.length / model.wire().section()
-    power = Staircase(STATED).half_way() ** 2 * mean
+    power = RecordStaircase(STATED).half_way() ** 2 * mean
     warmer = power / (fitted.h * surface)
     ambient = model.number("environment.temperature")
     assert ambient + warmer == pytest.approx(model.half_way_temperature(), abs=1e-9)
     table = model.predicted("calibrated", STATED, fitted)
     fractions = table["martensite_fraction"]
     at = next(i for i, xi in enumerate(fractions) if xi < 0.5)
-    assert table["current"][at - 1] < Staircase(STATED).half_way() < table["current"][at]
+    assert table["current"][at - 1] < RecordStaircase(STATED).half_way() < table["current"][at]
 
 
 @needs_record
@@ -254,7 +254,7 @@ def test_figure(tmp_path) -> None:
 @needs_record
 def test_readme_has_the_computed_numbers() -> None:
     text = model.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-    run, fitted = Staircase(STATED), calibration(STATED)
+    run, fitted = RecordStaircase(STATED), calibration(STATED)
     for key in model.VARIANTS:
         table = model.predicted(key, STATED, fitted if key == "calibrated" else None)
         start, end = model.span(table)

@@ -17,7 +17,7 @@ from martensite.studies.base import Claim
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record, resistance_numbers
 from martensite.studies.electrothermal import resistance_fit as fitting
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
 from martensite.studies.tables import printed_numbers
 
@@ -38,7 +38,7 @@ def claims() -> dict[str, Claim]:
 @pytest.fixture(scope="module")
 def seen() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Set-points [V], currents [A] and apparent temperatures [K] of what the fit has seen."""
-    table = Staircase(STATED).table
+    table = RecordStaircase(STATED).table
     names = ("set_point", "current", "apparent_temperature")
     rows = [i for i in range(3, 36) if (i - 3) % 5 != 4]
     volts, amperes, kelvin = (np.array(table[name])[rows] for name in names)
@@ -124,7 +124,7 @@ def test_criterion() -> None:
 
 
 def test_kept_back_plateaus_are_predicted(claims: dict[str, Claim]) -> None:
-    table = Staircase(STATED).table
+    table = RecordStaircase(STATED).table
     fit = fitting.fitted("mixture", STATED.offset)
     rows = [7, 12, 17, 22, 27, 32]
     volts, amperes = (np.array(table[name])[rows] for name in ("set_point", "current"))
@@ -144,7 +144,7 @@ def test_electrical_way_agrees_where_it_must() -> None:
         low, high = fit.uncertainty.widened(name)
         assert low < other[name] < high
     low, high = fit.uncertainty.widened("h")
-    calibrated = model.calibrate(Staircase(STATED)).h
+    calibrated = model.calibrate(RecordStaircase(STATED)).h
     assert max(model.free_films()) * 3.0 < low < calibrated < high
 
 
@@ -160,8 +160,8 @@ def test_current_does_not_know_another_film() -> None:
 
 
 def test_films_of_the_camera_close_the_balance() -> None:
-    films, table = heating.apparent_films(STATED.offset), Staircase(STATED).table
-    ohms = Staircase(STATED).resistance[20]
+    films, table = heating.apparent_films(STATED.offset), RecordStaircase(STATED).table
+    ohms = RecordStaircase(STATED).resistance[20]
     surface = math.pi * 0.381e-3 * 0.19
     lost = films[17] * surface * (table["apparent_temperature"][20] - 298.75)
     assert lost == pytest.approx(table["current"][20] ** 2 * ohms, rel=1e-9)

@@ -25,8 +25,8 @@ from martensite.control.faults.base import FAULTS
 from martensite.control.faults.stuck import Stuck
 from martensite.control.faults.supply_sag import SupplySag
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
-from martensite.control.loop.parts import Faults, Observers, Sensors
+from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.parts import FaultTable, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import SUPERVISORS
 from martensite.control.observers.base import ESTIMATED, OBSERVERS
@@ -73,11 +73,14 @@ def observer(name: str) -> Any:
 
 
 def watched(one: Any) -> Bench:
-    meter = Mounted(sensor=ResistanceSensor(relative_noise=0.005))
+    meter = MountedSensor(sensor=ResistanceSensor(relative_noise=0.005))
     return Bench(
-        plant=PLANT, period=PERIOD, substeps=1, sensors=Sensors(resistance=meter),
+        plant=PLANT,
+        period=PERIOD,
+        substeps=1,
+        sensors=Sensors(resistance=meter),
         observers=Observers(wire=one),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("name", OBSERVERS.names())
@@ -119,10 +122,16 @@ FAULTY: dict[str, dict[str, Any]] = {
 }
 SAFE = 0.01
 UNGUARDED = {
-    "overheat.limit": 1e9, "over-current.limit": 1e9, "over-stress.limit": 1e12,
-    "over-force.limit": 1e9, "sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE,
-    "open-circuit.longest": LATE, "mismatch.limit": 1e9, "thermal-bound.limit": 1e9,
-}  # fmt: skip
+    "overheat.limit": 1e9,
+    "over-current.limit": 1e9,
+    "over-stress.limit": 1e12,
+    "over-force.limit": 1e9,
+    "sensor-lost.timeout": LATE,
+    "sensor-stuck.longest": LATE,
+    "open-circuit.longest": LATE,
+    "mismatch.limit": 1e9,
+    "thermal-bound.limit": 1e9,
+}
 TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
     "overheat": ({"limit": 310.0}, None),
     "over-current": ({"limit": 1.0}, None),
@@ -150,11 +159,15 @@ def guarded() -> Bench:
     bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
-        plant=PLANT, period=PERIOD, substeps=1,
-        sensors=Sensors(**{n: Mounted(sensor=IdealSensor(), of=(o,)) for n, o in sensors.items()}),
+        plant=PLANT,
+        period=PERIOD,
+        substeps=1,
+        sensors=Sensors(
+            **{n: MountedSensor(sensor=IdealSensor(), of=(o,)) for n, o in sensors.items()}
+        ),
         supervisor=Guard(checks=Checks(**checks, thermal_bound=bound), safe=SAFE),
-        faults=Faults(**{named(n): FAULTS[n](**g, start=LATE) for n, g in FAULTY.items()}),
-    )  # fmt: skip
+        faults=FaultTable(**{named(n): FAULTS[n](**g, start=LATE) for n, g in FAULTY.items()}),
+    )
 
 
 def checks_at(values: dict[str, float]) -> dict[str, float]:
@@ -324,22 +337,25 @@ class Leaky(Guard):
 def small(**parts: Any) -> Columns:
     """A run of a bench with little on it, on floats."""
     bench = Bench(
-        plant=PLANT, period=PERIOD, substeps=1,
-        sensors=Sensors(felt=Mounted(sensor=IdealSensor(), of=("temperature",))), **parts,
-    )  # fmt: skip
+        plant=PLANT,
+        period=PERIOD,
+        substeps=1,
+        sensors=Sensors(felt=MountedSensor(sensor=IdealSensor(), of=("temperature",))),
+        **parts,
+    )
     return columns(bench, "floats")
 
 
 def test_a_broken_fault_is_noticed() -> None:
     well, start, end = small(), FIRST * PERIOD, LAST * PERIOD
-    early = small(faults=Faults(one=Early(share=0.5, start=start, end=end)))
+    early = small(faults=FaultTable(one=Early(share=0.5, start=start, end=end)))
     with pytest.raises(AssertionError, match="Arrays are not equal"):
         leaves_no_trace(early, well)
     with pytest.raises(AssertionError, match="Not equal to tolerance"):
         is_over(early)
     with pytest.raises(AssertionError):
         mute = Mute(sensor="felt", start=start, end=end)
-        leaves_no_trace(small(faults=Faults(one=mute)), well)
+        leaves_no_trace(small(faults=FaultTable(one=mute)), well)
 
 
 def test_a_broken_check_or_guard_is_noticed() -> None:

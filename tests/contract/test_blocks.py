@@ -14,7 +14,7 @@ import pytest
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.kernels.jax_setup import jax_namespace
 from martensite.testing import build_example
 from martensite.testing.blocks import DT, draw_numbers, find_slope_error, lead_block, make_record
@@ -70,7 +70,7 @@ class TestDerivatives:
             return xp.np.stack(rows)
 
         meant = np.asarray(xp.jax.jacfwd(run)(xp.np.asarray(theta)))
-        found = Engine([block], DT, compiled=False).jacobian(theta, u)[1]
+        found = ChainEngine([block], DT, compiled=False).jacobian(theta, u)[1]
         assert np.abs(found - meant).max() <= 1e-11 * max(1.0, np.abs(meant).max())
 
 
@@ -85,7 +85,7 @@ def groups() -> list[list[str]]:
 def test_c_runs_as_plain_python(names, c_compiler):
     blocks = lead_block(SideBySide(blocks=tuple(example(name) for name in names)))
     u = make_record(blocks[0].inputs)
-    fast, plain = Engine(blocks, DT, compiled=True), Engine(blocks, DT, compiled=False)
+    fast, plain = ChainEngine(blocks, DT, compiled=True), ChainEngine(blocks, DT, compiled=False)
     theta = np.concatenate([draw_numbers(block) for block in blocks])
     for found, meant in zip(fast.jacobian(theta, u), plain.jacobian(theta, u), strict=True):
         scale = np.abs(meant).max(axis=0)

@@ -28,8 +28,8 @@ from martensite.control.controllers.latched import LatchedOnOff
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid, PidGains, PidLaw
-from martensite.control.controllers.planning import Price, Search
-from martensite.control.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
+from martensite.control.controllers.planning import PlanSearch, Price
+from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.controllers.two_level import TwoLevel
@@ -80,10 +80,10 @@ def position(cls: Any, **given: Any) -> Callable[[AbstractWaveform], AbstractCon
     return lambda reference: cls(measured="position", reference=reference, **given)
 
 
-UP = Schedule(
+UP = GainSchedule(
     low=GainsAt(at=290.0, Kp=400.0, Ki=4.0, Kd=90.0), high=GainsAt(at=HOT, Kp=250.0, Ki=2.0)
 )
-DOWN = Schedule(all=GainsAt(at=0.0, Kp=800.0, Ki=1.0))
+DOWN = GainSchedule(all=GainsAt(at=0.0, Kp=800.0, Ki=1.0))
 OUTER = PidGains(Kp=2e4, Ki=50.0, law=PidLaw(low=0.0, high=80.0))
 INNER = PidGains(Kp=0.05, Ki=0.4, gains_are="in-seconds")
 CASES: dict[str, Case] = {
@@ -110,7 +110,7 @@ CASES: dict[str, Case] = {
     ),
     "mpc": Case(position(
         Mpc, model=plant(), period=PERIOD, horizon=0.2, blocks=2, price=Price(error=MM),
-        search=Search(plans=24, rounds=1),
+        search=PlanSearch(plans=24, rounds=1),
     )),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
     "pid": Case(position(Pid, Kp=400.0, Ki=4.0, Kd=90.0, law=PidLaw(filter=2.0, weight=0.8))),

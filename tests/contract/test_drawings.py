@@ -22,8 +22,8 @@ from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.actuators.mechanisms.drawing import (
     KINDS,
-    Reading,
-    Shape,
+    DrawingShape,
+    DrawingState,
     lead_wire,
     measure_length,
     trace_arc,
@@ -219,7 +219,7 @@ def test_a_wire_is_as_long_as_it_is_meant(rest: float) -> None:
 def test_the_unbalance_is_drawn_where_it_is(angle: float) -> None:
     """At x + r sin φ, by the equations of the motor; the arm turns about the rotor's axis."""
     (motor,) = [one for one in ALL if isinstance(one, BeamMotor) and not one.ports()][:1]
-    shapes = motor.drawn(Reading({"displacement": 0.01, "rotor_angle": angle}, {}))
+    shapes = motor.drawn(DrawingState({"displacement": 0.01, "rotor_angle": angle}, {}))
     (rotor,) = [shape for shape in shapes if shape.kind == "rotor"]
     first, last, mass = map(np.array, rotor.points)
     axis = (last - first) / np.linalg.norm(last - first)
@@ -231,30 +231,32 @@ def test_the_unbalance_is_drawn_where_it_is(angle: float) -> None:
 # ---------------------------------------------------------------- the checks can fail
 
 
-def spoiled(change: Callable[[Shape, Mapping[str, float]], Shape]) -> AbstractMechanism:
+def spoiled(
+    change: Callable[[DrawingShape, Mapping[str, float]], DrawingShape],
+) -> AbstractMechanism:
     """A dead weight whose shapes are changed as they are drawn."""
 
     class Spoiled(DeadWeight):
-        def drawn(self, reading: Reading) -> list[Shape]:
+        def drawn(self, reading: DrawingState) -> list[DrawingShape]:
             return [change(shape, reading.outputs) for shape in super().drawn(reading)]
 
     return Spoiled(mass=1.0)
 
 
-def no_place(shape: Shape, outputs: Mapping[str, float]) -> Shape:
+def no_place(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     return shape._replace(points=((math.nan, 0.0, 0.0), *shape.points[1:]))
 
 
-def no_port(shape: Shape, outputs: Mapping[str, float]) -> Shape:
+def no_port(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     return shape._replace(port="")
 
 
-def too_long(shape: Shape, outputs: Mapping[str, float]) -> Shape:
+def too_long(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     x, y, z = shape.points[-1]
     return shape._replace(points=(*shape.points[:-1], (x, y, z - 1e-3 * outputs["position"])))
 
 
-def frozen(shape: Shape, outputs: Mapping[str, float]) -> Shape:
+def frozen(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     return shape._replace(points=tuple((0.0, 0.0, float(k)) for k in range(len(shape.points))))
 
 

@@ -21,7 +21,7 @@ from martensite.base.status import Status
 from martensite.design.sweep.subject import waveforms_of
 from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.variants import Course, Ran
+from martensite.simulate.variants import Ran, VariantSetup
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SAMPLES = 101
@@ -35,7 +35,7 @@ def run_lanes(
     values: Mapping[str, Any], signals: Mapping[str, Any] | None = None, runtime: str = "c",
 ) -> Ran:  # fmt: skip
     judged = tuple(whole.judged())
-    course = Course(whole, waves, duration, SAMPLES, None, judged, runtime)
+    course = VariantSetup(whole, waves, duration, SAMPLES, None, judged, runtime)
     found = course.run({p: np.asarray(v) for p, v in values.items()}, signals)
     assert found.status.tolist() == [Status.OK] * len(found.status)
     return found

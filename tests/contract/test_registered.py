@@ -7,7 +7,7 @@ import pytest
 from builders import REGISTRIES, registered
 
 from martensite.actuators.assembly import System
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.base import units
 from martensite.base.errors import UnitError
 from martensite.base.parameters import Parametrised, param
@@ -15,7 +15,7 @@ from martensite.physics.thermal.base import Environment
 from martensite.scenario.citations import read_bibliography
 from martensite.signals.base import DRIVE
 
-CLASSES = [*registered(), System, Environment, Limits]
+CLASSES = [*registered(), System, Environment, ElementLimits]
 
 
 def undocumented(cls: type[Parametrised]) -> list[str]:

@@ -35,7 +35,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
-from martensite.simulate.point import Leg, material_point
+from martensite.simulate.point import PathLeg, material_point
 from martensite.simulate.result import Result
 
 PRINTED: dict[str, Any] = {
@@ -428,7 +428,7 @@ def test_wire_takes_energy_in_a_closed_isothermal_cycle() -> None:
         x = np.concatenate([np.linspace(0.0, reach, 400), np.linspace(reach, 0.0, 400)[1:]])
         path = np.array([motor.path(floats, value) for value in x.tolist()])
         strain = np.maximum(-0.015 + path / LENGTH - 1.0, 0.0)
-        legs = [Leg(strain=float(value), steps=1) for value in strain[1:]]
+        legs = [PathLeg(strain=float(value), steps=1) for value in strain[1:]]
         stress = np.array(material_point(LAW, legs, start=(0.0, HOT))["stress"])
         pulls = [
             motor.supply(floats, [a, 0.0, 0.0], [s * section], [0.0] * 3)[0]

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.bundle import Bundle
-from martensite.actuators.elements.chain import Chain
+from martensite.actuators.elements.chain import LinkChain
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
@@ -91,7 +91,9 @@ def test_a_bundle_is_so_many_times_as_strong(alone: tuple[str, Result], wiring: 
 @pytest.mark.parametrize("wiring", ["series", "parallel"])
 def test_a_chain_goes_so_many_times_as_far(alone: tuple[str, Result], wiring: str) -> None:
     kind, one = alone
-    many = run(Chain(link=wire_a(law_a()), count=N, wiring=wiring), load(kind, stroke=N), N * 5.0)
+    many = run(
+        LinkChain(link=wire_a(law_a()), count=N, wiring=wiring), load(kind, stroke=N), N * 5.0
+    )
     agree(
         many, one, force=1.0, position=N, power=N, heat_loss=N,
         resistance=N if wiring == "series" else 1.0 / N,
@@ -103,7 +105,9 @@ def test_a_chain_is_a_longer_wire(kind: str) -> None:
     wire = wire_a(law_a())
     long = wire.rebuilt({"length": N * wire.length})
     source = VoltageSource(series_resistance=0.2)
-    chain, whole = (run(e, load(kind), 3.0 * N, source) for e in (Chain(link=wire, count=N), long))
+    chain, whole = (
+        run(e, load(kind), 3.0 * N, source) for e in (LinkChain(link=wire, count=N), long)
+    )
     agree(chain, whole, force=1.0, position=1.0, resistance=1.0, current=1.0, heat_loss=1.0)
 
 
@@ -111,7 +115,7 @@ def test_a_chain_of_bundles_is_both() -> None:
     wire = wire_a(law_a())
     one = run(wire, load("spring"), 5.0)
     strands = Bundle(strand=wire, count=2, wiring="parallel")
-    many = run(Chain(link=strands, count=N), load("spring", force=2, stroke=N), 2 * N * 5.0)
+    many = run(LinkChain(link=strands, count=N), load("spring", force=2, stroke=N), 2 * N * 5.0)
     agree(many, one, force=2.0, position=N, power=2.0 * N, resistance=N / 2)
 
 
@@ -128,12 +132,12 @@ def test_springs_side_by_side_and_behind_each_other(deflection: str) -> None:
     one = moved(spring, 1.0, 1.0, 1.0)
     assert one.stroke > 0.01
     agree(moved(Bundle(strand=spring, count=N), N, 1.0, N), one, force=N, position=1.0)
-    agree(moved(Chain(link=spring, count=N), 1.0, N, N), one, force=1.0, position=N)
+    agree(moved(LinkChain(link=spring, count=N), 1.0, N, N), one, force=1.0, position=N)
 
 
 def test_time_constant_is_that_of_one() -> None:
     wire = wire_a(law_a())
-    for many in (Bundle(strand=wire, count=N), Chain(link=wire, count=N, wiring="parallel")):
+    for many in (Bundle(strand=wire, count=N), LinkChain(link=wire, count=N, wiring="parallel")):
         ratios = [e.heat_capacity_total() / e.heat_loss(floats, 296.0, ENVIRONMENT)
                   for e in (many, wire)]  # fmt: skip
         assert ratios[0] == pytest.approx(ratios[1], rel=1e-12)
@@ -169,9 +173,15 @@ def test_an_undivided_force_is_noticed() -> None:
     ("build", "words"),
     [
         (lambda: Bundle(strand=wire_a(law_a()), count=2.5), "`count` of `bundle` must be a whole"),
-        (lambda: Chain(link=wire_a(law_a()), count=0.0), "must be between 1 and 10000, but is 0"),
+        (
+            lambda: LinkChain(link=wire_a(law_a()), count=0.0),
+            "must be between 1 and 10000, but is 0",
+        ),
         (lambda: Bundle(strand=axial(), count=2), "`axial-wire` has many"),
-        (lambda: Chain(link=axial(), count=2), "takes elements of one temperature, such as `wire`"),
+        (
+            lambda: LinkChain(link=axial(), count=2),
+            "takes elements of one temperature, such as `wire`",
+        ),
         (
             lambda: Bundle(strand=wire_a(law_a()), count=2, wiring="star"),
             "Valid: `parallel`, `series`",
@@ -247,7 +257,7 @@ def test_a_chain_of_bundles_is_built_from_a_scenario() -> None:
         '[element.link]\nkind = "bundle"\n',
     )
     found = element(nested)
-    assert (type(found), type(found.link), found.link.wiring) == (Chain, Bundle, "parallel")
+    assert (type(found), type(found.link), found.link.wiring) == (LinkChain, Bundle, "parallel")
 
 
 @pytest.mark.parametrize(

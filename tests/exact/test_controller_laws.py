@@ -18,7 +18,7 @@ from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.cascade import Cascade
 from martensite.control.controllers.direct import Direct
 from martensite.control.controllers.pid import Pid, PidGains, PidLaw
-from martensite.control.controllers.scheduled_pid import GainsAt, Schedule, ScheduledPid
+from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
 from martensite.control.controllers.two_level import TwoLevel
 from martensite.kernels import floats
@@ -53,7 +53,7 @@ ZERO = Constant(level=0.0)
 
 # ---------------------------------------------------------------- scheduled gains
 
-TABLE = Schedule(
+TABLE = GainSchedule(
     a=GainsAt(at=0.0, Kp=1.0, Ki=0.0, Kd=8.0),
     b=GainsAt(at=10.0, Kp=3.0, Ki=2.0, Kd=4.0),
     c=GainsAt(at=30.0, Kp=2.0, Ki=6.0, Kd=4.0),
@@ -63,11 +63,15 @@ TABLE = Schedule(
 @pytest.mark.parametrize(
     ("at", "expected"),
     [
-        (-5.0, (1.0, 0.0, 8.0)), (0.0, (1.0, 0.0, 8.0)), (2.5, (1.5, 0.5, 7.0)),
-        (10.0, (3.0, 2.0, 4.0)), (20.0, (2.5, 4.0, 4.0)), (30.0, (2.0, 6.0, 4.0)),
+        (-5.0, (1.0, 0.0, 8.0)),
+        (0.0, (1.0, 0.0, 8.0)),
+        (2.5, (1.5, 0.5, 7.0)),
+        (10.0, (3.0, 2.0, 4.0)),
+        (20.0, (2.5, 4.0, 4.0)),
+        (30.0, (2.0, 6.0, 4.0)),
         (99.0, (2.0, 6.0, 4.0)),
     ],
-)  # fmt: skip
+)
 def test_gains_are_straight_between_points_and_level_beyond(
     at: float, expected: tuple[float, ...]
 ) -> None:
@@ -78,19 +82,24 @@ def test_gains_are_straight_between_points_and_level_beyond(
 def test_with_one_point_it_is_a_pid_controller(kind: str) -> None:
     values = np.random.default_rng(3).standard_normal(60).cumsum().tolist()
     rest: dict[str, Any] = {
-        "measured": "y", "reference": held(*reversed(values)), "gains_are": kind,
+        "measured": "y",
+        "reference": held(*reversed(values)),
+        "gains_are": kind,
         "law": PidLaw(low=-9.0, high=9.0, filter=1.0),
-    }  # fmt: skip
-    one = Schedule(all=GainsAt(at=0.0, Kp=2.0, Ki=0.3, Kd=0.4))
+    }
+    one = GainSchedule(all=GainsAt(at=0.0, Kp=2.0, Ki=0.3, Kd=0.4))
     scheduled = ScheduledPid(rising=one, **rest)
     assert played(scheduled, values) == played(Pid(Kp=2.0, Ki=0.3, Kd=0.4, **rest), values)
 
 
 def test_a_reading_decides_about_the_gains() -> None:
     controller = ScheduledPid(
-        measured="y", reference=Constant(level=1.0), over="z", law=WIDE,
-        rising=Schedule(a=GainsAt(at=0.0, Kp=1.0), b=GainsAt(at=10.0, Kp=3.0)),
-    )  # fmt: skip
+        measured="y",
+        reference=Constant(level=1.0),
+        over="z",
+        law=WIDE,
+        rising=GainSchedule(a=GainsAt(at=0.0, Kp=1.0), b=GainsAt(at=10.0, Kp=3.0)),
+    )
     assert controller.reads() == ("y", "z")
     assert played(controller, [0.0] * 4, z=[-1.0, 0.0, 5.0, 20.0]) == [1.0, 1.0, 2.0, 3.0]
 
@@ -98,17 +107,20 @@ def test_a_reading_decides_about_the_gains() -> None:
 def test_rising_and_falling_follow_the_reference_not_the_error() -> None:
     """Falling gains from the first fall on, through the hold, until it rises again."""
     controller = ScheduledPid(
-        measured="y", reference=held(5.0, 6.0, 6.0, 4.0, 4.0, 4.5, 4.5), law=WIDE,
-        rising=Schedule(all=GainsAt(at=0.0, Kp=1.0)), falling=Schedule(all=GainsAt(at=0.0, Kp=10.0))
-    )  # fmt: skip
+        measured="y",
+        reference=held(5.0, 6.0, 6.0, 4.0, 4.0, 4.5, 4.5),
+        law=WIDE,
+        rising=GainSchedule(all=GainsAt(at=0.0, Kp=1.0)),
+        falling=GainSchedule(all=GainsAt(at=0.0, Kp=10.0)),
+    )
     assert played(controller, [7.0] * 7) == [-20.0, -1.0, -1.0, -30.0, -30.0, -2.5, -2.5]
 
 
 def test_a_schedule_must_ascend() -> None:
     with pytest.raises(ParameterError, match="must ascend, but 1 comes after 2"):
-        Schedule(a=GainsAt(at=2.0, Kp=1.0), b=GainsAt(at=1.0, Kp=1.0))
+        GainSchedule(a=GainsAt(at=2.0, Kp=1.0), b=GainsAt(at=1.0, Kp=1.0))
     with pytest.raises(ParameterError, match="at least one point"):
-        Schedule()
+        GainSchedule()
 
 
 # ---------------------------------------------------------------- sliding mode
@@ -118,8 +130,13 @@ GAIN, SLOPE, LAYER, PUSH = 20.0, 3.0, 0.5, 4.0
 
 def sliding(**changes: Any) -> SlidingMode:
     numbers: dict[str, Any] = {
-        "gain": GAIN, "slope": SLOPE, "layer": LAYER, "low": -50.0, "high": 50.0, "filter": 0.0,
-    }  # fmt: skip
+        "gain": GAIN,
+        "slope": SLOPE,
+        "layer": LAYER,
+        "low": -50.0,
+        "high": 50.0,
+        "filter": 0.0,
+    }
     return SlidingMode(measured="y", reference=Constant(level=1.0), **(numbers | changes))
 
 
@@ -200,9 +217,12 @@ def test_direct_is_a_straight_line() -> None:
 def cascade(start: float = 300.0, most: float = 60.0, **inner: Any) -> Cascade:
     numbers: dict[str, Any] = {"Kp": 0.5, "Ki": 0.004, "law": PidLaw(high=12.0)}
     return Cascade(
-        measured="position", reference=Constant(level=0.002), start=start,
-        outer=PidGains(Kp=2e4, Ki=300.0, law=PidLaw(high=most)), inner=PidGains(**numbers | inner),
-    )  # fmt: skip
+        measured="position",
+        reference=Constant(level=0.002),
+        start=start,
+        outer=PidGains(Kp=2e4, Ki=300.0, law=PidLaw(high=most)),
+        inner=PidGains(**numbers | inner),
+    )
 
 
 def test_a_cascade_is_one_pid_behind_another() -> None:

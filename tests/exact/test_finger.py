@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from martensite.actuators.assembly import State, System
 from martensite.actuators.elements.wire import Wire
-from martensite.actuators.mechanics.motion import Course, Motion
+from martensite.actuators.mechanics.motion import Motion, MotionHistory
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.joints import bowstring_arm
 from martensite.base.errors import ParameterError
@@ -339,7 +339,7 @@ def swinging(system: System, rate: float, dt: float, count: int) -> np.ndarray:
     """Angle and rate over steps of dt [s], from angle zero with a rate [rad/s]."""
     compiled, state = compile_system(system), system.init(floats, 0.0)
     functions = compiled.program.bind_floats(*compiled.values(system))
-    course = Course((0.0,), (rate,), (0.0,), (0.0,))
+    course = MotionHistory((0.0,), (rate,), (0.0,), (0.0,))
     numbers = flatten_numbers(State(state.elements, state.mechanism._replace(course=course)))
     names, found = list(system.outputs()), [(0.0, rate)]
     places = [names.index(name) for name in ("angle", "angle_rate")]

@@ -12,7 +12,7 @@ from benchmarks.problem_b import Wire, system, waveform
 from mas_paths import TABLE_1, follow, table_1, there_and_back
 
 from martensite.kernels import floats
-from martensite.physics.kinetics.layers import Variants
+from martensite.physics.kinetics.layers import VariantFractions
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as Hybrid
 from martensite.simulate.api import simulate
@@ -260,7 +260,7 @@ def test_a_law_without_the_other_variant_is_noticed():
     class OneVariant(Hybrid):
         def balance(self, xp, present, stress, temperature):
             plus, minus = super().balance(xp, present, stress, temperature)
-            return Variants(plus + minus, 0.0 * minus)
+            return VariantFractions(plus + minus, 0.0 * minus)
 
     path = follow(table_1(OneVariant), AUSTENITE, [(0.0, 0.0, 345.0), (55.0, 0.0, 290.0)], 1.0)
     assert path.plus[-1] > 0.9

@@ -17,7 +17,7 @@ from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.physics.kinetics.barriers import BOLTZMANN
 from martensite.physics.kinetics.exchange import Flows, exchange_fractions
-from martensite.physics.kinetics.layers import Variants
+from martensite.physics.kinetics.layers import VariantFractions
 from martensite.physics.thermal.constant import ConstantCooling
 
 ARRAYS = ArrayNamespace(np)
@@ -208,7 +208,7 @@ def exchange_error(kind, trials=120):
         flows = random_flows(rng, kind).tolist()
         before = np.eye(3)[trial % 3] if trial % 5 == 0 else rng.dirichlet([1.0, 1.0, 1.0])
         plus, minus = (round(x * 2**30) / 2**30 for x in before[1:])
-        found = exchange_fractions(floats, Variants(plus, minus), Flows(*flows))
+        found = exchange_fractions(floats, VariantFractions(plus, minus), Flows(*flows))
         exact = exactly(flows, (1 - plus - minus, plus, minus))[1:]
         allowed = KINDS[kind] + 2.3e-16 * max(flows)
         worst = max(worst, float(np.abs(np.array(found) - exact).max()) / allowed)
@@ -225,12 +225,12 @@ def test_exchange_equals_the_matrix_exponential_of_scipy():
     for _ in range(300):
         flows = random_flows(rng, "moderate").tolist()
         before = rng.dirichlet([1.0, 1.0, 1.0])
-        found = exchange_fractions(floats, Variants(*before[1:].tolist()), Flows(*flows))
+        found = exchange_fractions(floats, VariantFractions(*before[1:].tolist()), Flows(*flows))
         assert found == pytest.approx((expm(matrix(flows, float)) @ before)[1:], abs=1e-12)
 
 
 def test_no_flow_changes_nothing():
-    before = Variants(0.3, 0.5)
+    before = VariantFractions(0.3, 0.5)
     assert exchange_fractions(floats, before, Flows(0.0, 0.0, 0.0, 0.0)) == before
 
 

@@ -16,7 +16,7 @@ from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, PLATES, POSTURES, SIDE
 
 from martensite.actuators.mechanics.platform_inertia import (
-    Rates,
+    AngleRates,
     TopPlate,
     Torques,
     compute_accelerations,
@@ -31,8 +31,8 @@ from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 
 MASS, GRAVITY = 0.075, 9.81
-RATES, ACCELERATIONS = Rates(1.7, -2.3), Rates(-11.0, 6.0)
-MOTIONS = [RATES, Rates(0.0, 3.0), Rates(-2.0, 0.0)]
+RATES, ACCELERATIONS = AngleRates(1.7, -2.3), AngleRates(-11.0, 6.0)
+MOTIONS = [RATES, AngleRates(0.0, 3.0), AngleRates(-2.0, 0.0)]
 
 
 def masses(xp: Any, plates: Plates, alpha: Any, beta: Any) -> list[Any]:
@@ -96,17 +96,17 @@ def lagrange(plates: Plates, posture: Any, rates: Any, accelerations: Any) -> li
 @pytest.mark.parametrize("posture", POSTURES)
 @pytest.mark.parametrize("rates", MOTIONS)
 class TestLagrange:
-    def test_energy(self, plates: Plates, posture: Any, rates: Rates) -> None:
+    def test_energy(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         found = kinetic_energy(floats, thin_plate(plates, MASS), posture[0], rates)
         assert found == pytest.approx(energy(floats, plates, posture, rates), rel=1e-13)
 
-    def test_inertia_forces(self, plates: Plates, posture: Any, rates: Rates) -> None:
+    def test_inertia_forces(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         plate = thin_plate(plates, MASS)
         found = inertia_forces(floats, plate, posture[0], rates, ACCELERATIONS)
         expected = lagrange(plates, posture, rates, ACCELERATIONS)
         assert found == pytest.approx(expected, rel=1e-12, abs=1e-17)
 
-    def test_accelerations(self, plates: Plates, posture: Any, rates: Rates) -> None:
+    def test_accelerations(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         plate = thin_plate(plates, MASS)
         forces = inertia_forces(floats, plate, posture[0], rates, ACCELERATIONS)
         found = compute_accelerations(floats, plate, posture[0], rates, forces)
@@ -164,7 +164,7 @@ def test_small_swings_have_the_frequency_of_one_mass_on_one_spring() -> None:
     stiffness, plate = 232.3 * SIDE**2 / 2.0, thin_plate(PLATES, MASS)
     tilt = 1e-5
     found = compute_accelerations(
-        floats, plate, tilt, Rates(0.0, 0.0), Torques(-stiffness * tilt, 0.0)
+        floats, plate, tilt, AngleRates(0.0, 0.0), Torques(-stiffness * tilt, 0.0)
     )
     assert math.sqrt(-found.alpha / tilt) / math.tau == pytest.approx(30.7, abs=0.05)
 
@@ -174,20 +174,20 @@ def test_a_free_plate_keeps_its_energy() -> None:
     plate = thin_plate(GEOMETRIES[1], MASS)
 
     def change(state: Any) -> Any:
-        rates = Rates(*state[2:])
+        rates = AngleRates(*state[2:])
         return np.array(
             [*rates, *compute_accelerations(floats, plate, state[0], rates, Torques(0.0, 0.0))]
         )
 
     def drift(steps: int) -> float:
         state, dt = np.array([0.4, 0.1, 2.0, 5.0]), 1.0 / steps
-        first = kinetic_energy(floats, plate, state[0], Rates(*state[2:]))
+        first = kinetic_energy(floats, plate, state[0], AngleRates(*state[2:]))
         for _ in range(steps):
             a = change(state)
             b = change(state + 0.5 * dt * a)
             c = change(state + 0.5 * dt * b)
             state = state + dt / 6.0 * (a + 2.0 * b + 2.0 * c + change(state + dt * c))
-        return abs(kinetic_energy(floats, plate, state[0], Rates(*state[2:])) / first - 1.0)
+        return abs(kinetic_energy(floats, plate, state[0], AngleRates(*state[2:])) / first - 1.0)
 
     coarse, fine = drift(100), drift(200)
     assert fine < 1e-7
@@ -198,8 +198,8 @@ def test_a_free_plate_keeps_its_energy() -> None:
 
 
 def answers(_: Any, xp: Any, m: Any, i: Any, e: Any, a: Any, b: Any, p: Any, q: Any) -> Any:
-    plate, rates = TopPlate(m, i, e), Rates(p, q)
-    forces = inertia_forces(xp, plate, a, rates, Rates(q, p))
+    plate, rates = TopPlate(m, i, e), AngleRates(p, q)
+    forces = inertia_forces(xp, plate, a, rates, AngleRates(q, p))
     found = compute_accelerations(xp, plate, a, rates, Torques(0.001 * p, 0.002 * q))
     turned = weight_torques(xp, plate, GRAVITY, a, b)
     return forces, found, turned, kinetic_energy(xp, plate, a, rates)

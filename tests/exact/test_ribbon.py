@@ -10,7 +10,7 @@ from builders import hanging_wire
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.elements.bundle import Bundle
-from martensite.actuators.elements.linkage import Rest, SideBySide
+from martensite.actuators.elements.linkage import ParallelCells, Rest
 from martensite.actuators.elements.ribbon import Ribbon
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
@@ -103,21 +103,21 @@ class TestSideBySide:
     def test_the_whole_is_where_the_forces_add(self):
         free, soft = [0.0, 1e-3, 2e-3, 5e-3], [1e-4, 2e-4, 1e-4, 3e-4]
         for force in (0.0, 3.0, 12.0, 25.0, 200.0):
-            whole = SideBySide().whole(floats, free, soft, force)
+            whole = ParallelCells().whole(floats, free, soft, force)
             e = whole.free + whole.compliance * force
             shares = [max((e - f) / c, 0.0) for f, c in zip(free, soft, strict=True)]
             assert sum(shares) == pytest.approx(force, abs=1e-9)
             own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
-            carried = [SideBySide().carried(floats, one, whole, force) for one in own]
+            carried = [ParallelCells().carried(floats, one, whole, force) for one in own]
             assert carried == pytest.approx(shares, abs=1e-12)
 
     def test_a_cell_and_the_rest_are_the_whole(self):
         free, soft, force = [0.0, 1e-4, 2e-4], [1e-4, 2e-4, 1e-4], [9.0, 4.0, 7.0]
-        whole = SideBySide().whole(floats, free, soft, sum(force))
-        offsets, slopes = SideBySide().rests(floats, free, soft, force)
+        whole = ParallelCells().whole(floats, free, soft, sum(force))
+        offsets, slopes = ParallelCells().rests(floats, free, soft, force)
         for i in range(3):
             rest = Rest(offsets[i], slopes[i])
-            joined = SideBySide().joined(rest, Spring(free[i], soft[i]))
+            joined = ParallelCells().joined(rest, Spring(free[i], soft[i]))
             assert tuple(joined) == pytest.approx(tuple(whole), rel=1e-12)
 
 

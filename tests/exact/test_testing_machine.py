@@ -45,7 +45,7 @@ from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.driven import grid_of
 from martensite.simulate.march import march_floats
-from martensite.simulate.point import Leg, PointResult, material_point
+from martensite.simulate.point import PathLeg, PointResult, material_point
 from martensite.simulate.result import Result
 
 SECTION = 0.25 * math.pi * 0.381e-3**2
@@ -92,7 +92,11 @@ def marched(
 
 
 def point(
-    law: AbstractLaw, legs: list[Leg], start: tuple[float, float], fractions: Fractions, steps: int
+    law: AbstractLaw,
+    legs: list[PathLeg],
+    start: tuple[float, float],
+    fractions: Fractions,
+    steps: int,
 ) -> PointResult:
     """The law by itself in exactly so many steps per leg."""
     return material_point(law, legs, start=start, fractions=fractions, steps=steps, tolerance=None)
@@ -123,7 +127,7 @@ def test_a_constant_force_is_a_dead_weight() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_an_isobaric_cycle_is_that_of_the_law(name: str) -> None:
     law, stress = example(LAWS[name]), 150e6
-    legs = [Leg(temperature=400.0), Leg(temperature=COLD)]
+    legs = [PathLeg(temperature=400.0), PathLeg(temperature=COLD)]
     alone = point(law, legs, (stress, COLD), MARTENSITE, 80)
     waves = {"drive": through([COLD, 400.0, COLD]), "command": Constant(level=stress)}
     cycle = marched(stressed(law, stress), waves, 2, 80)
@@ -137,7 +141,7 @@ def test_stress_and_temperature_may_both_change() -> None:
     temperatures = [COLD, 330.0, 360.0, 350.0, 325.0, 305.0]
     stresses = [100e6, 112e6, 95e6, 104e6, 90e6, 99e6]
     rows = list(zip(temperatures, stresses, strict=True))
-    legs = [Leg(temperature=t, stress=s) for t, s in rows[1:]]
+    legs = [PathLeg(temperature=t, stress=s) for t, s in rows[1:]]
     alone = point(law_a(), legs, (stresses[0], COLD), MARTENSITE, 40)
     waves = {"drive": through(temperatures), "command": through(stresses)}
     test = marched(stressed(law_a(), stresses[0]), waves, 5, 40)
@@ -194,7 +198,7 @@ def test_a_pull_is_that_of_the_law(name: str) -> None:
     """To 5 %, half back, up again, and to none: the stress of a strain-driven material point."""
     law = example(LAWS[name])
     strains = [0.05, 0.025, 0.04, 0.0]
-    alone = point(law, [Leg(strain=e) for e in strains], (0.0, HOT), AUSTENITE, 60)
+    alone = point(law, [PathLeg(strain=e) for e in strains], (0.0, HOT), AUSTENITE, 60)
     test = marched(strained(law), pull(law, alone.strain[0], *strains[1:]), 4, 60)
     assert max(alone.martensite) > 0.3
     assert max(alone.stress) > 250e6
@@ -205,7 +209,7 @@ def test_a_pull_is_that_of_the_law(name: str) -> None:
 def test_constrained_recovery_is_that_of_the_law() -> None:
     """Stretched, released until it is slack, held there and heated: stress builds up."""
     law, (far, slack, hot) = law_a(), (0.045, 0.035, 380.0)
-    legs = [Leg(strain=far), Leg(strain=slack), Leg(strain=slack, temperature=hot)]
+    legs = [PathLeg(strain=far), PathLeg(strain=slack), PathLeg(strain=slack, temperature=hot)]
     alone = point(law, legs, (0.0, WARM), AUSTENITE, 200)
     zero = alone.strain[0]
     waves = {
@@ -221,7 +225,7 @@ def test_constrained_recovery_is_that_of_the_law() -> None:
 def test_a_run_to_a_tolerance_has_the_stress_of_the_law() -> None:
     """A tolerance of 1e-4 of a fraction is 0.3 MPa at a given strain."""
     law = law_a()
-    alone = point(law, [Leg(strain=0.05), Leg(strain=0.0)], (0.0, HOT), AUSTENITE, 2000)
+    alone = point(law, [PathLeg(strain=0.05), PathLeg(strain=0.0)], (0.0, HOT), AUSTENITE, 2000)
     waves = pull(law, alone.strain[0], alone.strain[0])
     run = simulate(strained(law), waves, 2.0, tolerance=1e-4, samples=41)
     assert np.abs(np.subtract(run["stress"], alone.stress[::100])).max() < 0.3e6
@@ -256,7 +260,7 @@ def test_an_elastic_element_and_the_frame_are_springs_in_series(
 def test_a_stretched_wire_goes_slack_and_is_taut_again_at_the_same_travel() -> None:
     """What martensite keeps hangs loose until the crosshead has come that far again."""
     law, strains = law_a(), (0.045, 0.0, 0.045)
-    alone = point(law, [Leg(strain=e) for e in strains], (0.0, WARM), AUSTENITE, 100)
+    alone = point(law, [PathLeg(strain=e) for e in strains], (0.0, WARM), AUSTENITE, 100)
     zero, kept = alone.strain[0], alone.strain[200]
     waves: dict[str, AbstractWaveform] = {
         "drive": Constant(level=WARM),
@@ -304,7 +308,7 @@ def test_every_element_follows_a_rigid_machine(element: Any) -> None:
 def test_a_penalty_stiffness_would_be_noticed() -> None:
     """A machine of 1 kN/um, far stiffer than the wire, is not rigid to 1e-9."""
     law = law_a()
-    alone = point(law, [Leg(strain=0.05), Leg(strain=0.0)], (0.0, HOT), AUSTENITE, 60)
+    alone = point(law, [PathLeg(strain=0.05), PathLeg(strain=0.0)], (0.0, HOT), AUSTENITE, 60)
     waves = pull(law, alone.strain[0], 0.0)
     stiff = marched(strained(law, stiffness=1e9), waves, 2, 60)
     assert 1e-7 < share(stiff["stress"], alone.stress) < 1e-3

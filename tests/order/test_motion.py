@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from martensite.actuators.mechanics.motion import (
-    Course,
+    MotionHistory,
     move_dynamically,
     predict_position,
     quasi_static,
@@ -18,9 +18,11 @@ from martensite.kernels import floats
 OMEGA, ZETA = 2.0 * math.pi, 0.05
 
 
-def march(dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float = ZETA) -> Course:
+def march(
+    dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float = ZETA
+) -> MotionHistory:
     """An oscillator released at 1: each step is linear in the position at its end."""
-    course = Course((1.0,), (0.0,), (-omega * omega,), (-omega * omega,))
+    course = MotionHistory((1.0,), (0.0,), (-omega * omega,), (-omega * omega,))
     for _ in range(round(end / dt)):
         after = move_dynamically(floats, course, dt, rho)
 
@@ -69,6 +71,6 @@ def test_lost_energy_would_be_noticed():
 
 
 def test_a_quasi_static_motion_has_the_velocity_of_its_step():
-    course = quasi_static(floats, Course((1.0, 2.0), (0.0, 0.0)), 0.5)((2.0, 1.0))
+    course = quasi_static(floats, MotionHistory((1.0, 2.0), (0.0, 0.0)), 0.5)((2.0, 1.0))
     assert course.motion() == ((2.0, 1.0), (2.0, -2.0), (0.0, 0.0))
     assert predict_position(course, 0.1) == (2.0, 1.0)

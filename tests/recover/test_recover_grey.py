@@ -8,7 +8,7 @@ from martensite.identify.blocks.duhem import Duhem
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.heated_duhem import HeatedDuhem
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1
@@ -45,7 +45,7 @@ def true_numbers() -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def found(c_compiler: str) -> Estimate:
+def found(c_compiler: str) -> ChainEstimate:
     """From a start that knows nothing of the truth but the room."""
     data = [record(true_numbers(), 1, 8)]
     return estimate_chain("heated", data, Options(starts=2, refined=1, sigma=SIGMA))
@@ -56,17 +56,17 @@ def errors(chain: Chain, data: Sampled) -> np.ndarray:
     return np.sqrt(np.mean((chain.simulate(data) - data.outputs) ** 2, axis=0)) / SIGMA
 
 
-def test_validation_is_near_the_noise(found: Estimate) -> None:
+def test_validation_is_near_the_noise(found: ChainEstimate) -> None:
     assert np.all(errors(found.chain, record(true_numbers(), 7, 5)) < 1.05)
 
 
-def test_the_check_sees_a_wrong_model(found: Estimate) -> None:
+def test_the_check_sees_a_wrong_model(found: ChainEstimate) -> None:
     theta = found.chain.theta.copy()
     theta[NAMES.index("log_latent")] = -9.0
     assert np.all(errors(found.chain.with_theta(theta), record(true_numbers(), 7, 5)) > 1.5)
 
 
-def test_what_can_be_told_is_found(found: Estimate) -> None:
+def test_what_can_be_told_is_found(found: ChainEstimate) -> None:
     """All but the scale of temperature, which only priors tell."""
 
     def told(theta: np.ndarray) -> dict[str, float]:

@@ -13,7 +13,7 @@ import pytest
 
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
-from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
@@ -56,7 +56,7 @@ def truth_of(blocks: str | tuple[AbstractBlock, ...], parts: list[list[float]]) 
     return chain.with_theta(np.concatenate(parts))
 
 
-def found_again(truth: Chain, text: str, options: Options) -> tuple[Estimate, float]:
+def found_again(truth: Chain, text: str, options: Options) -> tuple[ChainEstimate, float]:
     """What is estimated, and its fit [%] to the truth on a record that it has not seen."""
     made = estimate_chain(text, record(truth, 1, NOISE), options)
     other = record(truth, 2, 0.0)

@@ -17,8 +17,8 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
-from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.position import PositionSensor
@@ -49,7 +49,7 @@ def pid(**changes: Any) -> Pid:
 
 def bench(**parts: Any) -> Bench:
     """That wire with an encoder that is late, under that controller."""
-    encoder = Mounted(sensor=PositionSensor(), delay=0.1)
+    encoder = MountedSensor(sensor=PositionSensor(), delay=0.1)
     known = {
         "plant": plant(), "period": PERIOD, "sensors": Sensors(position=encoder),
         "controllers": Controllers(drive=pid()),
@@ -188,7 +188,7 @@ class TestPeriods:
         assert apart(run["averaged"], run["pulses"], "temperature") <= 0.02 * rise
 
     def test_a_fault_is_there_from_start_to_end(self) -> None:
-        stuck = Faults(encoder=Stuck(sensor="position", start=1.0, end=2.0))
+        stuck = FaultTable(encoder=Stuck(sensor="position", start=1.0, end=2.0))
         run = simulate_bench(bench(faults=stuck), 3.0, seed=None, runtime="floats")
         reading = np.array(run["measured.position"])
         held = reading[(np.array(run.times) > 1.11) & (np.array(run.times) < 2.09)]
@@ -242,10 +242,13 @@ class TestSeveralDrives:
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        ({"sensors": Sensors(x=Mounted(sensor=PositionSensor(), of=("positon",)))}, "`position`"),
+        (
+            {"sensors": Sensors(x=MountedSensor(sensor=PositionSensor(), of=("positon",)))},
+            "`position`",
+        ),
         ({"controllers": Controllers(drive=pid(measured="positoin"))}, "`position`"),
         ({"controllers": Controllers(wire=pid())}, "`drive`"),
-        ({"faults": Faults(f=Stuck(sensor="encoder"))}, "`position`"),
+        ({"faults": FaultTable(f=Stuck(sensor="encoder"))}, "`position`"),
     ],
 )
 def test_names_are_checked(parts: dict[str, Any], words: str) -> None:
@@ -267,16 +270,16 @@ def test_numbers_are_no_structure() -> None:
     assert compile_system(bench()) is compile_system(bench(controllers=Controllers(
         drive=pid(Kp=1.0)
     )))  # fmt: skip
-    later = Sensors(position=Mounted(sensor=PositionSensor(), delay=0.3))
+    later = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.3))
     assert compile_system(bench()) is not compile_system(bench(sensors=later))
 
 
 def test_an_estimate_comes_from_one_observer() -> None:
     same = InverseModel(model=plant(), measured="resistance")
-    resistance = Mounted(sensor=ResistanceSensor())
+    resistance = MountedSensor(sensor=ResistanceSensor())
     with pytest.raises(ParameterError, match="both estimate"):
         bench(
-            sensors=Sensors(position=Mounted(sensor=PositionSensor()), resistance=resistance),
+            sensors=Sensors(position=MountedSensor(sensor=PositionSensor()), resistance=resistance),
             observers=Observers(one=same, other=same),
         )
 

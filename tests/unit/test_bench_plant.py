@@ -18,7 +18,7 @@ from martensite.kernels import floats
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table
 from martensite.studies.hammerstein_wiener import branches, loop, records
-from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
+from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 from martensite.studies.hammerstein_wiener.branches import GRID, ZERO
 from martensite.studies.hammerstein_wiener.preisach import Cell, everett
 
@@ -162,7 +162,7 @@ def test_open_loops_are_remembered() -> None:
     [(5, 57.8, 0.41), (8, 77.2, 1.69), (10, 93.8, 8.31), (14, 120.0, 9.23), (18, 145.1, 9.49)],
 )
 def test_where_it_comes_to_rest(percent: float, celsius: float, millimetres: float) -> None:
-    plant = Plant(Bench())
+    plant = RunningBench(ReferenceBench())
     for _ in range(round(120.0 / QUICK)):
         plant.step(0.01 * percent, QUICK)
     assert plant.temperature - ZERO == pytest.approx(celsius, abs=0.1)
@@ -170,8 +170,8 @@ def test_where_it_comes_to_rest(percent: float, celsius: float, millimetres: flo
 
 
 def test_it_rests_without_power_and_balances_heat_with_it() -> None:
-    bench = Bench()
-    plant = Plant(bench)
+    bench = ReferenceBench()
+    plant = RunningBench(bench)
     plant.step(0.0, QUICK)
     assert (plant.temperature, plant.position) == (bench.ambient, 0.0)
     for _ in range(round(200.0 / QUICK)):
@@ -185,14 +185,14 @@ def test_it_rests_without_power_and_balances_heat_with_it() -> None:
 
 
 def test_the_paper_s_current_and_stroke() -> None:
-    bench = Bench()
+    bench = ReferenceBench()
     assert bench.driver.closed(floats, 4.3 * bench.length) == pytest.approx(4.0)
     assert bench.stroke == pytest.approx(0.04 * bench.length, rel=0.04)
     assert bench.load * 9.81 / bench.section == pytest.approx(48e6, rel=0.01)
 
 
 def test_cold_ends_transform_less() -> None:
-    lumped, long = Plant(Bench()), Plant(Bench(cells=4.0))
+    lumped, long = RunningBench(ReferenceBench()), RunningBench(ReferenceBench(cells=4.0))
     for _ in range(round(100.0 / QUICK)):
         lumped.step(0.12, QUICK)
         long.step(0.12, QUICK)
@@ -203,8 +203,8 @@ def test_cold_ends_transform_less() -> None:
 
 
 def test_conduction_takes_from_one_cell_what_it_gives_to_another() -> None:
-    bench = Bench(cells=3.0)
-    plant = Plant(bench)
+    bench = ReferenceBench(cells=3.0)
+    plant = RunningBench(bench)
     for wire, above in zip(plant._wire, (0.0, 30.0, 45.0), strict=True):
         wire.heat(above * bench.capacity)
     powers = [0.0, 0.0, 0.0]
@@ -257,9 +257,9 @@ def test_records_repeat_by_their_seed() -> None:
 
 def test_a_reading_does_not_depend_on_the_duty_of_its_row() -> None:
     kick = np.array([0.0, 0.0, 1.0, 0.0, 0.0])
-    quiet = Bench(
-        thermometer=Bench().thermometer.with_values({"noise": 0.0, "resolution": 0.0}),
-        encoder=Bench().encoder.with_values({"noise": 0.0, "resolution": 0.0}),
+    quiet = ReferenceBench(
+        thermometer=ReferenceBench().thermometer.with_values({"noise": 0.0, "resolution": 0.0}),
+        encoder=ReferenceBench().encoder.with_values({"noise": 0.0, "resolution": 0.0}),
     )
     found = records.record(records.Excitation("kick", kick, 0), quiet).outputs[:, 0]
     assert np.all(found[:3] == quiet.ambient)

@@ -17,7 +17,7 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.scheduled_pid import ScheduledPid
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.position import PositionSensor
 from martensite.scenario.overrides import as_toml, change_document
@@ -84,7 +84,9 @@ def test_loop_is_that_of_its_parts() -> None:
     bench = read_scenario(LOOP).bench
     assert bench is not None
     assert bench.period == pytest.approx(0.02)
-    assert bench.sensors.members() == {"position": Mounted(sensor=PositionSensor(), delay=0.04)}
+    assert bench.sensors.members() == {
+        "position": MountedSensor(sensor=PositionSensor(), delay=0.04)
+    }
     assert bench.controllers.members() == {
         "drive": Pid(
             measured="position", reference=Sine(low=1e-3, high=4e-3, frequency=0.1), Kp=150.0,

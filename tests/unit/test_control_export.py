@@ -10,7 +10,7 @@ from builders import problem_a
 from martensite.base.errors import InputError
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.design.synthesis.linear import in_readings, linearised
@@ -55,7 +55,7 @@ def test_a_bench_answers_as_in_simulate():
               law=PidLaw(high=6.0))  # fmt: skip
     bench = Bench(
         plant=PLANT, period=PERIOD,
-        sensors=Sensors(position=Mounted(sensor=PositionSensor(), delay=0.04)),
+        sensors=Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.04)),
         controllers=Controllers(drive=pid),
     )  # fmt: skip
     r = np.repeat([0.0, 3e-3, 2e-3, 0.0], COUNT // 4)

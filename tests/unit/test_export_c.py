@@ -27,7 +27,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
@@ -51,14 +51,18 @@ SYSTEM = problem_a()
 PLANT = SYSTEM.with_parts(source=PwmVoltage(supply=6.0))
 COURSE = Sine(low=1 * MM, high=5 * MM, frequency=0.5)
 BENCH = Bench(
-    plant=PLANT, period=PERIOD, substeps=2,
+    plant=PLANT,
+    period=PERIOD,
+    substeps=2,
     sensors=Sensors(
-        position=Mounted(sensor=PositionSensor(noise=0.02 * MM), delay=2 * PERIOD, jitter=PERIOD)
+        position=MountedSensor(
+            sensor=PositionSensor(noise=0.02 * MM), delay=2 * PERIOD, jitter=PERIOD
+        )
     ),
     controllers=Controllers(
         drive=Pid(measured="position", reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)
     ),
-)  # fmt: skip
+)
 WATCHED = BENCH.with_parts(
     observers=Observers(
         ekf=ExtendedKalman(model=PLANT, measured=("position",), reading_deviation=0.02 * MM)
@@ -382,12 +386,19 @@ def test_operations_are_those_counted_by_hand() -> None:
     program.add("f", ["x", "y"], kernel)
     outputs = program.functions["f"].outputs
     assert count_operations(program.graph, outputs, program.hoisted) == {
-        "add": 1 + 3 + 5 + 2, "mul": 1 + 5, "div": 3, "sqrt": 3,
-        "compare": 1 + 3, "select": 1 + 3,
-    }  # fmt: skip
+        "add": 1 + 3 + 5 + 2,
+        "mul": 1 + 5,
+        "div": 3,
+        "sqrt": 3,
+        "compare": 1 + 3,
+        "select": 1 + 3,
+    }
     assert count_operations(program.graph, program.hoisted) == {
-        "mul": 1, "exp": 1, "compare": 1, "select": 1,
-    }  # fmt: skip
+        "mul": 1,
+        "exp": 1,
+        "compare": 1,
+        "select": 1,
+    }
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import ParameterError
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
-from martensite.control.loop.parts import Faults, Sensors
+from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.parts import FaultTable, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor
 from martensite.kernels import floats
@@ -35,8 +35,8 @@ NUMBERS = {
 
 
 def bench(plant=PLANT, **faults):
-    felt = Mounted(sensor=IdealSensor(), of=("temperature",))
-    return Bench(plant=plant, period=0.05, sensors=Sensors(felt=felt), faults=Faults(**faults))
+    felt = MountedSensor(sensor=IdealSensor(), of=("temperature",))
+    return Bench(plant=plant, period=0.05, sensors=Sensors(felt=felt), faults=FaultTable(**faults))
 
 
 def run(*, plant=PLANT, level=DUTY, seconds=1.0, **faults):
@@ -154,7 +154,7 @@ def test_a_fault_of_one_drive_leaves_the_others_alone():
     first, second = pair.actuators()
     waves = {first: Constant(level=0.3), second: Constant(level=0.3)}
     found = simulate_bench(
-        Bench(plant=pair, period=0.05, faults=Faults(one=fault("open-circuit", drive=second))),
+        Bench(plant=pair, period=0.05, faults=FaultTable(one=fault("open-circuit", drive=second))),
         0.7, waveforms=waves, runtime="floats",
     )  # fmt: skip
     assert found[f"{second}.current"][11] == 0.0

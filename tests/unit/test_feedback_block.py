@@ -7,7 +7,7 @@ from martensite.base.errors import ParameterError
 from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.residuals import Aim, Squares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
@@ -48,7 +48,7 @@ def recursion(c2: float, c3: float, e3: float) -> np.ndarray:
 
 @pytest.mark.parametrize("case", [(0.0, 0.0, 0.0), (0.1, 0.5, 0.0), (-0.2, 0.3, 0.4)])
 def test_it_spans_polynomials_of_two_past_outputs(case):
-    y = Engine([BLOCK], DT, compiled=False).simulate(cubic(*case), U, np.zeros(4))
+    y = ChainEngine([BLOCK], DT, compiled=False).simulate(cubic(*case), U, np.zeros(4))
     assert y[:, 0] == pytest.approx(recursion(*case), abs=1e-12)
     other = recursion(case[0], case[1] + 0.01, case[2])
     assert np.abs(y[:, 0] - other).max() > 1e-4
@@ -61,7 +61,7 @@ def test_it_spans_polynomials_of_two_past_outputs(case):
 )
 def test_rest_is_a_fixed_point_and_derivatives_are_those_of_differences(block):
     theta = block.drawn(np.random.default_rng(2), 10.0, DT)
-    engine = Engine([block], DT, compiled=False)
+    engine = ChainEngine([block], DT, compiled=False)
     for level in (-0.8, 0.0, 0.7):
         start = engine.rest(theta, np.array([level])).state
         state = start.copy()
@@ -83,7 +83,7 @@ def test_it_begins_as_a_transfer_function(order, feedthrough, delay):
     theta = linear.drawn(np.random.default_rng(3), 10.0, DT)
     own = block.like(linear, theta, DT)
     y, expected = (
-        Engine([one], DT, compiled=False).simulate(numbers, U)
+        ChainEngine([one], DT, compiled=False).simulate(numbers, U)
         for one, numbers in ((block, own), (linear, theta))
     )
     assert y == pytest.approx(expected, abs=1e-9)
@@ -102,7 +102,7 @@ def test_orders_are_whole():
 
 def test_a_run_that_grows_without_bound_has_no_finite_cost(c_compiler):
     theta = cubic(0.0, -40.0, 0.0)
-    engine = Engine([BLOCK, Polynomial(degree=1)], DT)
+    engine = ChainEngine([BLOCK, Polynomial(degree=1)], DT)
     record = Sampled("test", DT, U, np.zeros(len(U)), ("u",), ("y",))
     cost = Squares(engine, [Aim(record, start="zero")])
     assert cost.value(np.concatenate([theta, [0.0, 1.0]])) == np.inf

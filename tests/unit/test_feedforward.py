@@ -18,9 +18,9 @@ from martensite.control.controllers.correction import Correction
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
 from martensite.control.controllers.pid import PidLaw
-from martensite.control.controllers.row import Row
+from martensite.control.controllers.row import NumberedGains
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis, rising_curve
@@ -165,7 +165,7 @@ def test_models_that_do_not_fit_are_refused():
     with pytest.raises(ParameterError, match=r"no output `positon`.*`position`"):
         feedforward(output="positon")
     watched = Bench(
-        plant=PLANT, period=PERIOD, sensors=Sensors(position=Mounted(sensor=PositionSensor()))
+        plant=PLANT, period=PERIOD, sensors=Sensors(position=MountedSensor(sensor=PositionSensor()))
     )
     with pytest.raises(ParameterError, match="must have one drive, but has drive, noise"):
         feedforward(model=watched)
@@ -303,9 +303,9 @@ def test_the_loop_of_a_wire_becomes_nearly_a_line():
 
 
 def test_a_row_is_as_many_parameters_as_it_has_numbers():
-    row = Row.of((1.0, 2.0))
+    row = NumberedGains.of((1.0, 2.0))
     assert [leaf.path for leaf in row.leaves()] == ["n1", "n2"]
     assert row.with_values({"n2": 5.0}).numbers == (1.0, 5.0)
     assert row.layout() == (2,)
     with pytest.raises(ParameterError, match="Number 2 of a row is `n2`, not `n3`"):
-        Row(n1=1.0, n3=2.0)
+        NumberedGains(n1=1.0, n3=2.0)

@@ -15,7 +15,7 @@ import pytest
 from martensite.base.errors import InputError
 from martensite.control.checks.base import CHECKS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Sensors
 from martensite.control.sensors.base import SENSORS
 from martensite.control.sensors.ideal import IdealSensor
@@ -81,7 +81,7 @@ def test_readings_repeat_at_most_as_often_as_is_taken_for_sound(offset: float) -
     state = (offset * STEP, 0.0)
     rows = [sensor.reading(floats, state, state[:1], n, 0.0)[0] for n in drawn.tolist()]
     share = max(np.unique(rows, return_counts=True)[1]) / len(rows)
-    longest = stuck_after(Mounted(sensor=sensor), PERIOD)
+    longest = stuck_after(MountedSensor(sensor=sensor), PERIOD)
     assert longest is not None
     readings = round(longest / PERIOD)
     assert share**readings < CHANCE * 1.5
@@ -100,12 +100,12 @@ def test_readings_repeat_at_most_as_often_as_is_taken_for_sound(offset: float) -
     ids=["no steps", "no noise", "coarse", "range"],
 )
 def test_only_what_must_move_can_be_stuck(sensor: Any, longest: float | None) -> None:
-    found = stuck_after(Mounted(sensor=sensor), PERIOD)
+    found = stuck_after(MountedSensor(sensor=sensor), PERIOD)
     assert found == (None if longest is None else pytest.approx(longest))
 
 
 def test_lost_is_what_is_older_than_any_reading_can_be() -> None:
-    mounted = Mounted(sensor=PositionSensor(), sample_time=0.05, delay=0.1, jitter=0.01)
+    mounted = MountedSensor(sensor=PositionSensor(), sample_time=0.05, delay=0.1, jitter=0.01)
     assert lost_after(mounted, PERIOD) == pytest.approx(0.1 + 0.04 + 3 * 0.06 + 0.02)
 
 
@@ -124,7 +124,7 @@ def test_checks_are_those_of_what_is_measured() -> None:
 
 def test_elements_of_a_machine_are_cut_one_by_one() -> None:
     plant = load(EXAMPLES / "closed_loop_platform.toml").system
-    hot = Mounted(sensor=IdealSensor(), of=("second.temperature",))
+    hot = MountedSensor(sensor=IdealSensor(), of=("second.temperature",))
     bench = Bench(plant=plant, period=PERIOD, sensors=Sensors(warm=hot))
     found: Any = checks_for(bench, temperature_limit=400.0)
     assert (found["hot_warm"].cuts(), found["hot_warm"].limit) == (("second",), 400.0)

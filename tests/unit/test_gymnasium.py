@@ -24,7 +24,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.export.gymnasium import NAME, SmaEnv
 from martensite.export.gymnasium_vector import SmaVectorEnv
-from martensite.export.learning_task import Task
+from martensite.export.learning_task import LearningTask
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
@@ -33,7 +33,7 @@ from martensite.simulate.api import simulate
 EXAMPLE = Path(__file__).parents[2] / "examples" / "reinforcement_learning.py"
 PERIOD = 0.05
 SPREADS = {"element.diameter": 0.03, "environment.temperature": 3.0}
-TASK = Task(
+TASK = LearningTask(
     output="position", low=0.0, high=5e-3, duration=1.0, preview=(0.1, 0.5), spreads=SPREADS,
 )  # fmt: skip
 PLAIN = dataclasses.replace(TASK, spreads={}, preview=())

@@ -8,7 +8,7 @@ from scipy.special import expit, logit
 from martensite.base.errors import InputError
 from martensite.identify.blocks.heated_duhem import MIDDLE, HeatedDuhem
 from martensite.identify.chains.chain import Chain, build_untrained
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import build_aims, find_expected
 from martensite.identify.chains.starts import align_chain
@@ -29,7 +29,7 @@ def numbers(**other: float) -> np.ndarray:
 
 
 def run(theta: np.ndarray, u: np.ndarray, dt: float, block: HeatedDuhem = BLOCK) -> np.ndarray:
-    return Engine([block], dt).simulate(theta, u[:, None])
+    return ChainEngine([block], dt).simulate(theta, u[:, None])
 
 
 def rates(theta: np.ndarray, u: float):
@@ -61,7 +61,7 @@ def rates(theta: np.ndarray, u: float):
 
 def test_follows_its_equations(c_compiler: str) -> None:
     theta = numbers(resistance=0.1)
-    state = Engine([BLOCK], 0.1).rest(theta, PULSES[:1]).state
+    state = ChainEngine([BLOCK], 0.1).rest(theta, PULSES[:1]).state
     wanted = [state]
     for u in PULSES[:-1]:
         found = solve_ivp(rates(theta, float(u)), (0, 0.1), wanted[-1], rtol=1e-7, atol=1e-8)
@@ -88,7 +88,7 @@ def test_steps_of_latent_heat_are_stable(c_compiler: str) -> None:
 @pytest.mark.parametrize("size", [1.0, 5.0, 50.0])
 def test_any_numbers_can_be_simulated(c_compiler: str, dt: float, size: float) -> None:
     rng = np.random.default_rng(4)
-    engine = Engine([BLOCK], dt)
+    engine = ChainEngine([BLOCK], dt)
     for _ in range(10):
         theta = BLOCK.start() + size * rng.normal(size=len(NAMES))
         y, slopes = engine.jacobian(theta, PULSES[:, None])
@@ -103,7 +103,7 @@ def test_rest_stays(c_compiler: str, u: float, resistance: float) -> None:
 
 
 def test_derivatives(c_compiler: str) -> None:
-    theta, engine = numbers(resistance=0.1), Engine([BLOCK], 0.1)
+    theta, engine = numbers(resistance=0.1), ChainEngine([BLOCK], 0.1)
     x = (PULSES + 2.0)[:, None]  # rest is warm, so that it depends on the numbers
     _, slopes = engine.jacobian(theta, x)
     for i in range(len(theta)):

@@ -15,7 +15,7 @@ from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import best_linear, linear_start
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.impulse_response import impulse_response
 from martensite.identify.chains.linear_parts import (
     build_state_space,
@@ -71,7 +71,7 @@ def test_matrices_run_like_the_kernel(block: TransferFunction | StateSpace) -> N
     rng = np.random.default_rng(1)
     u = rng.normal(size=(40, block.inputs))
     u[0] = 0.0
-    y = Engine([block], DT, compiled=False).simulate(theta, u)
+    y = ChainEngine([block], DT, compiled=False).simulate(theta, u)
     system, s = build_state_space(block, theta, DT), np.zeros(block.states())
     free = theta[len(theta) - block.outputs :] if getattr(block, "offset", "no") == "yes" else 0.0
     for x, expected in zip(u, y, strict=True):
@@ -82,7 +82,7 @@ def test_matrices_run_like_the_kernel(block: TransferFunction | StateSpace) -> N
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda b: b.text())
 def test_rest_is_rest(block: TransferFunction | StateSpace) -> None:
     u = np.tile(np.random.default_rng(2).normal(size=block.inputs), (100, 1))
-    y = Engine([block], DT, compiled=False).simulate(_numbers(block), u)
+    y = ChainEngine([block], DT, compiled=False).simulate(_numbers(block), u)
     assert np.ptp(y, axis=0).max() < 1e-9 * (1.0 + np.abs(y).max())
 
 
@@ -139,7 +139,7 @@ def test_derivatives_stay_well_conditioned_for_slow_systems(tau: float) -> None:
     theta = np.array([np.log(tau), np.log(4.0 / tau), np.log(1.2), 0.2, 0.3])
     rng = np.random.default_rng(0)
     u = np.repeat(rng.uniform(-1.0, 1.0, 200), 200)[:, None]
-    _, slopes = Engine([block], dt).jacobian(theta, u)
+    _, slopes = ChainEngine([block], dt).jacobian(theta, u)
     columns = slopes[:, 0] / np.linalg.norm(slopes[:, 0], axis=0)
     assert np.linalg.cond(columns) <= 1e3
 
@@ -152,7 +152,7 @@ def test_poles_next_to_one_are_recovered_from_fast_data() -> None:
     theta = np.append(wanted, 0.3)
     rng = np.random.default_rng(3)
     u = np.repeat(rng.uniform(-1.0, 1.0, 20), 1000)[:, None]
-    y = Engine([block], dt).simulate(theta, u)
+    y = ChainEngine([block], dt).simulate(theta, u)
     y += 0.002 * rng.normal(size=y.shape)
     chain = best_linear(_record(u, y, dt), 2)
     found: Any = find_poles(chain.blocks[0], chain.split()[0], dt)
@@ -200,7 +200,7 @@ def test_several_inputs_and_outputs_are_reproduced_with_gaps_and_records() -> No
     truth = StateSpace(order=3, ins=2, outs=2, nk=1, offset="yes")
     theta = truth.drawn(rng, 20.0, DT)
     theta[:3] = [np.log(1.5), np.log(2.0), np.log(0.5)]
-    engine, records = Engine([truth], DT), list[Sampled]()
+    engine, records = ChainEngine([truth], DT), list[Sampled]()
     for _ in range(2):
         u = np.repeat(rng.uniform(-1.0, 1.0, (80, 2)), 8, axis=0)
         y = engine.simulate(theta, u)

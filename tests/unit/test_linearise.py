@@ -8,8 +8,8 @@ import pytest
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.chain import Chain, build_untrained
-from martensite.identify.chains.engine import Engine
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.engine import ChainEngine
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import (
     linearise_chain,
     operating_point,
@@ -31,7 +31,7 @@ def plain(blocks, theta=None, rng=None):
         tuple(blocks), theta, DT, tuple(f"u{i}" for i in range(blocks[0].inputs)),
         tuple(f"y{i}" for i in range(blocks[-1].outputs)),
     )  # fmt: skip
-    made.__dict__["engine"] = Engine(made.blocks, DT, compiled=False)
+    made.__dict__["engine"] = ChainEngine(made.blocks, DT, compiled=False)
     return made
 
 
@@ -116,7 +116,7 @@ def test_plays_stand_still_at_rest_and_follow_a_push_after_a_rise():
 
 
 def test_states_that_take_no_part_do_not_spoil_the_gain():
-    held = Linear(
+    held = LinearSystem(
         np.diag([1.0, 0.5]), np.array([[0.0], [1.0]]), np.array([[1.0, 1.0]]), np.zeros((1, 1)),
         DT, np.zeros(1), np.zeros(2), np.zeros(1),
     )  # fmt: skip
@@ -133,6 +133,6 @@ def test_what_does_not_fit_is_refused(chain, c_compiler):
     with pytest.raises(InputError, match="at least 2 points"):
         static_curve(chain, 0.0, 1.0, 1)
     slow = plain(parse_chain("oe(1,1,1)"), np.array([14.0]))
-    slow.__dict__["engine"] = Engine(slow.blocks, DT)
+    slow.__dict__["engine"] = ChainEngine(slow.blocks, DT)
     with pytest.raises(SolveError, match="does not come to rest"):
         linearise_chain(slow, 1.0, np.zeros(2))

@@ -25,7 +25,7 @@ from martensite.design.synthesis.operating_point import (
     operating_point,
     operating_point_at,
 )
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
@@ -44,7 +44,7 @@ def point(direction: Direction) -> OperatingPoint:
 
 
 @cache
-def linear(direction: str) -> Linear:
+def linear(direction: str) -> LinearSystem:
     return linearised(point(direction), PERIOD)
 
 
@@ -131,7 +131,7 @@ def test_readings_that_are_no_states_are_told():
 def test_states_that_are_left_out_are_noticed():
     """Two tanks in series: the second alone does not say what it will do."""
     a = np.array([[0.9, 0.0], [0.1, 0.8]])
-    tanks = Linear(a, np.array([[0.1], [0.0]]), np.eye(2), np.zeros((2, 1)), 1.0, np.zeros(1),
+    tanks = LinearSystem(a, np.array([[0.1], [0.0]]), np.eye(2), np.zeros((2, 1)), 1.0, np.zeros(1),
                    np.zeros(2), np.zeros(2), ("u",), ("one", "two"))  # fmt: skip
     whole = in_readings(tanks, ("one", "two"))
     assert whole.residual < 1e-12

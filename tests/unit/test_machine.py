@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from martensite.actuators.assembly import Actuator, Group, Machine, System
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import InputError, ParameterError
 from martensite.scenario.assemble import scenario_path
@@ -158,7 +158,7 @@ class TestResult:
         assert read["drive"].attrs["units"] == "W"
 
     def test_a_warning_names_the_port(self):
-        limited = machine(limits=Limits(temperature_limit=330.0))
+        limited = machine(limits=ElementLimits(temperature_limit=330.0))
         result = simulate(limited, {"protagonist": Constant(level=5.0)}, 20.0, step=0.05)
         hot = [alarm for alarm in result.alarms if alarm.kind == "temperature"]
         assert [alarm.port for alarm in hot] == ["protagonist"]

@@ -18,7 +18,7 @@ from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.motor_constants import (
     LONG,
     UNITS,
@@ -88,13 +88,13 @@ def made(seed: int) -> MotorConstants:
     )
 
 
-def held(interval_of: Callable[[Estimate], Interval], name: str) -> int:
+def held(interval_of: Callable[[MeasuredValue], Interval], name: str) -> int:
     """In how many of the repetitions the interval holds the truth."""
     found = (getattr(made(seed), name) for seed in range(REPETITIONS))
     return sum(interval_contains(interval_of(one), TRUTH[name]) for one in found)
 
 
-def half_as_wide(found: Estimate) -> Interval:
+def half_as_wide(found: MeasuredValue) -> Interval:
     low, high = found.interval()
     return found.value - 0.25 * (high - low), found.value + 0.25 * (high - low)
 
@@ -116,7 +116,7 @@ def test_without_noise_everything_is_exact() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", TRUTH)
 def test_intervals_hold_the_truth(name: str) -> None:
-    assert ALLOWED[0] <= held(Estimate.interval, name) <= ALLOWED[1]
+    assert ALLOWED[0] <= held(MeasuredValue.interval, name) <= ALLOWED[1]
     assert held(half_as_wide, name) < ALLOWED[0]
 
 
@@ -157,9 +157,9 @@ def test_friction_that_is_dropped_is_missed() -> None:
 
 
 def test_errors_of_the_resistance_are_carried_on() -> None:
-    exact = estimate_motor_constants(running(1e-3), Winding(Estimate(R)), run_up=run_up(1.0))
+    exact = estimate_motor_constants(running(1e-3), Winding(MeasuredValue(R)), run_up=run_up(1.0))
     vague = estimate_motor_constants(
-        running(1e-3), Winding(Estimate(R, 0.3, 9)), run_up=run_up(1.0)
+        running(1e-3), Winding(MeasuredValue(R, 0.3, 9)), run_up=run_up(1.0)
     )
     for name in ("constant", "friction", "dry_friction", "inertia"):
         sure, unsure = getattr(exact, name), getattr(vague, name)
@@ -186,7 +186,7 @@ def test_two_states_leave_the_errors_unknown() -> None:
 def test_doubt_about_published_constants() -> None:
     """R J/K² of Table 3 is more than seven seconds; with R = 6.22 ohm it is one."""
     table = estimate_motor_constants(
-        running(), Winding(Estimate(41.0)), inductance=L, run_up=fit_rise(*rise(7.0))
+        running(), Winding(MeasuredValue(41.0)), inductance=L, run_up=fit_rise(*rise(7.0))
     )
     assert any("is long for a small motor" in remark for remark in table.remarks)
     assert 41.0 * 0.82e-4 / 0.0211**2 > 7.0 > LONG > R * 0.82e-4 / 0.0211**2
@@ -202,10 +202,10 @@ def test_remarks_on_what_does_not_fit() -> None:
     assert any("V at no current" in remark for remark in brushes.remarks)
     smooth = steady_running((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
     assert any("b above 0 is not supported" in r for r in estimate_motor_constants(
-        smooth, Winding(Estimate(6.0))).remarks)  # fmt: skip
+        smooth, Winding(MeasuredValue(6.0))).remarks)  # fmt: skip
     falling = steady_running((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
     assert any("is below 0" in r for r in estimate_motor_constants(
-        falling, Winding(Estimate(6.0))).remarks)  # fmt: skip
+        falling, Winding(MeasuredValue(6.0))).remarks)  # fmt: skip
     times = np.linspace(-2.0, 6.0, 800)
     early = fit_rise(times.tolist(), np.where(times > 0, 1 - np.exp(-times / 0.5), 0.0).tolist())
     found = estimate_motor_constants(running(), held_rotor(), run_up=early)
@@ -287,7 +287,7 @@ def test_tests_that_are_refused() -> None:
 
 def test_tests_that_contradict_each_other() -> None:
     with pytest.raises(DataError, match="no voltage behind R i"):
-        estimate_motor_constants(running(), Winding(Estimate(400.0)))
+        estimate_motor_constants(running(), Winding(MeasuredValue(400.0)))
     with pytest.raises(DataError, match="more slowly than the current"):
         estimate_motor_constants(
             running(), held_rotor(), current_rise=run_up(), run_up=held_current()

@@ -22,7 +22,7 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.faults.base import AbstractFault
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import NEVER, WORST, Disturbed, Mounted, Sensed
+from martensite.control.loop.mounted import NEVER, WORST, Disturbed, MountedSensor, Sensed
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.current import CurrentSensor
@@ -52,7 +52,7 @@ class Silent(AbstractFault):
 
 
 def followed(
-    mounted: Mounted, truth: Any, late: Any = None, faults: tuple[AbstractFault, ...] = (),
+    mounted: MountedSensor, truth: Any, late: Any = None, faults: tuple[AbstractFault, ...] = (),
     period: float = PERIOD,
 ) -> list[Sensed]:  # fmt: skip
     """The sensor from rest along a record of what it looks at."""
@@ -69,7 +69,7 @@ def followed(
     return found
 
 
-def arrived(mounted: Mounted, late: Any, period: float = PERIOD) -> np.ndarray:
+def arrived(mounted: MountedSensor, late: Any, period: float = PERIOD) -> np.ndarray:
     """When what counts in each period was made [periods], by messages one by one.
 
     What was made before the run is taken to have been made in every period.
@@ -83,14 +83,14 @@ def arrived(mounted: Mounted, late: Any, period: float = PERIOD) -> np.ndarray:
     return np.array(newest)
 
 
-def ideal(**timing: Any) -> Mounted:
-    return Mounted(sensor=IdealSensor(), **timing)
+def ideal(**timing: Any) -> MountedSensor:
+    return MountedSensor(sensor=IdealSensor(), **timing)
 
 
 RAMP = np.arange(COUNT) * 1.0
 
 
-def check(mounted: Mounted, late: Any = None, begun: int = 1) -> None:
+def check(mounted: MountedSensor, late: Any = None, begun: int = 1) -> None:
     """Readings and ages are those of the messages; on a ramp a reading is when it was made."""
     late = np.zeros(COUNT) if late is None else late
     made = arrived(mounted, late)
@@ -218,7 +218,7 @@ def test_a_fault_of_another_sensor_changes_nothing() -> None:
 
 
 def test_without_a_current_there_is_no_new_resistance() -> None:
-    mounted = Mounted(sensor=ResistanceSensor(relative_noise=0.0), delay=0.01)
+    mounted = MountedSensor(sensor=ResistanceSensor(relative_noise=0.0), delay=0.01)
     current = np.where((RAMP < 5) | (RAMP % 10 >= 7), 0.0, 0.5)
     found = followed(mounted, np.column_stack([current * (8.0 + 0.01 * RAMP), current]))
     assert all(one.reading == 0.0 and one.age >= NEVER for one in found[:6])
@@ -230,7 +230,7 @@ def test_without_a_current_there_is_no_new_resistance() -> None:
 
 
 def test_with_a_sample_time_it_measures_as_soon_as_there_is_a_current() -> None:
-    mounted = Mounted(sensor=ResistanceSensor(relative_noise=0.0), sample_time=0.05)
+    mounted = MountedSensor(sensor=ResistanceSensor(relative_noise=0.0), sample_time=0.05)
     current = np.where(RAMP < 7, 0.0, 0.5)
     found = followed(mounted, np.column_stack([8.0 * current, current]))
     assert [one.age < NEVER for one in found] == [k >= 7 for k in range(COUNT)]
@@ -238,11 +238,11 @@ def test_with_a_sample_time_it_measures_as_soon_as_there_is_a_current() -> None:
 
 
 def test_as_many_outputs_are_named_as_a_sensor_looks_at() -> None:
-    assert Mounted(sensor=IdealSensor(), of="angle").sees() == ("angle",)
-    two = Mounted(sensor=InfraredSensor(), of=("left.temperature", "left.ambient"))
+    assert MountedSensor(sensor=IdealSensor(), of="angle").sees() == ("angle",)
+    two = MountedSensor(sensor=InfraredSensor(), of=("left.temperature", "left.ambient"))
     assert two.sees() == ("left.temperature", "left.ambient")
     with pytest.raises(ParameterError, match="temperature and ambient: `of` must name 2, but is h"):
-        Mounted(sensor=InfraredSensor(), of="hottest")
+        MountedSensor(sensor=InfraredSensor(), of="hottest")
 
 
 # ---------------------------------------------------------------- on other runtimes
@@ -262,7 +262,7 @@ def three_periods(mounted: Any, xp: Any, a: Any, b: Any, c: Any, noise: Any, lat
 def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
     if runtime == "c":
         request.getfixturevalue("c_compiler")
-    mounted = Mounted(sensor=GyroscopeSensor(), delay=0.01, jitter=0.004, sample_time=0.02)
+    mounted = MountedSensor(sensor=GyroscopeSensor(), delay=0.01, jitter=0.004, sample_time=0.02)
     place = (-0.3, 0.3)
     ranges = {"a": place, "b": place, "c": place, "noise": (-3.0, 3.0), "late": (-5.0, 5.0)}
     kernel = Kernel(ranges, three_periods, lanes=64)
@@ -277,12 +277,12 @@ BENCH = Bench(
     period=0.05,
     substeps=2,
     sensors=Sensors(
-        place=Mounted(sensor=PositionSensor(backlash=1e-4), delay=0.1),
-        late=Mounted(sensor=IdealSensor(), delay=0.15),
-        slow=Mounted(sensor=IdealSensor(), of="temperature", sample_time=0.2, jitter=0.02),
-        heat=Mounted(sensor=InfraredSensor(mixing="radiance"), delay=0.02, jitter=0.01),
-        ohms=Mounted(sensor=ResistanceSensor(least_current=0.1)),
-        amps=Mounted(sensor=CurrentSensor(lag=0.05)),
+        place=MountedSensor(sensor=PositionSensor(backlash=1e-4), delay=0.1),
+        late=MountedSensor(sensor=IdealSensor(), delay=0.15),
+        slow=MountedSensor(sensor=IdealSensor(), of="temperature", sample_time=0.2, jitter=0.02),
+        heat=MountedSensor(sensor=InfraredSensor(mixing="radiance"), delay=0.02, jitter=0.01),
+        ohms=MountedSensor(sensor=ResistanceSensor(least_current=0.1)),
+        amps=MountedSensor(sensor=CurrentSensor(lag=0.05)),
     ),
     controllers=Controllers(
         drive=OnOff(measured="place", reference=Constant(level=4e-3), high=0.8, band=1e-3)
@@ -326,14 +326,14 @@ def test_on_a_bench_c_and_floats_agree(run: Result, c_compiler: str) -> None:
 # ---------------------------------------------------------------- the checks can fail
 
 
-class Hasty(Mounted):
+class Hasty(MountedSensor):
     """Keeps one reading too few."""
 
     def kept(self, period: float) -> int:
         return super().kept(period) - 1
 
 
-class Forgetful(Mounted):
+class Forgetful(MountedSensor):
     """Has readings arrive at once."""
 
     def step(self, xp: Any, *inputs: Any) -> Sensed:
@@ -342,7 +342,7 @@ class Forgetful(Mounted):
 
 
 @pytest.mark.parametrize("cls", [Hasty, Forgetful])
-def test_a_broken_mount_is_caught(cls: type[Mounted]) -> None:
-    check(Mounted(sensor=IdealSensor(), delay=0.03))
+def test_a_broken_mount_is_caught(cls: type[MountedSensor]) -> None:
+    check(MountedSensor(sensor=IdealSensor(), delay=0.03))
     with pytest.raises(AssertionError):
         check(cls(sensor=IdealSensor(), delay=0.03))

@@ -20,16 +20,16 @@ from martensite.base.errors import ParameterError
 from martensite.control.controllers.mpc import Mpc, Planned
 from martensite.control.controllers.pid import Pid
 from martensite.control.controllers.planning import (
-    Limits,
     Moment,
     Planner,
+    PlanSearch,
     Price,
-    Search,
+    SignalLimits,
     shift_plan,
 )
 from martensite.control.controllers.reach import measure_reach
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.hidden import list_names
@@ -52,7 +52,7 @@ COURSE = Table(
 """Up, hold, and down faster than the wire can cool."""
 DURATION = 14.0
 ERROR = Price(error=0.1 * MM)
-SMALL = Search(plans=32, rounds=3)
+SMALL = PlanSearch(plans=32, rounds=3)
 
 
 @cache
@@ -64,7 +64,7 @@ def mpc(**changes: Any) -> Mpc:
 
 
 def bench(plant: AbstractSystem = SYSTEM, delay: float = 0.0, **parts: Any) -> Bench:
-    sensor = Mounted(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
+    sensor = MountedSensor(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
     return Bench(plant=plant, period=PERIOD, substeps=1, sensors=Sensors(position=sensor), **parts)
 
 
@@ -76,8 +76,8 @@ def run(controller: Mpc, duration: float, seed: int = 0, **changes: Any) -> Resu
 
 
 def planner(price: Price = ERROR, plans: int = 20) -> Planner:
-    search = Search(plans=plans, rounds=3)
-    return Planner(Lanes(SYSTEM, plans), "position", price, search, Limits(0.0, 1.0))
+    search = PlanSearch(plans=plans, rounds=3)
+    return Planner(Lanes(SYSTEM, plans), "position", price, search, SignalLimits(0.0, 1.0))
 
 
 def at_rest(wanted: float, steps: int, signal: float = 0.0) -> Moment:
@@ -174,13 +174,13 @@ def called(controller: Mpc, values: list[Mapping[str, float]]) -> tuple[list[flo
     return signals, memory
 
 
-FEW = Search(plans=24, rounds=1)
+FEW = PlanSearch(plans=24, rounds=1)
 
 
 def test_the_same_seed_gives_the_same_signals() -> None:
     values = [readings(0.1 * MM * k) for k in range(6)]
     first, again, other = (
-        called(mpc(search=s), values)[0] for s in (FEW, FEW, Search(plans=24, rounds=1, seed=1))
+        called(mpc(search=s), values)[0] for s in (FEW, FEW, PlanSearch(plans=24, rounds=1, seed=1))
     )
     assert first == again
     assert first != other
@@ -351,7 +351,7 @@ def test_what_does_not_fit_is_refused(changes: dict[str, Any], sentence: str) ->
 
 def test_a_search_needs_plans() -> None:
     with pytest.raises(ParameterError, match="`plans` of a search"):
-        Search(plans=3)
+        PlanSearch(plans=3)
 
 
 def test_a_missing_reading_is_named_with_the_nearest() -> None:

@@ -11,7 +11,7 @@ from martensite.base.errors import InputError
 from martensite.identify.blocks.nonlinear_state_space import FARTHEST, NonlinearStateSpace
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.chains.best_linear import linear_start
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.written import parse_chain
@@ -28,7 +28,7 @@ LINEAR = [np.log(3.0), np.log(0.4), 1.5, -0.3, 0.2, 0.7]
 
 
 def run(block: NonlinearStateSpace, theta: np.ndarray, u: np.ndarray = U) -> np.ndarray:
-    return Engine([block], DT, compiled=False).simulate(theta, u)
+    return ChainEngine([block], DT, compiled=False).simulate(theta, u)
 
 
 def by_hand(e: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -52,7 +52,7 @@ def test_it_computes_its_equation(size: float) -> None:
     theta = np.concatenate([LINEAR, e.ravel(), f])
     assert BLOCK.numbers()[6:8] == ("e1_00", "e1_01")
     state = np.zeros(2)
-    engine = Engine([BLOCK], DT, compiled=False)
+    engine = ChainEngine([BLOCK], DT, compiled=False)
     engine.simulate(theta, np.zeros((1, 1)), state)
     y = engine.simulate(theta, U, state)[:, 0]
     assert y == pytest.approx(by_hand(e, f), abs=1e-12)
@@ -67,7 +67,7 @@ def test_it_is_bounded_whatever_its_numbers_are() -> None:
 
 def test_rest_is_a_fixed_point() -> None:
     theta = np.concatenate([LINEAR, 0.1 * RNG.normal(size=len(BLOCK.numbers()) - 6)])
-    engine = Engine([BLOCK], DT, compiled=False)
+    engine = ChainEngine([BLOCK], DT, compiled=False)
     for level in (-0.8, 0.0, 0.7):
         start = engine.rest(theta, np.array([level])).state
         state = start.copy()
@@ -81,11 +81,11 @@ def test_it_begins_as_a_linear_system_within_its_range(order: int) -> None:
     twin = block.twin()
     theta = twin.drawn(np.random.default_rng(order), 10.0, DT)
     own, numbers = block.as_linear(twin, theta, U, DT)
-    expected = Engine([twin], DT, compiled=False).simulate(theta, U)
+    expected = ChainEngine([twin], DT, compiled=False).simulate(theta, U)
     assert run(own, numbers) == pytest.approx(expected, abs=1e-12)
     signals = StateSpace(order=order, outs=order)
     poles = np.concatenate([theta[:order], np.eye(order).ravel()])
-    states = Engine([signals], DT, compiled=False).simulate(poles, U)
+    states = ChainEngine([signals], DT, compiled=False).simulate(poles, U)
     half = 0.5 * (own.high - own.low)
     assert own.reach * half >= 0.99 * np.abs(states[:, 1 - order % 2 :: 2]).max() - abs(own.low)
 

@@ -18,10 +18,10 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.consistency import check_consistency
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import OBSERVERS
-from martensite.control.observers.covariance import Reading
+from martensite.control.observers.covariance import UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import Believed
-from martensite.control.observers.going import Going
+from martensite.control.observers.going import ObserverPeriod
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
@@ -122,7 +122,7 @@ def test_readings_one_by_one_are_the_textbook_update() -> None:
     h, r, z = np.eye(4)[[1, 3]], np.diag([0.3, 0.7]), np.array([-1.0, 2.0])
     s = h @ c @ h.T + r
     gain, short = c @ h.T @ np.linalg.inv(s), z - h @ mean
-    rows = [Reading(1, -1.0, 0.3, 1.0), Reading(3, 2.0, 0.7, 1.0)]
+    rows = [UnknownReading(1, -1.0, 0.3, 1.0), UnknownReading(3, 2.0, 0.7, 1.0)]
     found, matrix, nis = covariance.condition_on_readings(floats, mean.tolist(), c.tolist(), rows)
     assert found == pytest.approx(mean + gain @ short, rel=1e-12)
     assert np.allclose(matrix, c - gain @ s @ gain.T, rtol=1e-12)
@@ -131,7 +131,7 @@ def test_readings_one_by_one_are_the_textbook_update() -> None:
 
 def test_a_reading_that_does_not_count_changes_nothing() -> None:
     c, mean = some_matrix(3).tolist(), [1.0, 2.0, 3.0]
-    found = covariance.condition_on_readings(floats, mean, c, [Reading(0, 9.0, 0.1, 0.0)])
+    found = covariance.condition_on_readings(floats, mean, c, [UnknownReading(0, 9.0, 0.1, 0.0)])
     assert found == (mean, c, 0.0)
 
 
@@ -164,7 +164,7 @@ def amid(plant: Any) -> Any:
     return state
 
 
-GOING = Going([0.3], PERIOD, 3)
+GOING = ObserverPeriod([0.3], PERIOD, 3)
 SIZES = (2.0, 0.03)
 
 

@@ -15,7 +15,7 @@ from builders import ZERO, hanging_wire
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor
@@ -88,7 +88,7 @@ def heated(band: float = BAND) -> Result:
 
 def benched(delay: float, duration: float = 10.0) -> Result:
     """On a bench whose thermometer is late."""
-    late = Mounted(sensor=IdealSensor(), of=("temperature",), delay=delay)
+    late = MountedSensor(sensor=IdealSensor(), of=("temperature",), delay=delay)
     bench = Bench(
         plant=hanging_wire(source=PowerSource()), period=PERIOD_IN_LOOP, substeps=1,
         sensors=Sensors(temperature=late), controllers=Controllers(drive=controller()),

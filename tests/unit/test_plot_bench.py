@@ -22,8 +22,8 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
-from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.ideal import IdealSensor
@@ -48,7 +48,7 @@ def bench(**parts: Any) -> Bench:
         "plant": problem_a().with_parts(source=PwmVoltage(supply=5.0)),
         "period": PERIOD,
         "substeps": 2,
-        "sensors": Sensors(position=Mounted(sensor=PositionSensor(noise=2e-5), delay=0.2)),
+        "sensors": Sensors(position=MountedSensor(sensor=PositionSensor(noise=2e-5), delay=0.2)),
         "controllers": Controllers(drive=pid),
     }
     return Bench(**{**known, **parts})
@@ -57,12 +57,12 @@ def bench(**parts: Any) -> Bench:
 @cache
 def guarded() -> Result:
     """A stuck sensor, and a guard that cuts at 60 °C."""
-    heat = Mounted(sensor=IdealSensor(), of=("temperature",))
+    heat = MountedSensor(sensor=IdealSensor(), of=("temperature",))
     hot = Overheat(reading="heat", limit=333.15, band=5.0)
     made = bench(
-        sensors=Sensors(position=Mounted(sensor=PositionSensor()), heat=heat),
+        sensors=Sensors(position=MountedSensor(sensor=PositionSensor()), heat=heat),
         supervisor=Guard(checks=Checks(**{"hot": hot}), answer="resume"),
-        faults=Faults(dead=Stuck(sensor="position", start=0.2)),
+        faults=FaultTable(dead=Stuck(sensor="position", start=0.2)),
     )
     return simulate_bench(made, 6.0, runtime="floats")
 
@@ -130,7 +130,7 @@ def test_temperatures_are_in_degrees_celsius() -> None:
 
 def test_estimates_stand_beside_the_truth() -> None:
     plant = bench().plant
-    meter = Mounted(sensor=IdealSensor(), of=("resistance",))
+    meter = MountedSensor(sensor=IdealSensor(), of=("resistance",))
     observer = InverseModel(model=plant, wanted=("temperature", "position"))
     pid = Pid(measured="estimated.position", reference=REFERENCE, Kp=300.0)
     made = bench(

@@ -21,7 +21,7 @@ from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.courses import Choices
 from martensite.simulate.paths import PATHS, named_path
-from martensite.simulate.point import Leg, PointResult, material_point
+from martensite.simulate.point import PathLeg, PointResult, material_point
 from martensite.simulate.stages import list_stages, residual_strain
 
 LAW: dict[str, Any] = {
@@ -29,7 +29,7 @@ LAW: dict[str, Any] = {
     "M_f": 285.0, "C_A": 7e6, "C_M": 7e6, "T_ref": 300.0,
 }  # fmt: skip
 HOT = 345.0
-LOOP = (Leg(stress=500e6), Leg(stress=0.0))
+LOOP = (PathLeg(stress=500e6), PathLeg(stress=0.0))
 
 
 def law(**changes: Any) -> LiangRogers:
@@ -38,7 +38,7 @@ def law(**changes: Any) -> LiangRogers:
 
 def stretched(by: float, one: AbstractLaw, **arguments: Any) -> PointResult:
     """Stretched hot to a strain and released to none."""
-    legs = Leg(strain=by), Leg(strain=0.0)
+    legs = PathLeg(strain=by), PathLeg(strain=0.0)
     return material_point(one, legs, start=(0.0, HOT), **arguments)
 
 
@@ -47,7 +47,7 @@ def stretched(by: float, one: AbstractLaw, **arguments: Any) -> PointResult:
 
 def test_strain_driven_is_the_inverse_of_stress_driven() -> None:
     driven = material_point(law(), LOOP, start=(0.0, HOT), tolerance=None)
-    legs = [Leg(strain=strain, steps=1) for strain in driven.strain[1:]]
+    legs = [PathLeg(strain=strain, steps=1) for strain in driven.strain[1:]]
     back = material_point(law(), legs, start=(0.0, HOT), tolerance=None)
     assert max(driven.martensite) == 1.0
     assert np.max(np.abs(np.subtract(back.stress, driven.stress))) < 1e-9 * 500e6
@@ -73,7 +73,7 @@ def test_elastic_leg_has_the_modulus_of_austenite() -> None:
 
 
 def test_slack_point_is_longer_than_what_is_prescribed() -> None:
-    legs = Leg(strain=0.06), Leg(strain=0.0)
+    legs = PathLeg(strain=0.06), PathLeg(strain=0.0)
     cold = {"start": (0.0, 305.0), "steps": 50}
     slack = material_point(law(), legs, **cold)
     assert slack.stress[-1] == 0.0
@@ -85,8 +85,8 @@ def test_slack_point_is_longer_than_what_is_prescribed() -> None:
 
 def test_what_is_held_stays_and_what_was_prescribed_is_held() -> None:
     legs = (
-        Leg(strain=0.04), Leg(strain=0.02), Leg(temperature=350.0),
-        Leg(temperature=HOT, hold="stress"), Leg(duration=5.0),
+        PathLeg(strain=0.04), PathLeg(strain=0.02), PathLeg(temperature=350.0),
+        PathLeg(temperature=HOT, hold="stress"), PathLeg(duration=5.0),
     )  # fmt: skip
     result = material_point(law(), legs, start=(0.0, HOT))
     a, b, c = result.ends[2:5]
@@ -99,7 +99,7 @@ def test_what_is_held_stays_and_what_was_prescribed_is_held() -> None:
 
 def test_the_slack_strain_is_not_taken_for_the_clamped_one() -> None:
     """Released below its free length and clamped there, a point pulls only once that is free."""
-    legs = Leg(strain=0.04), Leg(strain=0.02), Leg(temperature=400.0, hold="strain")
+    legs = PathLeg(strain=0.04), PathLeg(strain=0.02), PathLeg(temperature=400.0, hold="strain")
     result = material_point(law(), legs, start=(0.0, 305.0))
     assert result.stress[result.ends[2]] == 0.0
     assert result.strain[result.ends[2]] > 0.03
@@ -134,7 +134,7 @@ def test_stress_of_a_clamped_point_never_rises_faster_than_its_slope(name: str) 
 def test_the_slope_test_can_fail() -> None:
     """Without transformation the stress of a clamped bar may rise faster."""
     stiff = law(Theta=-9e6)
-    legs = Leg(strain=0.0078), Leg(temperature=330.0)
+    legs = PathLeg(strain=0.0078), PathLeg(temperature=330.0)
     slope, change = slopes(material_point(stiff, legs, start=(0.0, HOT)), 1)
     assert np.all(change == 0.0)
     assert np.all(np.abs(slope) > 7e6 * 1.1)
@@ -146,7 +146,7 @@ def test_the_slope_test_can_fail() -> None:
 def test_refinement_reaches_its_tolerance() -> None:
     one = builders.example(builders.REGISTRIES["law"]["mas"])
     arguments: dict[str, Any] = {"start": (0.0, 350.0), "steps": 5}
-    legs = Leg(strain=0.06, duration=60.0), Leg(strain=0.0, duration=60.0)
+    legs = PathLeg(strain=0.06, duration=60.0), PathLeg(strain=0.0, duration=60.0)
     coarse = material_point(one, legs, tolerance=None, **arguments)
     fine = material_point(one, legs, tolerance=1e-4, **arguments)
     exact = material_point(one, legs, tolerance=1e-5, **arguments)
@@ -167,7 +167,7 @@ def test_refinement_reaches_its_tolerance() -> None:
 def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(point, "MOST_STEPS", 20)
     one = builders.example(builders.REGISTRIES["law"]["mas"])
-    legs = Leg(strain=0.06, duration=60.0), Leg(strain=0.0, duration=60.0)
+    legs = PathLeg(strain=0.06, duration=60.0), PathLeg(strain=0.0, duration=60.0)
     result = material_point(one, legs, start=(0.0, 350.0), steps=5, tolerance=1e-12)
     assert result.status is Status.OK
     assert len(result.warnings) == 1
@@ -175,7 +175,7 @@ def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_steps_of_a_leg_are_its_samples() -> None:
-    legs = Leg(stress=500e6, steps=7), Leg(stress=0.0)
+    legs = PathLeg(stress=500e6, steps=7), PathLeg(stress=0.0)
     result = material_point(law(), legs, start=(0.0, HOT), steps=11)
     assert result.ends == [0, 7, 18]
     assert [len(result[n]) for n in ("time", "strain", "oriented")] == [19, 19, 19]
@@ -186,7 +186,7 @@ def test_steps_of_a_leg_are_its_samples() -> None:
 @pytest.mark.parametrize("name", ["liang-rogers", "mas-hybrid"])
 def test_c_agrees_with_floats(name: str) -> None:
     one = builders.example(builders.REGISTRIES["law"][name])
-    legs = Leg(stress=300e6), Leg(temperature=380.0), Leg(stress=0.0)
+    legs = PathLeg(stress=300e6), PathLeg(temperature=380.0), PathLeg(stress=0.0)
     runs = [
         material_point(one, legs, start=(0.0, HOT), tolerance=None, runtime=runtime)
         for runtime in ("floats", "c")
@@ -269,7 +269,7 @@ def test_choices_that_a_path_does_not_take_are_refused() -> None:
 )
 def test_legs_that_make_no_sense(leg: dict[str, Any], sentence: str) -> None:
     with pytest.raises(ParameterError, match=sentence):
-        Leg(**leg)
+        PathLeg(**leg)
 
 
 @pytest.mark.parametrize(
@@ -305,7 +305,7 @@ class Restless(LiangRogers):
 def test_a_step_that_cannot_be_solved_says_where() -> None:
     restless = Restless(**LAW)
     with pytest.raises(SolveError, match=r"leg 2 failed at t = [\d.]+ s\. The stress of a presc"):
-        legs = Leg(stress=150e6), Leg(strain=0.03)
+        legs = PathLeg(stress=150e6), PathLeg(strain=0.03)
         material_point(restless, legs, start=(0.0, HOT), steps=4, tolerance=None)
 
 
@@ -323,7 +323,7 @@ def test_rates_matter_for_laws_with_rates_only() -> None:
         one = builders.example(builders.REGISTRIES["law"][name])
         starts: list[float] = []
         for duration, _ in itertools.product((0.1, 1e3), (0,)):
-            legs = (Leg(stress=600e6, duration=duration, steps=3000),)
+            legs = (PathLeg(stress=600e6, duration=duration, steps=3000),)
             result = material_point(one, legs, start=(0.0, HOT), tolerance=None)
             (stage,) = list_stages(result)
             assert stage.spots is not None

@@ -12,7 +12,7 @@ from martensite.identify.blocks.base import AbstractBlock, Column
 from martensite.identify.blocks.bouc_wen import BoucWen
 from martensite.identify.blocks.duhem import Duhem
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.written import parse_block
 from martensite.kernels.namespace import Namespace
 
@@ -33,7 +33,7 @@ def path(block: AbstractBlock, steps: int) -> np.ndarray:
 
 
 def run(block: AbstractBlock, theta: np.ndarray, x: np.ndarray, dt: float = 1.0) -> np.ndarray:
-    return Engine([block], dt).simulate(theta, x[:, None])[:, 0]
+    return ChainEngine([block], dt).simulate(theta, x[:, None])[:, 0]
 
 
 def refined(block: AbstractBlock, theta: np.ndarray) -> float:
@@ -90,7 +90,7 @@ def test_any_numbers_are_bounded(c_compiler: str, block: AbstractBlock, size: fl
     rng = np.random.default_rng(3)
     for _ in range(20):
         theta = size * rng.normal(size=len(block.numbers()))
-        y, slopes = Engine([block], 1.0).jacobian(theta, path(block, 5)[:, None])
+        y, slopes = ChainEngine([block], 1.0).jacobian(theta, path(block, 5)[:, None])
         assert np.all(np.isfinite(slopes))
         if isinstance(block, Duhem):
             assert y.min() > -1e-12 and y.max() < 1.0 + 1e-12
@@ -169,7 +169,7 @@ def test_inner_loops_lie_within_the_outer(c_compiler: str) -> None:
 @pytest.mark.parametrize("block", BLOCKS, ids=IDS)
 def test_derivatives(c_compiler: str, block: AbstractBlock) -> None:
     theta, x = thetas(block)[2], path(block, 6)[:, None]
-    engine = Engine([block], 1.0)
+    engine = ChainEngine([block], 1.0)
     _, slopes = engine.jacobian(theta, x)
     for i in range(len(theta)):
         away = 1e-6 * np.eye(len(theta))[i]

@@ -17,11 +17,11 @@ from martensite.base.parameters import param
 from martensite.control.controllers.base import AbstractController, Readings
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
-from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, Verdict
+from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.c99 import find_compiler
@@ -52,10 +52,12 @@ class Ceiling(AbstractSupervisor):
 
     def judge(
         self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Verdict:
+    ) -> SupervisorVerdict:
         over = xp.either(readings["position"] > self.ceiling, memory[0] > 0.0)
         count = xp.where(over, memory[0] + 1.0, 0.0)
-        return Verdict({n: xp.where(over, 0.0, u) for n, u in wanted.items()}, count, (count,))
+        return SupervisorVerdict(
+            {n: xp.where(over, 0.0, u) for n, u in wanted.items()}, count, (count,)
+        )
 
 
 class Older(AbstractController):
@@ -75,7 +77,7 @@ def pid(measured: str = "position") -> Pid:
 
 
 def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -> Bench:
-    sensor = Mounted(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
+    sensor = MountedSensor(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
     return Bench(
         plant=SYSTEM, period=PERIOD, substeps=1, sensors=Sensors(position=sensor),
         controllers=Controllers(drive=controller), **parts,

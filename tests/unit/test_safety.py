@@ -13,7 +13,7 @@ import pytest
 from builders import ZERO, chamber, hanging_wire, law_a, plain_law, problem_a, through
 
 from martensite.actuators.assembly import System
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.electrical.current import CurrentSource
 from martensite.physics.electrical.power import PowerSource
@@ -63,7 +63,7 @@ def test_what_only_touches_the_limit_is_none(margins: list[float]) -> None:
 
 
 def limited(**limits: float) -> System:
-    return chamber(law_a(), mass=1.0, limits=Limits(**limits))
+    return chamber(law_a(), mass=1.0, limits=ElementLimits(**limits))
 
 
 def test_overheating_on_a_ramp() -> None:

@@ -25,7 +25,7 @@ from martensite.identify.blocks.tanh_network import TanhNetwork
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.blocks.unit_gain import UnitGain
 from martensite.identify.blocks.wavelet_network import WaveletNetwork
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.written import parse_block, parse_chain
 from martensite.kernels import floats
@@ -115,7 +115,7 @@ class TestLimits:
     @pytest.mark.parametrize("cls", [Saturation, DeadZone])
     def test_it_starts_where_a_fit_can_move_both_limits(self, cls):
         block = cls(**RANGE)
-        slopes = Engine([block], 1.0, compiled=False).jacobian(block.start(), X[:, None])[1]
+        slopes = ChainEngine([block], 1.0, compiled=False).jacobian(block.start(), X[:, None])[1]
         assert (np.abs(slopes[:, 0]).max(axis=0) > 0.0).all()
 
 
@@ -181,7 +181,7 @@ class TestNetworks:
         block = WaveletNetwork(units=88.0, **RANGE)
         assert len(block.numbers()) == 2 + 3 * 88
         theta = block.drawn(np.random.default_rng(0), 10.0, 0.1)
-        engine = Engine([block], 0.1, compiled=False)
+        engine = ChainEngine([block], 0.1, compiled=False)
         y, slopes = engine.jacobian(theta, X[:, None])
         a, b, c = theta[2:90], np.exp(theta[90:178]), theta[178:]
         q = b * (R[:, None] - c)
@@ -218,7 +218,7 @@ class TestSpline:
     def test_derivatives_hold_at_the_ends_of_the_range(self):
         block = Spline(knots=4.0, **RANGE)
         ends = np.array([[-2.0], [6.0]])
-        slopes = Engine([Gain(), block], 1.0, compiled=False).jacobian(
+        slopes = ChainEngine([Gain(), block], 1.0, compiled=False).jacobian(
             np.concatenate([Gain().line(1.0, 0.0), block.line(3.0, 1.0)]), ends
         )[1]
         assert slopes[:, 0, 0] == pytest.approx([3.0, 3.0])
@@ -246,10 +246,10 @@ class TestSideBySide:
         polynomial: Any = block.blocks[0]
         assert polynomial.low == u[:, 0].min()
         theta = block.drawn(np.random.default_rng(1), 2.0, 0.1)
-        found = Engine([block], 0.1, compiled=False).simulate(theta, u)
+        found = ChainEngine([block], 0.1, compiled=False).simulate(theta, u)
         parts = block.split(theta, lambda child: len(child.numbers()))
         for i, (child, own) in enumerate(parts):
-            alone = Engine([child], 0.1, compiled=False).simulate(own, u[:, i : i + 1])
+            alone = ChainEngine([child], 0.1, compiled=False).simulate(own, u[:, i : i + 1])
             assert np.array_equal(found[:, i], alone[:, 0])
 
     def test_names_have_the_place_of_their_block(self):

@@ -18,9 +18,9 @@ from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import at_rest
 from martensite.identify.chains.patterns import MOST, expand_pattern
 from martensite.identify.chains.scored import free_run, mean_fit, score_chain
-from martensite.identify.chains.search import Candidate, Searched, search
+from martensite.identify.chains.search import Searched, StructureCandidate, search
 from martensite.identify.chains.search import _decided as decided
-from martensite.identify.chains.stages import Identified, Stage, identify_stages
+from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
 from martensite.identify.chains.thinning import coarsen_records
 from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
@@ -86,13 +86,13 @@ def test_the_right_structure_is_chosen(searched: Searched) -> None:
 def test_the_smaller_of_equals_is_chosen() -> None:
     anything: Any = object()  # what was found does not matter here
 
-    def candidate(name: str, numbers: int, fit: float) -> Candidate:
-        return Candidate(name, numbers, anything, 99.0, fit, 1.0)
+    def candidate(name: str, numbers: int, fit: float) -> StructureCandidate:
+        return StructureCandidate(name, numbers, anything, 99.0, fit, 1.0)
 
     near = [candidate("large", 20, 95.0), candidate("small", 5, 94.6), candidate("tiny", 2, 94.4)]
     assert decided(near, [], True).chosen.structure == "small"
     assert decided(near[:1], [], True).chosen.structure == "large"
-    failed = Candidate("none", 1, None, np.nan, np.nan, 0.0, "no way")
+    failed = StructureCandidate("none", 1, None, np.nan, np.nan, 0.0, "no way")
     assert [c.structure for c in decided([failed, *near], [], True).candidates][-1] == "none"
     with pytest.raises(SolveError, match="no way"):
         decided([failed], [], True)
@@ -159,9 +159,9 @@ def test_a_stage_may_give_several_outputs() -> None:
 
 
 def test_what_stages_need() -> None:
-    assert Stage.read("poly2 -> temperature") == Stage("poly2", "temperature")
-    assert Stage.read("poly2", "y") == Stage("poly2", "y")
-    assert Stage.read("unit -> T, y").outputs == ("T", "y")
+    assert ModelStage.read("poly2 -> temperature") == ModelStage("poly2", "temperature")
+    assert ModelStage.read("poly2", "y") == ModelStage("poly2", "y")
+    assert ModelStage.read("unit -> T, y").outputs == ("T", "y")
     with pytest.raises(InputError, match="names no output"):
         identify_stages(FITTED, ["poly1", "poly1"])
     with pytest.raises(DataError, match="no signal `temprature`"):

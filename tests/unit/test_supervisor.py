@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 from martensite.actuators.elements.bundle import Bundle
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.ribbon import Ribbon
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.base.errors import InputError, ParameterError
@@ -26,8 +26,8 @@ from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.controllers.pid import Pid
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
-from martensite.control.loop.parts import Controllers, Faults, Sensors
+from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.parts import Controllers, FaultTable, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import SUPERVISORS
 from martensite.control.sensors.base import AbstractSensor
@@ -97,15 +97,15 @@ HELD = {"controllers.drive.law.low": 0.2, "controllers.drive.law.high": 0.2 + 1e
 """A controller that cannot but hold its signal."""
 
 
-def mounted(name: str, noise: float) -> Mounted:
-    return Mounted(sensor=Noisy(noise=noise), of=(name,))
+def mounted(name: str, noise: float) -> MountedSensor:
+    return MountedSensor(sensor=Noisy(noise=noise), of=(name,))
 
 
 @cache
 def bench(answer: str = "resume") -> Bench:
     """A wire that a PID controller pulls along a ramp of 3 mm, with everything that may happen."""
     sensors = Sensors(
-        position=Mounted(sensor=Noisy(noise=2e-6), delay=2 * PERIOD),
+        position=MountedSensor(sensor=Noisy(noise=2e-6), delay=2 * PERIOD),
         second=mounted("position", 2e-6), temperature=mounted("temperature", 0.2),
         current=mounted("current", 1e-3), stress=mounted("stress", 0.0),
     )  # fmt: skip
@@ -117,7 +117,7 @@ def bench(answer: str = "resume") -> Bench:
     pid = Pid(measured="position", reference=ramp, Kp=150.0, Ki=3.0)
     return Bench(
         plant=WIRE, period=PERIOD, sensors=sensors, controllers=Controllers(drive=pid),
-        supervisor=guard, faults=Faults(**FAULTY),
+        supervisor=guard, faults=FaultTable(**FAULTY),
     )  # fmt: skip
 
 
@@ -301,7 +301,9 @@ def test_the_least_heat_loss_is_where_it_is_least():
 
 
 def test_a_guard_takes_its_limit_from_the_element():
-    limited = WIRE.with_parts(element=WIRE.element.with_parts(limits=Limits(temperature_limit=390)))
+    limited = WIRE.with_parts(
+        element=WIRE.element.with_parts(limits=ElementLimits(temperature_limit=390))
+    )
     (one,) = guard_for(limited).checks.members().values()
     assert (one.value_of("limit"), one.value_of("ambient")) == (390.0, 293.15)
     assert one.value_of("capacity") == WIRE.element.heat_capacity_total()

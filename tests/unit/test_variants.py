@@ -16,11 +16,11 @@ from martensite.base.errors import InputError
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite.simulate.variants import Course, Ran
+from martensite.simulate.variants import Ran, VariantSetup
 
 SYSTEM = problem_a()
 PWM = PulseWidthModulation(high=3.0, frequency=2.0, duty=0.5)
-COURSE = Course(SYSTEM, {"drive": PWM}, 1.5, 7, 0.05, ("position", "temperature"), "floats")
+COURSE = VariantSetup(SYSTEM, {"drive": PWM}, 1.5, 7, 0.05, ("position", "temperature"), "floats")
 RUNS = 5
 VALUES = {
     "element.diameter": np.linspace(0.3e-3, 0.45e-3, RUNS),
@@ -32,7 +32,9 @@ HARD = {**VALUES, "element.diameter": np.array([3e-4, 4e-4, 1e-200, 3.5e-4, 4e-4
 FAILED = Status.UNSOLVED
 
 
-def single(course: Course, run: int, values: Any, signals: Any, runtime: str) -> list[np.ndarray]:
+def single(
+    course: VariantSetup, run: int, values: Any, signals: Any, runtime: str
+) -> list[np.ndarray]:
     """One run by itself."""
     system = course.system.with_values({path: float(v[run]) for path, v in values.items()})
     wave = PWM.with_values({p: float(v[run]) for p, v in signals.get("drive", {}).items()})
@@ -169,7 +171,7 @@ def test_a_block_of_refused_runs_is_not_marched() -> None:
 )
 def test_wrong_runtimes_are_refused(runtime: str, precision: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        Course(SYSTEM, {}, 1.0, 3, 0.1, (), runtime, precision)
+        VariantSetup(SYSTEM, {}, 1.0, 3, 0.1, (), runtime, precision)
 
 
 def test_many_clocks_are_kept_within_bounds() -> None:

@@ -17,7 +17,7 @@ from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.estimate import MeasuredValue, propagate_errors
 from martensite.characterise.free_vibration import (
     LogDecrement,
     critical_damping,
@@ -55,7 +55,7 @@ def noisy(seed: int) -> LogDecrement:
     return log_decrement(*released(noise=0.02, seed=seed))
 
 
-def half_as_wide(found: Estimate) -> Interval:
+def half_as_wide(found: MeasuredValue) -> Interval:
     low, high = found.interval()
     return found.value - 0.25 * (high - low), found.value + 0.25 * (high - low)
 
@@ -284,15 +284,15 @@ def test_strain_gauge() -> None:
 
 
 def test_propagation() -> None:
-    a, b = Estimate(3.0, 0.3, 12), Estimate(4.0, 0.4, 5)
+    a, b = MeasuredValue(3.0, 0.3, 12), MeasuredValue(4.0, 0.4, 5)
     total = propagate_errors(lambda x, y: 2.0 * x - y, a, b)
     assert (total.value, total.freedom) == (2.0, 5)
     assert total.error == pytest.approx(math.hypot(0.6, 0.4))
     alone = propagate_errors(lambda x, y: x * x, a, b)
     assert (alone.error, alone.freedom) == (pytest.approx(1.8), 12)
-    given = Estimate(7.0)
+    given = MeasuredValue(7.0)
     assert given.interval() == (7.0, 7.0)
     assert propagate_errors(lambda x: 2.0 * x, given).interval() == (14.0, 14.0)
-    assert Estimate(1.0, math.nan, 0).interval() == (-math.inf, math.inf)
+    assert MeasuredValue(1.0, math.nan, 0).interval() == (-math.inf, math.inf)
     low, high = a.interval()
     assert high - low == pytest.approx(2.0 * 0.3 * float(stats.t.ppf(0.975, 12)))

@@ -1,4 +1,4 @@
-from martensite.characterise.estimate import Estimate as Estimate
+from martensite.characterise.estimate import MeasuredValue as MeasuredValue
 from martensite.characterise.film_coefficient import FilmFit as FilmFit
 from martensite.characterise.film_coefficient import film_r_squared as film_r_squared
 from martensite.characterise.film_coefficient import fit_film as fit_film

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 from martensite.characterise.tangent_points import TangentPoints
 
@@ -37,11 +37,11 @@ class Direction:
 
     names: tuple[str, str]
     """Names of its start and finish temperature."""
-    start: Estimate
+    start: MeasuredValue
     """At zero stress, along the common slope [K]."""
-    finish: Estimate
+    finish: MeasuredValue
     """At zero stress, along the common slope [K]."""
-    shift: Estimate
+    shift: MeasuredValue
     """Common slope b of temperature against stress [K/Pa]."""
     own: dict[str, LinearFit]
     """Start, finish and half-way temperature, each over stress with a slope of its own."""
@@ -98,15 +98,15 @@ def fit_direction(levels: Sequence[TangentPoints], names: tuple[str, str], half:
     return Direction(names, start, finish, middle.coefficient(1), own, widening)
 
 
-def _add_width(middle: Estimate, width: Estimate, sign: float) -> Estimate:
+def _add_width(middle: MeasuredValue, width: MeasuredValue, sign: float) -> MeasuredValue:
     """middle + sign width, whose errors are independent."""
     value = middle.value + sign * width.value
     parts = (middle.error**2, middle.freedom), ((sign * width.error) ** 2, width.freedom)
     total = sum(square for square, _ in parts)
     if not total > 0.0:  # no scatter, or none that is known
-        return Estimate(value, math.sqrt(total), middle.freedom)
+        return MeasuredValue(value, math.sqrt(total), middle.freedom)
     freedom = total**2 / sum(square**2 / spare for square, spare in parts)
-    return Estimate(value, math.sqrt(total), freedom)
+    return MeasuredValue(value, math.sqrt(total), freedom)
 
 
 def invert_interval(interval: Interval) -> Interval:

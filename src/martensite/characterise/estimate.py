@@ -20,7 +20,7 @@ from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quan
 
 
 @dataclass(frozen=True)
-class Estimate:
+class MeasuredValue:
     """A value, its standard error in the same unit, and the degrees of freedom behind it."""
 
     value: float
@@ -38,9 +38,9 @@ class Estimate:
         half = student_quantile(level, int(self.freedom)) * self.error
         return self.value - half, self.value + half
 
-    def scaled(self, factor: float, offset: float = 0.0) -> Estimate:
+    def scaled(self, factor: float, offset: float = 0.0) -> MeasuredValue:
         """The same number in another unit: offset + factor · value, with its error."""
-        return Estimate(offset + factor * self.value, abs(factor) * self.error, self.freedom)
+        return MeasuredValue(offset + factor * self.value, abs(factor) * self.error, self.freedom)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
@@ -51,7 +51,7 @@ class Estimate:
         }
 
 
-def propagate_errors(function: Callable[..., float], *inputs: Estimate) -> Estimate:
+def propagate_errors(function: Callable[..., float], *inputs: MeasuredValue) -> MeasuredValue:
     """A function of independent estimates, with its standard error to first order.
 
     An estimate that makes no difference to the function does not count.
@@ -68,4 +68,4 @@ def propagate_errors(function: Callable[..., float], *inputs: Estimate) -> Estim
         if above != below:
             square += 0.25 * (above - below) ** 2
             freedom = min(freedom, one.freedom)
-    return Estimate(function(*values), math.sqrt(square), freedom)
+    return MeasuredValue(function(*values), math.sqrt(square), freedom)

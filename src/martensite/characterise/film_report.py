@@ -30,7 +30,7 @@ from martensite.characterise.film_sensitivity import (
     slope_per_kelvin,
 )
 from martensite.characterise.film_verdicts import (
-    Verdict,
+    FilmVerdict,
     judge_ambient,
     judge_curvature,
     judge_slope,
@@ -75,10 +75,10 @@ class FilmReport:
     """Fits by the name of their form, of the forms that the points determine."""
     ambient: AmbientReport | None
     """None if the ambient temperature is not known."""
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[FilmVerdict, ...]
     level: float = LEVEL
 
-    def __getitem__(self, about: str) -> Verdict:
+    def __getitem__(self, about: str) -> FilmVerdict:
         """The verdict on `curvature`, `slope` or `ambient`."""
         return next(verdict for verdict in self.verdicts if verdict.about == about)
 

@@ -20,7 +20,7 @@ _DIGITS = "₀₁₂"
 
 
 @dataclass(frozen=True)
-class Verdict:
+class FilmVerdict:
     """The answer to one question that is put to the points."""
 
     about: str
@@ -37,11 +37,11 @@ class Verdict:
 
 def judge_curvature(
     points: FilmPoints, fits: Mapping[str, FilmFit], free: Mapping[str, FreeAmbient], level: float
-) -> Verdict:
+) -> FilmVerdict:
     """Whether the points bear a square beside a linear term."""
     fit = fits.get("quadratic")
     if fit is None or not fit.linear.freedom:
-        return Verdict(
+        return FilmVerdict(
             "curvature",
             False,
             "Curvature is not tested: that takes at least four points at three temperatures.",
@@ -51,7 +51,7 @@ def judge_curvature(
     change = "falls" if fit.adjusted < line.adjusted else "rises"
     compared = f"adjusted R² {change} from {line.adjusted:.3f} to {fit.adjusted:.3f}"
     if interval_contains(given):
-        return Verdict(
+        return FilmVerdict(
             "curvature",
             False,
             f"Curvature is not supported: {number}, includes 0; {compared}.",
@@ -59,18 +59,18 @@ def judge_curvature(
     beside = free.get("quadratic")
     at = _word_ambient(points)
     if points.ambient_degC is None:
-        return Verdict(
+        return FilmVerdict(
             "curvature", False, f"Curvature is supported only {NOT_GIVEN}: {number}; {compared}."
         )
     if beside is not None and interval_contains(interval := beside.leading_interval(level)):
-        return Verdict(
+        return FilmVerdict(
             "curvature",
             False,
             f"Curvature rests on the ambient temperature: {at}{number}, {compared}, but with the "
             f"ambient free it is {_word_coefficient(2, beside.leading, interval, level)}, and "
             "includes 0.",
         )
-    return Verdict("curvature", True, f"Curvature is supported: {at}{number}; {compared}.")
+    return FilmVerdict("curvature", True, f"Curvature is supported: {at}{number}; {compared}.")
 
 
 def judge_slope(
@@ -80,40 +80,42 @@ def judge_slope(
     without: float,
     bent: bool,
     level: float,
-) -> Verdict:
+) -> FilmVerdict:
     """Whether the points bear a film coefficient that rises or falls with temperature."""
     line = fits["linear"]
     given, at = line.interval(1, level), _word_ambient(points)
     number = _word_coefficient(1, line.coefficients[1], given, level)
     if bent:
-        return Verdict(
+        return FilmVerdict(
             "slope", True, f"h depends on temperature, since it bends: {at}mean {number}."
         )
     if not line.linear.freedom:
-        return Verdict("slope", False, "A slope of h is not tested: that takes three points.")
+        return FilmVerdict("slope", False, "A slope of h is not tested: that takes three points.")
     if interval_contains(given):
-        return Verdict("slope", False, f"A slope of h is not supported: {at}{number}, includes 0.")
+        return FilmVerdict(
+            "slope", False, f"A slope of h is not supported: {at}{number}, includes 0."
+        )
     if points.ambient_degC is None:
-        return Verdict("slope", False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
+        return FilmVerdict("slope", False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
     beside = free.get("linear")
     against = "" if beside is None else _contradict_slope(beside, line.coefficients[1], level)
     if against:
-        return Verdict(
+        return FilmVerdict(
             "slope",
             False,
             f"The slope of h rests on the ambient temperature: {at}{number}"
             f"{_word_level(points, without)}; with the ambient free it is {against}.",
         )
-    return Verdict("slope", True, f"A slope of h is supported: {at}{number}.")
+    return FilmVerdict("slope", True, f"A slope of h is supported: {at}{number}.")
 
 
 def judge_ambient(
     free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float
-) -> Verdict:
+) -> FilmVerdict:
     """Whether the points hold the ambient temperature, were it not known."""
     fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
     if fit is None or not fit.flux.freedom:
-        return Verdict(
+        return FilmVerdict(
             "ambient",
             False,
             "The ambient temperature is not tested: that takes at least four points.",
@@ -121,7 +123,7 @@ def judge_ambient(
     span = _word_span(fit.ambient_interval(level), fit.coldest)
     share = f"{100.0 * level:g} %"
     if fit.bounded(level):
-        return Verdict(
+        return FilmVerdict(
             "ambient",
             True,
             f"The points determine the ambient temperature beside {beside} of h: "
@@ -129,7 +131,7 @@ def judge_ambient(
         )
     best = f"best {fit.ambient:.1f} degC, " if math.isfinite(fit.ambient) else "none fits best, "
     constant = free["constant"]
-    return Verdict(
+    return FilmVerdict(
         "ambient",
         False,
         f"The points do not determine the ambient temperature beside {beside} of h: {best}{share} "

@@ -26,7 +26,7 @@ from typing import Any
 
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.estimate import MeasuredValue, propagate_errors
 from martensite.characterise.extremes import Extremes, find_extremes
 from martensite.characterise.nonlinear_regression import fit_residuals
 
@@ -39,29 +39,29 @@ FEWEST_PEAKS = 3
 class LogDecrement:
     """Decay of a free vibration."""
 
-    decrement: Estimate
+    decrement: MeasuredValue
     """δ, natural logarithm of the ratio of amplitudes one period apart [-]."""
-    period: Estimate
+    period: MeasuredValue
     """T_d [s]."""
-    offset: Estimate
+    offset: MeasuredValue
     """Position of rest x₀, in the unit of the values."""
-    amplitude: Estimate
+    amplitude: MeasuredValue
     """a, amplitude at the first extreme, in the unit of the values."""
     extremes: Extremes
     """What was fitted."""
 
     @property
-    def zeta(self) -> Estimate:
+    def zeta(self) -> MeasuredValue:
         """Damping ratio [-]."""
         return propagate_errors(damping_ratio, self.decrement)
 
     @property
-    def damped_frequency(self) -> Estimate:
+    def damped_frequency(self) -> MeasuredValue:
         """f_d [Hz]."""
         return propagate_errors(lambda period: 1.0 / period, self.period)
 
     @property
-    def frequency(self) -> Estimate:
+    def frequency(self) -> MeasuredValue:
         """Natural frequency f_n of the undamped vibration [Hz]."""
         return propagate_errors(
             lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period,
@@ -141,7 +141,7 @@ def _fit_extremes(found: Extremes) -> LogDecrement:
     )
 
 
-def _fit_decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
+def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
     """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
     import numpy as np
 
@@ -160,7 +160,7 @@ def _fit_decay(found: Extremes) -> tuple[Estimate, Estimate, Estimate]:
     return shift.scaled(size, middle), amplitude.scaled(size), ratio
 
 
-def _fit_period(found: Extremes, ratio: float) -> Estimate:
+def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
     """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
     import numpy as np
 

@@ -40,7 +40,7 @@ WANDERING = 10e6
 
 
 @dataclass(frozen=True)
-class Branch:
+class CycleBranch:
     """The rows of one heating or one cooling, in their order."""
 
     temperature: tuple[float, ...]
@@ -59,8 +59,8 @@ class IsobaricCycle:
     """Mean stress over the cycle, or the one given [Pa]."""
     stress_deviation: float
     """Standard deviation of the stress over the cycle [Pa]; 0 for a stress given."""
-    heating: Branch
-    cooling: Branch
+    heating: CycleBranch
+    cooling: CycleBranch
     cold_start: bool
     """Whether heating comes first."""
     timed: bool
@@ -146,14 +146,14 @@ def _rows_in_time(record: Record) -> list[int]:
     return sorted(rows, key=record.times.__getitem__)
 
 
-def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> Branch:
+def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> CycleBranch:
     if len(kelvin) < FEWEST_IN_BRANCH:
         way = "heating" if kelvin[-1] > kelvin[0] else "cooling"
         raise DataError(
             f"Record `{name}` has only {len(kelvin)} rows on {way}, but a branch needs at least "
             f"{FEWEST_IN_BRANCH}; sample more often."
         )
-    return Branch(tuple(kelvin), tuple(strain))
+    return CycleBranch(tuple(kelvin), tuple(strain))
 
 
 def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[float, float]:

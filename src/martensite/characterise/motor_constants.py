@@ -27,7 +27,7 @@ from typing import Any
 
 from martensite.base.confidence import LEVEL, interval_contains
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.estimate import Estimate, propagate_errors
+from martensite.characterise.estimate import MeasuredValue, propagate_errors
 from martensite.characterise.motor_tests import SteadyRunning, Winding
 from martensite.characterise.time_constant import Rise
 
@@ -50,17 +50,17 @@ UNITS = {
 class MotorConstants:
     """What the tests of a DC motor say."""
 
-    resistance: Estimate
+    resistance: MeasuredValue
     """R [ohm]"""
-    constant: Estimate
+    constant: MeasuredValue
     """K = K_T [N m/A] = K_B [V s/rad]"""
-    friction: Estimate
+    friction: MeasuredValue
     """b [N m s/rad], viscous"""
-    dry_friction: Estimate
+    dry_friction: MeasuredValue
     """F_c [N m]"""
-    inductance: Estimate | None = None
+    inductance: MeasuredValue | None = None
     """L [H]; None if it is not known."""
-    inertia: Estimate | None = None
+    inertia: MeasuredValue | None = None
     """J [kg m²], with whatever was mounted; None without a run-up."""
     remarks: tuple[str, ...] = ()
     """What is doubtful, or not supported by the tests."""
@@ -103,14 +103,14 @@ def estimate_motor_constants(
     if current_rise is not None and inductance is not None:
         raise ParameterError("Give `current_rise` or `inductance`, not both: each tells L.")
     ohms = winding.resistance
-    coil = Estimate(inductance or 0.0) if current_rise is None else current_rise.tau
+    coil = MeasuredValue(inductance or 0.0) if current_rise is None else current_rise.tau
     inputs = (
         ohms,
         states.constant(ohms.value),
         states.friction_line.coefficient(1),
         states.friction_line.coefficient(0),
         coil,
-        Estimate(math.inf) if run_up is None else run_up.tau,
+        MeasuredValue(math.inf) if run_up is None else run_up.tau,
     )
     formulas = _constant_formulas(states.drop, ohms.value, current_rise is not None)
     if run_up is not None:

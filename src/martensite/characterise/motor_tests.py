@@ -17,7 +17,7 @@ from functools import cached_property
 
 from martensite.base.errors import DataError
 from martensite.characterise.columns import check_columns
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 
 
@@ -25,9 +25,9 @@ from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 class Winding:
     """Resistance of the winding."""
 
-    resistance: Estimate
+    resistance: MeasuredValue
     """R [ohm] of the line through zero."""
-    offset: Estimate | None = None
+    offset: MeasuredValue | None = None
     """V₀ [V] of a line that need not go through zero; None where it was not tested."""
 
 
@@ -53,7 +53,7 @@ class SteadyRunning:
         pairs = zip(self.currents, self.speeds, strict=True)
         return sum(i * w for i, w in pairs) / sum(w * w for w in self.speeds)
 
-    def constant(self, resistance: float) -> Estimate:
+    def constant(self, resistance: float) -> MeasuredValue:
         """K [V s/rad] of the line V - R i = K ω, for a resistance [ohm] taken as exact.
 
         Raises:

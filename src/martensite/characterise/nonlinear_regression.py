@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.errors import SolveError
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 
 TOLERANCE = 1e-14
 """Relative change of the squares, the numbers and the gradient at which the search ends."""
@@ -28,7 +28,7 @@ MOST = 200
 class NonlinearFit:
     """Numbers of least squares, and the residuals that are left."""
 
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[MeasuredValue, ...]
     residuals: tuple[float, ...]
 
     @property
@@ -79,5 +79,5 @@ def fit_residuals(
         raise SolveError("A least-squares fit has not settled: a number makes no difference.")
     errors = np.sqrt(variance * np.sum(np.linalg.inv(upper) ** 2, axis=1))
     pairs = zip(found.x, errors, strict=True)
-    estimates = tuple(Estimate(float(value), float(error), freedom) for value, error in pairs)
+    estimates = tuple(MeasuredValue(float(value), float(error), freedom) for value, error in pairs)
     return NonlinearFit(estimates, tuple(map(float, found.fun)))

@@ -25,7 +25,7 @@ from martensite.base.confidence import (
 )
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.columns import check_columns
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ class LinearFit:
             return float(value == 0.0)
         return two_sided_probability(value / error, self.freedom)
 
-    def coefficient(self, term: int) -> Estimate:
+    def coefficient(self, term: int) -> MeasuredValue:
         """The coefficient of a power, with its standard error."""
-        return Estimate(self.values[self._place(term)], self.error(term), self.freedom)
+        return MeasuredValue(self.values[self._place(term)], self.error(term), self.freedom)
 
     def value(self, x: float) -> float:
         """The fitted polynomial at x."""

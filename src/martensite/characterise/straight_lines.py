@@ -28,7 +28,7 @@ _DEVIATION = 1.4826
 
 
 @dataclass(frozen=True)
-class Line:
+class StraightLine:
     """A straight line of strain over temperature, and the rows it was fitted to."""
 
     at: float
@@ -47,7 +47,7 @@ class Line:
         """Strain [-] at a temperature [K], or at an array of them."""
         return self.level + self.slope * (temperature - self.at)
 
-    def meets(self, other: Line) -> float:
+    def meets(self, other: StraightLine) -> float:
         """Temperature [K] at which another line has the same strain; infinite for a parallel."""
         steeper = self.slope - other.slope
         return self.at + (other.value(self.at) - self.level) / steeper if steeper else math.inf
@@ -64,7 +64,7 @@ class Line:
         }
 
 
-def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Line:
+def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> StraightLine:
     """Least squares through some rows; of ten and more, outlying ones are left out."""
     import numpy as np
 
@@ -82,10 +82,10 @@ def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Line
         kept = near
     scatter = math.sqrt(float(np.mean(left[kept] ** 2)))
     span = float(kelvin[kept][0]), float(kelvin[kept][-1])
-    return Line(at, level, slope, span, int(kept.sum()), scatter)
+    return StraightLine(at, level, slope, span, int(kept.sum()), scatter)
 
 
-def fit_three_lines(kelvin: Any, strain: Any) -> tuple[Line, Line, Line]:
+def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLine, StraightLine]:
     """The three lines, one after the other, that leave the least sum of squares.
 
     There must be three times `FEWEST` rows, in the order of temperature.

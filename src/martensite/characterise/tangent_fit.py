@@ -18,7 +18,7 @@ from typing import Any
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.characterise.clausius_clapeyron import Direction, fit_direction
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.tangent_lines import COSINE
 from martensite.characterise.tangent_points import TangentPoints, find_tangent_points
 from martensite.characterise.transformation_strain import StrainFit, fit_transformation_strain
@@ -43,22 +43,22 @@ class TangentFit:
     """H(σ)."""
 
     @property
-    def A_s(self) -> Estimate:
+    def A_s(self) -> MeasuredValue:
         """Austenite start temperature at zero stress [K]."""
         return self.reverse.start
 
     @property
-    def A_f(self) -> Estimate:
+    def A_f(self) -> MeasuredValue:
         """Austenite finish temperature at zero stress [K]."""
         return self.reverse.finish
 
     @property
-    def M_s(self) -> Estimate:
+    def M_s(self) -> MeasuredValue:
         """Martensite start temperature at zero stress [K]."""
         return self.forward.start
 
     @property
-    def M_f(self) -> Estimate:
+    def M_f(self) -> MeasuredValue:
         """Martensite finish temperature at zero stress [K]."""
         return self.forward.finish
 
@@ -73,7 +73,7 @@ class TangentFit:
         return self.forward.slope
 
     @property
-    def eps_L(self) -> Estimate:
+    def eps_L(self) -> MeasuredValue:
         """Mean transformation strain [-]."""
         return self.strain.mean
 
@@ -123,7 +123,7 @@ class TangentFit:
                 found[name] = one.slope
         found |= {"eps_L": self.strain.mean.value}
         for name in ("H_min", "H_sat", "H_k", "sigma_crit"):
-            estimate: Estimate | None = getattr(self.strain, name)
+            estimate: MeasuredValue | None = getattr(self.strain, name)
             if estimate is not None:
                 found[name] = estimate.value
         return found

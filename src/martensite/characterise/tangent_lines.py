@@ -29,7 +29,7 @@ from typing import Any
 from martensite.base.errors import DataError
 from martensite.characterise.straight_lines import (
     FEWEST,
-    Line,
+    StraightLine,
     average_cells,
     fit_isotonic,
     fit_line,
@@ -67,10 +67,10 @@ PASSES = 30
 class BranchTangents:
     """The three lines of a branch and what they say."""
 
-    cold: Line
+    cold: StraightLine
     """Martensite."""
-    steep: Line
-    hot: Line
+    steep: StraightLine
+    hot: StraightLine
     """Austenite."""
     half: float
     """Temperature at which the strain is half-way between the outer lines [K]."""
@@ -148,7 +148,9 @@ def _is_straight(kelvin: Any, strain: Any) -> bool:
     return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST)
 
 
-def _find_way(outer: tuple[Line, Line], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
+def _find_way(
+    outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str
+) -> Any:
     """Share of the way from the cold to the hot line, growing from row to row."""
     import numpy as np
 
@@ -197,7 +199,7 @@ def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
     return slice(None, count) if side == "cold" else slice(kelvin.size - count, None)
 
 
-def _find_half(outer: tuple[Line, Line], kelvin: Any, strain: Any) -> float:
+def _find_half(outer: tuple[StraightLine, StraightLine], kelvin: Any, strain: Any) -> float:
     """Temperature at which the strain passes the middle of the outer lines."""
     import numpy as np
 

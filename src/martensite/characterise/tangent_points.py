@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from martensite.base.errors import DataError
-from martensite.characterise.isobaric_cycles import Branch, IsobaricCycle, cut_cycle
+from martensite.characterise.isobaric_cycles import CycleBranch, IsobaricCycle, cut_cycle
 from martensite.characterise.tangent_lines import BranchTangents, branch_tangents
 from martensite.signals.records import Record
 
@@ -206,7 +206,7 @@ def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_star
     return float(heating.hot.value(at) - cooling.hot.value(at))
 
 
-def _list_remarks(rows: Branch, found: BranchTangents, way: str) -> list[str]:
+def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[str]:
     """Where the record hardly reaches beyond a transformation, or hardly samples it."""
     said: list[str] = []
     between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)

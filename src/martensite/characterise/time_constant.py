@@ -20,7 +20,7 @@ from typing import Any
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError
 from martensite.characterise.columns import check_columns
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.nonlinear_regression import fit_residuals
 
 FEWEST = 6
@@ -33,11 +33,11 @@ _SMALL = 2e-3
 class Rise:
     """An exponential from one level to another."""
 
-    tau: Estimate
+    tau: MeasuredValue
     """Time constant τ [s]."""
-    final: Estimate
+    final: MeasuredValue
     """Level y_∞ in the end, in the unit of the values."""
-    change: Estimate
+    change: MeasuredValue
     """y_∞ less the fitted value at the first row, in the unit of the values."""
     deviation: float
     """Root mean square of the residuals, in the unit of the values."""

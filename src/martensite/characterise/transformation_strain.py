@@ -24,7 +24,7 @@ from typing import Any
 
 from martensite.base.confidence import LEVEL, two_sided_probability
 from martensite.base.errors import DataError, SolveError
-from martensite.characterise.estimate import Estimate
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
 
 FEWEST = 4
@@ -45,15 +45,15 @@ class StrainFit:
 
     form: str
     """`constant` or `saturating`."""
-    mean: Estimate
+    mean: MeasuredValue
     """Mean over the stresses [-]."""
-    H_min: Estimate
+    H_min: MeasuredValue
     """[-]; the mean for `constant`."""
-    H_sat: Estimate
+    H_sat: MeasuredValue
     """[-]; the mean for `constant`."""
-    H_k: Estimate | None
+    H_k: MeasuredValue | None
     """[1/Pa]; None for `constant`."""
-    sigma_crit: Estimate | None
+    sigma_crit: MeasuredValue | None
     """[Pa]; None where it was not free, but 0."""
     deviation: float
     """Root mean square of the residuals [-]."""
@@ -119,13 +119,13 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
     return StrainFit("constant", mean, mean, mean, None, None, deviation)
 
 
-def _mean_strain(strains: Sequence[float]) -> Estimate:
+def _mean_strain(strains: Sequence[float]) -> MeasuredValue:
     count = len(strains)
     mean = math.fsum(strains) / count
     if count == 1:
-        return Estimate(mean, math.nan, 0)
+        return MeasuredValue(mean, math.nan, 0)
     squares = math.fsum((h - mean) ** 2 for h in strains)
-    return Estimate(mean, math.sqrt(squares / (count - 1) / count), count - 1)
+    return MeasuredValue(mean, math.sqrt(squares / (count - 1) / count), count - 1)
 
 
 def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
@@ -178,13 +178,13 @@ def _search_grid(
 
 
 def _refine_shape(
-    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: Estimate
+    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: MeasuredValue
 ) -> StrainFit:
     """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
         solved = _solve_shape(stresses, strains, shape)
-    found = solved or {n: Estimate(getattr(shape, n), math.nan, 0) for n in NAMES}
+    found = solved or {n: MeasuredValue(getattr(shape, n), math.nan, 0) for n in NAMES}
     values = [found[name].value for name in NAMES]
     pairs = zip(stresses, strains, strict=True)
     left = [saturating_strain(*values, stress=s) - h for s, h in pairs]
@@ -196,7 +196,7 @@ def _refine_shape(
 
 def _solve_shape(
     stresses: Sequence[float], strains: Sequence[float], shape: _Shape
-) -> dict[str, Estimate] | None:
+) -> dict[str, MeasuredValue] | None:
     """All free numbers by least squares; None if they do not settle within their range."""
     # what is zero in the shape is held there; the others are fitted in units of about their size
     units = {"low": shape.high, "high": shape.high, "rate": shape.rate, "crit": shape.crit}
@@ -223,4 +223,4 @@ def _solve_shape(
         return None
     pairs = zip(free, found.estimates, strict=True)
     fitted = {name: estimate.scaled(units[name]) for name, estimate in pairs}
-    return dict.fromkeys(NAMES, Estimate(0.0)) | fitted
+    return dict.fromkeys(NAMES, MeasuredValue(0.0)) | fitted

@@ -35,14 +35,14 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
         InputError: neither or both of the two are there, or the resistance is not above 0.
         DataError: the table does not hold what is needed.
     """
-    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.motor_tests import Winding, winding_resistance
     from martensite.scenario.tables import read_table
 
     if (locked is None) == (resistance is None):
         raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
     if locked is None:
-        return Winding(Estimate(_positive("resistance", str(resistance), "ohm")))
+        return Winding(MeasuredValue(_positive("resistance", str(resistance), "ohm")))
     record = read_table(locked, interval=1.0)
     return winding_resistance(record["voltage"], record["current"])
 

@@ -12,7 +12,7 @@ from martensite.cli.options import quantity
 
 if TYPE_CHECKING:
     from martensite.base.confidence import Interval
-    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.tangent_fit import TangentFit
     from martensite.characterise.tangent_points import TangentPoints
 
@@ -135,7 +135,7 @@ def summary(fit: TangentFit) -> list[tuple[str, ...]]:
 
 
 def _estimate(
-    name: str, found: Estimate, unit: str, factor: float, zero: float, meaning: str,
+    name: str, found: MeasuredValue, unit: str, factor: float, zero: float, meaning: str,
     digits: str = ".4g",
 ) -> tuple[str, ...]:  # fmt: skip
     interval = found.interval()

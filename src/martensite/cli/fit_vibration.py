@@ -12,7 +12,7 @@ from martensite.base.errors import DataError, InputError, suggest_name
 from martensite.cli.options import quantity
 
 if TYPE_CHECKING:
-    from martensite.characterise.estimate import Estimate
+    from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.free_vibration import LogDecrement
     from martensite.characterise.spectrum import SpectralPeak
     from martensite.signals.records import Record
@@ -44,7 +44,7 @@ class Oscillator:
                 raise InputError(f"Option `--{name}` must be above 0, but is {number:g}.")
         return cls(k, m)
 
-    def derived(self, fit: LogDecrement) -> dict[str, tuple[Estimate, str]]:
+    def derived(self, fit: LogDecrement) -> dict[str, tuple[MeasuredValue, str]]:
         """Mass or stiffness, and damping, by name with their units; empty if nothing is given."""
         from martensite.characterise.estimate import propagate_errors
         from martensite.characterise.free_vibration import damping_ratio, moving_mass
@@ -146,7 +146,7 @@ def print_vibration(
     show.text(f"± half the {100 * LEVEL:g} % interval; rest at {fit.offset.value:.4g}.")
 
 
-def estimate_row(name: str, estimate: Estimate, unit: str) -> Sequence[str]:
+def estimate_row(name: str, estimate: MeasuredValue, unit: str) -> Sequence[str]:
     """A row of a table: name, value with half its interval, unit."""
     low, high = estimate.interval()
     half = 0.5 * (high - low)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from martensite.identify.chains.estimate import Options
-    from martensite.identify.chains.stages import Identified, Stage
+    from martensite.identify.chains.stages import Identified, ModelStage
     from martensite.signals.sampling.sampled import Sampled
 
 ANCHOR = 0.1
@@ -45,13 +45,13 @@ class Given:
     anchor: float | None
     ridge: float
 
-    def planned(self) -> list[Stage]:
+    def planned(self) -> list[ModelStage]:
         """The stages.
 
         Raises:
             InputError: something is missing, or contradicts something else.
         """
-        from martensite.identify.chains.stages import Stage
+        from martensite.identify.chains.stages import ModelStage
 
         if bool(self.stages) == (self.search is not None):
             raise InputError(
@@ -61,10 +61,10 @@ class Given:
         texts = [self.search] if self.search is not None else list(self.stages)
         output = self.output or ""
         read = [
-            Stage.read(text, output if k == len(texts) else None)
+            ModelStage.read(text, output if k == len(texts) else None)
             for k, text in enumerate(texts, start=1)
         ]
-        if read[-1].outputs != Stage("", output).outputs:
+        if read[-1].outputs != ModelStage("", output).outputs:
             raise InputError(
                 f"The last stage gives `{read[-1].output}`, but --output is `{output}`."
             )

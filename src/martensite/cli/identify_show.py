@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
-    from martensite.identify.chains.search import Candidate, Searched
+    from martensite.identify.chains.search import Searched, StructureCandidate
     from martensite.identify.chains.stages import Identified
     from martensite.signals.sampling.sampled import Sampled
 
@@ -173,7 +173,7 @@ def _searched(searched: Searched) -> dict[str, Any]:
     }
 
 
-def _candidate(one: Candidate) -> dict[str, Any]:
+def _candidate(one: StructureCandidate) -> dict[str, Any]:
     return {
         "structure": one.structure, "numbers": one.numbers, "estimation": one.estimation,
         "validation": one.validation, "agreeing": int(one.agreeing), "searches": one.searches,

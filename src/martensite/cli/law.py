@@ -14,9 +14,9 @@ from martensite.cli.options import Figure, Force, Imports, Json, import_modules
 
 if TYPE_CHECKING:
     from martensite.scenario.laws import Dressed
-    from martensite.simulate.courses import Choices, Rates
+    from martensite.simulate.courses import Choices, PathRates
     from martensite.simulate.point import PointResult
-    from martensite.simulate.stages import Stage
+    from martensite.simulate.stages import PathStage
 
 COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain", "stress")
 RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
@@ -141,12 +141,12 @@ def _quantities(option: str, text: str | None, unit: str) -> tuple[float, ...]:
     return found
 
 
-def _rates(text: str | None) -> Rates:
+def _rates(text: str | None) -> PathRates:
     from dataclasses import replace
 
-    from martensite.simulate.courses import Rates
+    from martensite.simulate.courses import PathRates
 
-    rates = Rates()
+    rates = PathRates()
     for part in text.split(",") if text else ():
         name, value = _rate(part.strip())
         rates = replace(rates, **{name: value})
@@ -268,14 +268,14 @@ def _rows(result: PointResult) -> list[tuple[str, ...]]:
     ]
 
 
-def _row(number: int, stage: Stage) -> tuple[str, ...]:
+def _row(number: int, stage: PathStage) -> tuple[str, ...]:
     spots = [_spot(stage, i) for i in range(3)]
     change = f"{stage.martensite:+.3f}" if stage.process != "orientation" else "0"
     strain, stress = f"{100.0 * stage.strain:.3f} %", f"{stage.end.stress / 1e6:.1f} MPa"
     return f"{number} {stage.kind}", change, stage.process, *spots, strain, stress
 
 
-def _spot(stage: Stage, i: int) -> str:
+def _spot(stage: PathStage, i: int) -> str:
     """Where a transformation starts, is half done or ends: in what changes on the leg."""
     if stage.spots is None:
         return ""

@@ -23,11 +23,11 @@ from martensite.control.controllers.pid import Pid as Pid
 from martensite.control.controllers.pid import PidGains as PidGains
 from martensite.control.controllers.pid import PidLaw as PidLaw
 from martensite.control.controllers.pid import per_sample as per_sample
+from martensite.control.controllers.planning import PlanSearch as _PlanSearch
 from martensite.control.controllers.planning import Price as _PlanPrice
-from martensite.control.controllers.planning import Search as _PlanSearch
 from martensite.control.controllers.reach import measure_reach as measure_reach
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
-from martensite.control.controllers.scheduled_pid import Schedule as Schedule
+from martensite.control.controllers.scheduled_pid import GainSchedule as GainSchedule
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
@@ -42,9 +42,9 @@ from martensite.control.faults.supply_sag import SupplySag as SupplySag
 from martensite.control.loop.bench import Bench as Bench
 from martensite.control.loop.consistency import Consistency as Consistency
 from martensite.control.loop.consistency import check_consistency as check_consistency
-from martensite.control.loop.mounted import Mounted as Mounted
+from martensite.control.loop.mounted import MountedSensor as MountedSensor
 from martensite.control.loop.parts import Controllers as Controllers
-from martensite.control.loop.parts import Faults as Faults
+from martensite.control.loop.parts import FaultTable as FaultTable
 from martensite.control.loop.parts import Observers as Observers
 from martensite.control.loop.parts import Sensors as Sensors
 from martensite.control.loop.realtime import RealtimeStep as RealtimeStep

@@ -33,7 +33,7 @@ STILL = 1e-13
 """Change of a path [m] from which no secant can be read."""
 
 
-class Answer(NamedTuple):
+class LineStepEnd(NamedTuple):
     """An element at the end of a step on a line."""
 
     state: tuple[float, ...]
@@ -49,29 +49,29 @@ class Answer(NamedTuple):
     """Share of a transformation strip crossed by the elastic trial."""
 
 
-Trial = Callable[[float, float], Answer]
+Trial = Callable[[float, float], LineStepEnd]
 """An element's step on the line (reach [m], give [m/N]); commits nothing."""
 
 
-class Balance(NamedTuple):
+class ForceBalance(NamedTuple):
     """Elements in balance with each other."""
 
-    answers: list[Answer]
+    answers: list[LineStepEnd]
     error: float
     """Largest error of a force, as a share of it."""
     asked: int
     """How often all elements were asked."""
 
 
-class Seen(NamedTuple):
+class ElementTurn(NamedTuple):
     """One element in a turn."""
 
     reach: float
     """What the others left of its line [m]."""
-    answer: Answer
+    answer: LineStepEnd
 
 
-def compute_share(missed: float, answer: Answer, give: float, least: float) -> float:
+def compute_share(missed: float, answer: LineStepEnd, give: float, least: float) -> float:
     """What a path that ends elsewhere by `missed` [m] does to a force, as a share of it."""
     return abs(missed) / (answer.compliance + give) / (answer.force + least)
 
@@ -79,7 +79,7 @@ def compute_share(missed: float, answer: Answer, give: float, least: float) -> f
 def settle_lines(
     trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
     forces: Sequence[float], least: Sequence[float],
-) -> Balance:  # fmt: skip
+) -> ForceBalance:  # fmt: skip
     """All elements on their lines at once.
 
     Args:
@@ -90,8 +90,8 @@ def settle_lines(
         least: force [N] of each element that counts as one.
     """
     if len(trials) == 1:
-        return Balance([trials[0](reach[0], give[0][0])], 0.0, 1)
-    now, before = list(forces), list[Seen]()
+        return ForceBalance([trials[0](reach[0], give[0][0])], 0.0, 1)
+    now, before = list(forces), list[ElementTurn]()
     for turn in range(1, TURNS + 1):
         plain = turn % PLAIN == 0
         seen, error = _ask_elements(trials, reach, give, now, least, in_turn=plain)
@@ -100,21 +100,21 @@ def settle_lines(
         found = [one.answer.force for one in seen]
         now = found if plain else _solve_springs(reach, give, now, seen, before)
         before = seen
-    return Balance([one.answer for one in seen], error, turn)
+    return ForceBalance([one.answer for one in seen], error, turn)
 
 
 def _ask_elements(
     trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
     forces: Sequence[float], least: Sequence[float], *, in_turn: bool,
-) -> tuple[list[Seen], float]:  # fmt: skip
+) -> tuple[list[ElementTurn], float]:  # fmt: skip
     """What all elements answer, and the largest error of what they met.
 
     With `in_turn` each one meets what those before it have just answered.
     """
-    met, seen = list(forces), list[Seen]()
+    met, seen = list(forces), list[ElementTurn]()
     for i, trial in enumerate(trials):
         left = reach[i] - _sum_others(give[i], met, i)
-        seen.append(Seen(left, trial(left, give[i][i])))
+        seen.append(ElementTurn(left, trial(left, give[i][i])))
         if in_turn:
             met[i] = seen[i].answer.force
     found = [one.answer.force for one in seen]
@@ -134,7 +134,7 @@ def _sum_others(row: Sequence[float], forces: Sequence[float], own: int) -> floa
 
 def _solve_springs(
     reach: Sequence[float], give: Sequence[Sequence[float]], forces: Sequence[float],
-    seen: Sequence[Seen], before: Sequence[Seen],
+    seen: Sequence[ElementTurn], before: Sequence[ElementTurn],
 ) -> list[float]:  # fmt: skip
     """Forces [N] of the elements as springs."""
     matrix, free = np.array(give), np.zeros(len(seen))
@@ -146,7 +146,7 @@ def _solve_springs(
     return solve_nonnegative(matrix, np.array(reach) - free, np.array(forces)).tolist()
 
 
-def _compute_yield(one: Seen, before: Seen | None, give: float) -> float:
+def _compute_yield(one: ElementTurn, before: ElementTurn | None, give: float) -> float:
     """Reach per force [m/N] of an element on its line: of the secant, or else of the tangent."""
     least = one.answer.compliance + give
     if before is None or min(one.answer.force, before.answer.force) <= 0.0:

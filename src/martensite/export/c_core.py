@@ -17,7 +17,7 @@ from martensite.base.files import replace_file
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.export.c_kernels import Precision, precision_of, used_parameters
 from martensite.export.c_names import (
-    Variable,
+    CoreVariable,
     checked_identifier,
     list_parameters,
     list_variables,
@@ -25,7 +25,7 @@ from martensite.export.c_names import (
 )
 from martensite.export.c_operations import count_operations
 from martensite.export.c_source import source_text
-from martensite.export.c_text import Layout, count_elements, header_text
+from martensite.export.c_text import CoreLayout, count_elements, header_text
 from martensite.kernels.program import Program
 from martensite.simulate.compiled import compile_system
 
@@ -44,9 +44,9 @@ class CCore:
     """float64 or float32."""
     header: str
     source: str
-    parameters: tuple[Variable, ...]
-    inputs: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
+    parameters: tuple[CoreVariable, ...]
+    inputs: tuple[CoreVariable, ...]
+    outputs: tuple[CoreVariable, ...]
     states: int
     constants: int
     """Numbers that follow from the parameters."""
@@ -121,7 +121,7 @@ def core_of(
     kept = sorted(used) if pruned else list(places.values())
     given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
     sample = f"m->p[{kept.index(places[timed])}]" if timed else None
-    layout = Layout(
+    layout = CoreLayout(
         name=checked_identifier(name or make_identifier(whole.described())),
         described=whole.described(),
         precision=precision,

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.kernels.c99 import Going, scalar_dialect
+from martensite.kernels.c99 import LoopCondition, scalar_dialect
 from martensite.kernels.graph import Expr
 from martensite.kernels.printer import Dialect, Printer
 from martensite.kernels.program import Function, Program
@@ -85,7 +85,7 @@ class Precision:
         """C in this type, with functions of its own named after a prefix."""
         templates = _DOUBLE if self.number == "double" else _FLOAT
         own = {"erfcx": f"{prefix}erfcx({{}})"}
-        going = Going(f"{{}} > {self.literal(0.0)}")
+        going = LoopCondition(f"{{}} > {self.literal(0.0)}")
         return scalar_dialect(self.number, {**templates, **own}, self.literal, going=going)
 
 
@@ -112,18 +112,18 @@ def precision_of(name: str) -> Precision:
 
 
 @dataclass(frozen=True)
-class Kernel:
+class CKernel:
     """A traced function, and where C finds its inputs: `x[0]`, `u[1]`, `dt`."""
 
     function: Function
     inputs: tuple[str, ...]
 
     @staticmethod
-    def of(function: Function, states: int, drives: int) -> Kernel:
+    def of(function: Function, states: int, drives: int) -> CKernel:
         """A function of states, drives and, if it has one input more, the length of a step."""
         places = [*(f"x[{i}]" for i in range(states)), *(f"u[{i}]" for i in range(drives))]
         places += ["dt"] * (len(function.inputs) - len(places))
-        return Kernel(function, tuple(places[: len(function.inputs)]))
+        return CKernel(function, tuple(places[: len(function.inputs)]))
 
 
 def used_parameters(program: Program) -> set[int]:
@@ -140,7 +140,7 @@ def used_parameters(program: Program) -> set[int]:
 
 
 def kernels_text(
-    program: Program, kept: Sequence[int], kernels: Sequence[Kernel], prefix: str,
+    program: Program, kept: Sequence[int], kernels: Sequence[CKernel], prefix: str,
     precision: Precision,
 ) -> str:  # fmt: skip
     """C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` of each.

@@ -19,7 +19,7 @@ from martensite.control.loop.names import (
 )
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
-from martensite.control.loop.realtime_program import Loop, Traced, list_reads, trace_loop
+from martensite.control.loop.realtime_program import LoopState, TracedLoop, list_reads, trace_loop
 from martensite.export.c_core import CCore, Rows, core_of
 from martensite.export.c_kernels import precision_of
 from martensite.kernels.program import Function, Program
@@ -57,11 +57,11 @@ def _loop_inputs(bench: Bench) -> Rows:
     return rows + [(drive.name, drive.unit, f"signal of {drive.name}") for drive in free]
 
 
-def _loop_program(bench: Bench, traced: Traced) -> tuple[Program, Rows]:
+def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
     """The traced loop with a function that picks what it says from its state, and its outputs."""
     program, step = traced.program, traced.program.functions["step"]
     names = step.inputs[: traced.size]
-    loop: Loop = traced.shape.rebuild([program.graph.input(name, 0) for name in names])
+    loop: LoopState = traced.shape.rebuild([program.graph.input(name, 0) for name in names])
     drives = bench.plant.drives()
     rows = [(one.name, one.unit, f"signal of {one.name}") for one in drives]
     nodes: list[Any] = list(loop.signals)

@@ -24,7 +24,7 @@ KEYWORDS = frozenset((
 
 
 @dataclass(frozen=True)
-class Variable:
+class CoreVariable:
     """A parameter, an input or an output of a C core."""
 
     index: int
@@ -78,7 +78,7 @@ def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:
     return list(found)
 
 
-def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[Variable, ...]:
+def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[CoreVariable, ...]:
     """The numbers of a system, with what is allowed for them."""
     every = list(leaves)
     names = make_identifiers("p", (leaf.path for leaf in every))
@@ -86,12 +86,12 @@ def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[Varia
     return tuple(_describe_parameter(i, *row) for i, row in enumerate(rows))
 
 
-def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variable:
+def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> CoreVariable:
     declared, default = leaf.declared, leaf.declared.default
     low = math.nextafter(declared.low, math.inf) if declared.open_low else declared.low
     unit = "of the reading" if declared.unit in units.OF_READINGS else declared.unit
     endless = isinstance(default, float) and math.isinf(default)
-    return Variable(
+    return CoreVariable(
         index, leaf.path, name, unit, declared.doc, float(leaf.value), low, declared.high, endless,
         used,
     )  # fmt: skip
@@ -99,11 +99,11 @@ def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> Variab
 
 def list_variables(
     letter: str, rows: Iterable[tuple[str, str, str]], default: float
-) -> tuple[Variable, ...]:
+) -> tuple[CoreVariable, ...]:
     """Inputs or outputs by name, unit and words."""
     every = list(rows)
     names = make_identifiers(letter, (name for name, _, _ in every))
     return tuple(
-        Variable(i, name, label, unit, words, default)
+        CoreVariable(i, name, label, unit, words, default)
         for i, ((name, unit, words), label) in enumerate(zip(every, names, strict=True))
     )

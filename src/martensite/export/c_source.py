@@ -9,17 +9,17 @@ import math
 from collections.abc import Sequence
 from string import Template
 
-from martensite.export.c_kernels import Kernel, kernels_text
-from martensite.export.c_names import Variable
-from martensite.export.c_text import Layout, count_elements
+from martensite.export.c_kernels import CKernel, kernels_text
+from martensite.export.c_names import CoreVariable
+from martensite.export.c_text import CoreLayout, count_elements
 from martensite.simulate.march import COARSE
 
 
-def source_text(core: Layout) -> str:
+def source_text(core: CoreLayout) -> str:
     """NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
-    kernels = [Kernel.of(traced["init"], 0, count)]
-    kernels += [Kernel.of(traced[name], core.states, count) for name in ("step", "observe")]
+    kernels = [CKernel.of(traced["init"], 0, count)]
+    kernels += [CKernel.of(traced[name], core.states, count) for name in ("step", "observe")]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
     return _fill_text(
@@ -27,7 +27,7 @@ def source_text(core: Layout) -> str:
     )
 
 
-def _fill_text(core: Layout, text: str) -> str:
+def _fill_text(core: CoreLayout, text: str) -> str:
     precision = core.precision
     return Template(text).substitute(
         NAME=core.name,
@@ -46,7 +46,7 @@ def _fill_text(core: Layout, text: str) -> str:
     )
 
 
-def _print_tables(core: Layout) -> str:
+def _print_tables(core: CoreLayout) -> str:
     """Least, greatest and given values of the parameters."""
     low = [_print_bound(core, v, v.low) for v in core.parameters]
     high = [_print_bound(core, v, v.high) for v in core.parameters]
@@ -61,14 +61,14 @@ def _print_table(name: str, numbers: Sequence[str]) -> str:
     )
 
 
-def _print_bound(core: Layout, variable: Variable, value: float) -> str:
+def _print_bound(core: CoreLayout, variable: CoreVariable, value: float) -> str:
     """An end of what is allowed; infinite only if the parameter may be."""
     if math.isinf(value) and not variable.endless:
         return f"{'-' if value < 0.0 else ''}{core.precision.largest}"
     return core.precision.literal(value)
 
 
-def _print_step(core: Layout) -> str:
+def _print_step(core: CoreLayout) -> str:
     return "".join([
         _STEP_BEGIN,
         _SAMPLE if core.sample else "",

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from martensite.base.status import Status
 from martensite.export.c_kernels import Precision
-from martensite.export.c_names import Variable
+from martensite.export.c_names import CoreVariable
 from martensite.kernels.program import Program
 
 
 @dataclass(frozen=True)
-class Layout:
+class CoreLayout:
     """All that the text of a core is made of."""
 
     name: str
@@ -23,9 +23,9 @@ class Layout:
     """With functions `init`, `step` and `observe`."""
     kept: Sequence[int]
     """Places in the program of the parameters."""
-    parameters: tuple[Variable, ...]
-    inputs: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
+    parameters: tuple[CoreVariable, ...]
+    inputs: tuple[CoreVariable, ...]
+    outputs: tuple[CoreVariable, ...]
     states: int
     reports: bool
     """Whether steps end with residual and crossing."""
@@ -43,7 +43,7 @@ def count_elements(count: int) -> int:
     return max(1, count)
 
 
-def header_text(core: Layout) -> str:
+def header_text(core: CoreLayout) -> str:
     """NAME.h."""
     name, guard = core.name, f"{core.name.upper()}_H"
     return (
@@ -59,7 +59,7 @@ def header_text(core: Layout) -> str:
     )
 
 
-def _describe_core(core: Layout) -> str:
+def _describe_core(core: CoreLayout) -> str:
     kind = f"`{core.precision.number}`"
     pace = "" if core.sample is None else _PACE
     return (
@@ -99,7 +99,7 @@ def _escape_comment(text: str) -> str:
     return text.replace("*/", "* /").replace("/*", "/ *")
 
 
-def _print_counts(core: Layout) -> str:
+def _print_counts(core: CoreLayout) -> str:
     counts = {
         "PARAMETERS": len(core.parameters),
         "CONSTANTS": core.constants,
@@ -111,7 +111,7 @@ def _print_counts(core: Layout) -> str:
     return f"enum {{\n{rows}\n}};\n\n"
 
 
-def _print_indices(title: str, name: str, variables: Sequence[Variable]) -> str:
+def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> str:
     """An enum of places in an array."""
     if not variables:
         return ""
@@ -134,7 +134,7 @@ _STATUS = {
 }
 
 
-def _print_declarations(core: Layout) -> str:
+def _print_declarations(core: CoreLayout) -> str:
     name = core.name
     status = "".join(
         f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items()

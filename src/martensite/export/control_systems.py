@@ -26,7 +26,7 @@ from martensite.control.loop.names import JITTER, NOISE
 from martensite.design.synthesis.linear import linearised
 from martensite.design.synthesis.operating_point import OperatingPoint
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
 from martensite.kernels import floats
 from martensite.simulate.api import steps_in
@@ -50,7 +50,7 @@ def to_control(chain: Chain) -> Any:
     )  # fmt: skip
 
 
-def to_state_space(system: Chain | Linear, level: Any = 0.0) -> Any:
+def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
     """A linear system as a `control.StateSpace`, without states that take no part.
 
     Args:
@@ -61,7 +61,7 @@ def to_state_space(system: Chain | Linear, level: Any = 0.0) -> Any:
         InputError: python-control is not installed, or the level does not fit.
     """
     control = _import_control()
-    linear = system if isinstance(system, Linear) else linearise_chain(system, level)
+    linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
     slim = linear.reduced()
     return control.ss(
         slim.a, slim.b, slim.c, slim.d, slim.interval,

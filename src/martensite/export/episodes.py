@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.actuators.assembly.base import Drive
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import JITTER, NOISE, list_references
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.learning_task import (
+    LearningTask,
     Numbers,
-    Task,
     free_signals,
     observed_readings,
     scale_values,
@@ -58,7 +58,7 @@ class Episodes:
     """Environments side by side."""
 
     def __init__(
-        self, bench: Bench, task: Task, count: int = 1, native: bool | None = None
+        self, bench: Bench, task: LearningTask, count: int = 1, native: bool | None = None
     ) -> None:
         """Environments that have not begun.
 
@@ -77,7 +77,7 @@ class Episodes:
         self.bench, self.task, self.count = bench, task, count
         self.length = max(1, round(task.duration / bench.period))
         self._ahead = [0, *(round(time / bench.period) for time in task.preview)]
-        self._drives: list[Drive] = bench.drives()
+        self._drives: list[DriveSignal] = bench.drives()
         self.signals = free_signals(bench, task)
         self.observed = observed_readings(bench, task)
         self._spreads = spreads_of(bench, task)

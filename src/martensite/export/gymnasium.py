@@ -21,7 +21,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import BOUND, Episodes
-from martensite.export.learning_task import Task
+from martensite.export.learning_task import LearningTask
 
 NAME = "martensite/Bench-v0"
 HERE = find_spec("gymnasium") is not None
@@ -59,7 +59,12 @@ class SmaEnv(BASE):
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(
-        self, bench: Bench, task: Task, *, native: bool | None = None, render_mode: None = None
+        self,
+        bench: Bench,
+        task: LearningTask,
+        *,
+        native: bool | None = None,
+        render_mode: None = None,
     ) -> None:
         """An environment that has not been reset.
 

@@ -18,7 +18,7 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import Episodes, Outcome
 from martensite.export.gymnasium import HERE, build_spaces, import_gymnasium
-from martensite.export.learning_task import Task
+from martensite.export.learning_task import LearningTask
 
 VECTOR: Any = import_module("gymnasium.vector") if HERE else None
 BASE: Any = VECTOR.VectorEnv if HERE else object
@@ -31,9 +31,15 @@ class SmaVectorEnv(BASE):
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - as Gymnasium has it
 
     def __init__(
-        self, bench: Bench, task: Task, num_envs: int = 1, *, autoreset_mode: Any = "NextStep",
-        native: bool | None = None, render_mode: None = None,
-    ) -> None:  # fmt: skip
+        self,
+        bench: Bench,
+        task: LearningTask,
+        num_envs: int = 1,
+        *,
+        autoreset_mode: Any = "NextStep",
+        native: bool | None = None,
+        render_mode: None = None,
+    ) -> None:
         """Environments that have not been reset.
 
         Args:
@@ -61,9 +67,11 @@ class SmaVectorEnv(BASE):
         self._over = np.zeros(num_envs, bool)
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None,
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
         options: Mapping[str, Any] | None = None,
-    ) -> tuple[Any, dict[str, Any]]:  # fmt: skip
+    ) -> tuple[Any, dict[str, Any]]:
         """Begin an episode in every environment.
 
         Args:

@@ -39,7 +39,7 @@ TURNS = (1.0, 4.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task:
+class LearningTask:
     """What a learner shall do; all numbers in SI."""
 
     output: str
@@ -95,7 +95,7 @@ class Task:
         return KINDS[kind](self, rng, times)
 
 
-def _draw_steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+def _draw_steps(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
     """Levels anywhere in the range, each held for some time."""
     shortest, longest = task.hold or tuple(share * task.duration for share in SHARES)
     found, begin = np.empty_like(times), 0.0
@@ -106,7 +106,7 @@ def _draw_steps(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers
     return found
 
 
-def _draw_sine(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
+def _draw_sine(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
     """One sine within the range, of any middle, amplitude, frequency and phase."""
     slow, fast = task.frequency or tuple(turns / task.duration for turns in TURNS)
     middle = rng.uniform(task.low, task.high)
@@ -115,13 +115,13 @@ def _draw_sine(task: Task, rng: np.random.Generator, times: Numbers) -> Numbers:
     return middle + amplitude * np.sin(2.0 * math.pi * rng.uniform(slow, fast) * times + phase)
 
 
-KINDS: dict[str, Callable[[Task, np.random.Generator, Numbers], Numbers]] = {
+KINDS: dict[str, Callable[[LearningTask, np.random.Generator, Numbers], Numbers]] = {
     "steps": _draw_steps, "sines": _draw_sine,
 }  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Spread:
+class EpisodeSpread:
     """A parameter of the plant that differs from episode to episode."""
 
     path: str
@@ -134,7 +134,7 @@ class Spread:
         return float(self.middle + self.wide * rng.uniform(-1.0, 1.0))
 
 
-def spreads_of(bench: Bench, task: Task) -> list[Spread]:
+def spreads_of(bench: Bench, task: LearningTask) -> list[EpisodeSpread]:
     """What differs from episode to episode.
 
     Raises:
@@ -143,13 +143,13 @@ def spreads_of(bench: Bench, task: Task) -> list[Spread]:
     return [_check_spread(bench, name, spread) for name, spread in task.spreads.items()]
 
 
-def _check_spread(bench: Bench, name: str, spread: float) -> Spread:
+def _check_spread(bench: Bench, name: str, spread: float) -> EpisodeSpread:
     leaf = plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread >= 0.0):
         raise ParameterError(f"The spread of `{name}` must be at least 0, but is {spread:g}.")
     wide = half_width(leaf, spread)
     require_allowed(leaf, leaf.value - wide, leaf.value + wide)
-    return Spread(PLANT + leaf.path, float(leaf.value), wide)
+    return EpisodeSpread(PLANT + leaf.path, float(leaf.value), wide)
 
 
 def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
@@ -158,7 +158,7 @@ def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numb
     return 2.0 * (values - low) / (high - low) - 1.0
 
 
-def free_signals(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
+def free_signals(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
     """Lowest and highest signal of every drive that nobody has.
 
     Raises:
@@ -182,7 +182,7 @@ def free_signals(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
     return found
 
 
-def observed_readings(bench: Bench, task: Task) -> dict[str, tuple[float, float]]:
+def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
     """Ranges of what is observed, by the name of the output of the bench.
 
     Raises:

@@ -35,10 +35,10 @@ from typing import Any
 from martensite.actuators.assembly import Actuator
 from martensite.base.errors import InputError, ParameterError, UnknownNameError, suggest_name
 from martensite.base.parameters import param, part
-from martensite.export.mujoco_plant import Plant, load_mujoco, scalar_joints
+from martensite.export.mujoco_plant import TendonPlant, load_mujoco, scalar_joints
 from martensite.export.mujoco_result import MujocoResult
 from martensite.export.mujoco_step import Solved, solve_step
-from martensite.export.strand import CENTRED, END, Strand
+from martensite.export.strand import CENTRED, END, TracedStrand
 from martensite.kernels.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
@@ -99,9 +99,9 @@ class MujocoBridge:
         self.model = read_model(model)
         self.data = begin_data(self.model, keyframe) if data is None else data
         self.weights = COUPLINGS[coupling]
-        self.plant = Plant(self.model, self.data, tendons)
+        self.plant = TendonPlant(self.model, self.data, tendons)
         self.strands = [
-            Strand(one.tendon, one, one.start_force, one.slack, length)
+            TracedStrand(one.tendon, one, one.start_force, one.slack, length)
             for one, length in zip(actuators, self.plant.lengths(), strict=True)
         ]
 

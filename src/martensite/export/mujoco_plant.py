@@ -36,7 +36,7 @@ def load_mujoco() -> Any:
         ) from None
 
 
-class Plant:
+class TendonPlant:
     """A model in motion, seen from some of its tendons."""
 
     def __init__(self, model: Any, data: Any, tendons: Sequence[str]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.export.balance import solve_nonnegative
 from martensite.export.mujoco_bridge import begin_data, read_model
-from martensite.export.mujoco_plant import Plant
+from martensite.export.mujoco_plant import TendonPlant
 
 TRIED = 1.0
 """Difference of a tension by which slopes are measured [N]."""
@@ -40,7 +40,7 @@ def holding_tensions(
         SolveError: no tensions of these tendons hold it.
     """
     model = read_model(model)
-    plant = Plant(model, begin_data(model, keyframe) if data is None else data, tendons)
+    plant = TendonPlant(model, begin_data(model, keyframe) if data is None else data, tendons)
     plant.hold(still=True)
     none = [0.0] * len(tendons)
     here, ends = plant.lengths(), plant.after(none)

@@ -8,7 +8,7 @@ from typing import Any
 
 from martensite.base.errors import UnknownNameError
 from martensite.base.status import Status
-from martensite.export.strand import Strand
+from martensite.export.strand import TracedStrand
 from martensite.simulate.alarms import Alarm, alarms_of
 
 
@@ -82,7 +82,7 @@ class MujocoResult:
             for name, value in row.items():
                 columns[name].append(value)
 
-    def judge(self, strand: Strand) -> None:
+    def judge(self, strand: TracedStrand) -> None:
         """Note the alarms of an element."""
         for alarm in alarms_of(strand.system, self.times, self.tendons[strand.name]):
             words = alarm.sentence.replace("Warning: ", f"Warning: `{strand.name}`: ", 1)

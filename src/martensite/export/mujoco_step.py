@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.errors import SolveError
-from martensite.export.balance import Answer, Balance, Trial, compute_share, settle_lines
-from martensite.export.mujoco_plant import Plant
-from martensite.export.strand import Strand, Weights
+from martensite.export.balance import ForceBalance, LineStepEnd, Trial, compute_share, settle_lines
+from martensite.export.mujoco_plant import TendonPlant
+from martensite.export.strand import ForceWeights, TracedStrand
 
 AIM = 1e-6
 """Error of a force, as a share of it, at which no new line is laid."""
@@ -22,7 +22,7 @@ PROBE = 0.01
 """Difference of a force, as a share of it, by which slopes are measured."""
 
 
-class Lines(NamedTuple):
+class PathEnds(NamedTuple):
     """Where the paths would end: l_i = ends_i - Σ_j slopes_ij (F_j - tensions_j)."""
 
     tensions: list[float]
@@ -42,7 +42,7 @@ class Lines(NamedTuple):
 class Solved(NamedTuple):
     """A step that has been solved but not made."""
 
-    answers: list[Answer]
+    answers: list[LineStepEnd]
     tensions: list[float]
     """In force during the step [N]."""
     error: float
@@ -54,7 +54,10 @@ class Solved(NamedTuple):
 
 
 def solve_step(
-    plant: Plant, strands: Sequence[Strand], weights: Weights, drives: Sequence[float]
+    plant: TendonPlant,
+    strands: Sequence[TracedStrand],
+    weights: ForceWeights,
+    drives: Sequence[float],
 ) -> Solved:
     """Elements and machine at the end of a step.
 
@@ -91,22 +94,25 @@ def solve_step(
 
 
 def _find_tensions(
-    known: Sequence[float], weights: Weights, forces: Sequence[float]
+    known: Sequence[float], weights: ForceWeights, forces: Sequence[float]
 ) -> list[float]:
     """Tensions of the step [N] from the forces of the elements at its end."""
     return [k + weights.end * f for k, f in zip(known, forces, strict=True)]
 
 
 def _lay_lines(
-    plant: Plant, strands: Sequence[Strand], tensions: list[float], ends: list[float],
-    before: Lines | None,
-) -> Lines:  # fmt: skip
+    plant: TendonPlant,
+    strands: Sequence[TracedStrand],
+    tensions: list[float],
+    ends: list[float],
+    before: PathEnds | None,
+) -> PathEnds:
     """New lines at the tensions, with slopes not below those before."""
     changes = [PROBE * (F + s.least) for F, s in zip(tensions, strands, strict=True)]
     slopes = plant.gives(tensions, ends, changes)
     if before is not None and _compute_trace(before.slopes) > _compute_trace(slopes):
         slopes = before.slopes
-    return Lines(tensions, ends, slopes)
+    return PathEnds(tensions, ends, slopes)
 
 
 def _compute_trace(matrix: Sequence[Sequence[float]]) -> float:
@@ -114,9 +120,13 @@ def _compute_trace(matrix: Sequence[Sequence[float]]) -> float:
 
 
 def _balance_trials(
-    strands: Sequence[Strand], trials: Sequence[Trial], weights: Weights, lines: Lines,
-    known: Sequence[float], forces: Sequence[float],
-) -> Balance:  # fmt: skip
+    strands: Sequence[TracedStrand],
+    trials: Sequence[Trial],
+    weights: ForceWeights,
+    lines: PathEnds,
+    known: Sequence[float],
+    forces: Sequence[float],
+) -> ForceBalance:
     """All elements on the lines, as functions of their forces at the end of the step."""
     paths = zip(lines.at(known), strands, strict=True)
     reach = [length - strand.reference for length, strand in paths]
@@ -125,9 +135,13 @@ def _balance_trials(
 
 
 def _compute_errors(
-    strands: Sequence[Strand], answers: Sequence[Answer], weights: Weights, lines: Lines,
-    ends: Sequence[float], tensions: Sequence[float],
-) -> list[float]:  # fmt: skip
+    strands: Sequence[TracedStrand],
+    answers: Sequence[LineStepEnd],
+    weights: ForceWeights,
+    lines: PathEnds,
+    ends: Sequence[float],
+    tensions: Sequence[float],
+) -> list[float]:
     """What the lines were wrong by, as errors of the forces."""
     missed = [a - b for a, b in zip(ends, lines.at(tensions), strict=True)]
     return [

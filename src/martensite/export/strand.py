@@ -9,8 +9,8 @@ from typing import NamedTuple
 from martensite.actuators.assembly import Actuator, System
 from martensite.base.errors import SolveError
 from martensite.base.status import Status
-from martensite.export.balance import Answer
-from martensite.export.tendon_line import Held, TendonLine
+from martensite.export.balance import LineStepEnd
+from martensite.export.tendon_line import ElementEnd, TendonLine
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.simulate.compiled import compile_system
@@ -20,7 +20,7 @@ NOTICED = 1e5
 """Stress [Pa] that counts as one."""
 
 
-class Weights(NamedTuple):
+class ForceWeights(NamedTuple):
     """Which forces of an element act on the machine during a step, as shares that sum to 1."""
 
     end: float
@@ -31,11 +31,11 @@ class Weights(NamedTuple):
     """Of the force at the start of the step before."""
 
 
-END = Weights(1.0, 0.0, 0.0)
-CENTRED = Weights(0.25, 0.5, 0.25)
+END = ForceWeights(1.0, 0.0, 0.0)
+CENTRED = ForceWeights(0.25, 0.5, 0.25)
 
 
-class Strand:
+class TracedStrand:
     """The step of one element, traced, and what it remembers."""
 
     def __init__(
@@ -64,27 +64,29 @@ class Strand:
         self.status = Status.OK
         """Of the last step."""
 
-    def trial(self, drive: float, dt: float) -> Callable[[float, float], Answer]:
+    def trial(self, drive: float, dt: float) -> Callable[[float, float], LineStepEnd]:
         """The next step as a function of the line; commits nothing."""
 
-        def answer(reach: float, give: float) -> Answer:
+        def answer(reach: float, give: float) -> LineStepEnd:
             return self._answer(drive, dt, reach, give)
 
         return answer
 
-    def _answer(self, drive: float, dt: float, reach: float, give: float) -> Answer:
+    def _answer(self, drive: float, dt: float, reach: float, give: float) -> LineStepEnd:
         try:
             *state, residual, crossing = self._step(*self.state, drive, reach, give, dt)
         except ArithmeticError:  # a division by zero or an overflow
-            return Answer(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
-        force, free, compliance = state[-len(Held._fields) :]  # what the line holds comes last
-        return Answer(tuple(state), force, free, compliance, residual, crossing)
+            return LineStepEnd(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
+        force, free, compliance = state[
+            -len(ElementEnd._fields) :
+        ]  # what the line holds comes last
+        return LineStepEnd(tuple(state), force, free, compliance, residual, crossing)
 
-    def held(self, weights: Weights) -> float:
+    def held(self, weights: ForceWeights) -> float:
         """The share of the tension of the next step that is known [N]."""
         return weights.start * self.force + weights.before * self.before
 
-    def require(self, answer: Answer, time: float) -> Status:
+    def require(self, answer: LineStepEnd, time: float) -> Status:
         """Status of an answer, or `SolveError` if it cannot be trusted."""
         status = classify_step(answer.residual, answer.crossing)
         if not math.isfinite(sum(answer.state)):
@@ -96,7 +98,7 @@ class Strand:
             )
         return status
 
-    def commit(self, answer: Answer, drive: float, length: float, time: float) -> None:
+    def commit(self, answer: LineStepEnd, drive: float, length: float, time: float) -> None:
         """Take an answer; `length` [m] is that of the path in the end."""
         self.status = self.require(answer, time)
         self.state, self.before, self.force = answer.state, self.force, answer.force

@@ -19,10 +19,10 @@ from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fi
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 
-class Held(NamedTuple):
+class ElementEnd(NamedTuple):
     """What is known of the element at the end of a step."""
 
     force: Scalar
@@ -57,21 +57,21 @@ class TendonLine(AbstractMechanism):
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
         signals: Column,
-    ) -> Held:  # fmt: skip
+    ) -> ElementEnd:  # fmt: skip
         """The start force."""
-        return Held(self.start, 0.0, 0.0)
+        return ElementEnd(self.start, 0.0, 0.0)
 
     def advance(
-        self, xp: Namespace, memory: Held, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Held, list[Any], Report]:  # fmt: skip
+        self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[ElementEnd, list[Any], StepReport]:  # fmt: skip
         """The element solves the step by itself, against the line."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, _build_pull(signals), dt)
         force = element.force(after)
-        return Held(force, *element.tangent(xp, after, force)), [after], report
+        return ElementEnd(force, *element.tangent(xp, after, force)), [after], report
 
     def observe(
-        self, xp: Namespace, memory: Held, loads: Sequence[Load], signals: Column
+        self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
         """The force at which element and line meet, and the elongation of the path there."""
         ((element, state, _),) = loads

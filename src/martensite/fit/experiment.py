@@ -19,7 +19,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, suggest_name
 from martensite.signals.records import Record
 from martensite.simulate.driven import Waveforms, arrange_waveforms
-from martensite.simulate.grid import Grid, grid_at
+from martensite.simulate.grid import TimeGrid, grid_at
 
 LEAST_ROWS = 8
 """Rows without which nothing can be fitted."""
@@ -86,7 +86,7 @@ class Experiment:
         """Whether the whole record is kept back."""
         return bool(self.kept_back.all())
 
-    def grid(self, step: float | None = None) -> Grid:
+    def grid(self, step: float | None = None) -> TimeGrid:
         """The time grid, with samples at 0 and at the rows that are compared."""
         times = (self.times + self.lead).tolist()
         if times[0] > 0.0:

@@ -24,7 +24,7 @@ from martensite.fit.fit_provenance import (
 from martensite.fit.fit_rows import compared, covered
 from martensite.fit.fit_verdicts import predictions, warnings
 from martensite.fit.material_numbers import FIT, Numbers
-from martensite.physics.materials.base import Number, Source
+from martensite.physics.materials.base import MaterialNumber, Source
 from martensite.scenario.citations import list_entries
 from martensite.scenario.exact_text import format_quantity, shown_range
 from martensite.scenario.overrides import toml_key, toml_value
@@ -117,7 +117,7 @@ def _outputs(fit: Fit) -> str:
     return joined(list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs)))
 
 
-def _summary(numbers: Numbers, values: dict[str, Number]) -> str:
+def _summary(numbers: Numbers, values: dict[str, MaterialNumber]) -> str:
     """What is fitted, and where the rest comes from."""
     fit, law = numbers.fit, numbers.law_table()
     fitted = [name for name, number in values.items() if number.kind == "fitted" and
@@ -169,7 +169,7 @@ def _sources(sources: dict[str, Source]) -> Iterator[str]:
         yield from _section(f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text})
 
 
-def _value(number: Number) -> dict[str, str]:
+def _value(number: MaterialNumber) -> dict[str, str]:
     entries = {
         "value": number.text, "kind": number.kind, "source": number.source,
         "where": number.where, "note": number.note,

@@ -18,7 +18,7 @@ from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, interval_words
 from martensite.fit.free_parameters import is_nuisance
 from martensite.physics.laws.base import AbstractLaw
-from martensite.physics.materials.base import Material, Number, Source
+from martensite.physics.materials.base import Material, MaterialNumber, Source
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.assemble import scenario_path
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
@@ -65,7 +65,7 @@ class Numbers:
         }
         return law_words(law) | own
 
-    def values(self) -> dict[str, Number]:
+    def values(self) -> dict[str, MaterialNumber]:
         """All numbers by canonical name, in the order of the names.
 
         Raises:
@@ -93,7 +93,7 @@ class Numbers:
     def _systems(self) -> list[AbstractSystem]:
         return [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
 
-    def _number(self, name: str, leaf: Leaf) -> Number:
+    def _number(self, name: str, leaf: Leaf) -> MaterialNumber:
         physical = [free for free in self.fit.problem.free if not is_nuisance(free.path)]
         moving = [free for free in physical if free.moves(leaf.path)]
         if not moving:
@@ -105,7 +105,7 @@ class Numbers:
             return _number(leaf, text, "fitted", FIT, trust(self.fit, moving[0]))
         return self._each(moving, leaf)
 
-    def _each(self, moving: list[FreeNumber], leaf: Leaf) -> Number:
+    def _each(self, moving: list[FreeNumber], leaf: Leaf) -> MaterialNumber:
         """A number that every record has for itself is none of the material: its start stays."""
         fitted = ", ".join(
             f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving
@@ -114,14 +114,14 @@ class Numbers:
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _number(leaf, text, "assumed", self._scenario_source(), note)
 
-    def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> Number:
+    def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
         """A number that the records say nothing about is not fitted, wherever it ended."""
         begun = replace(leaf, value=free.start)
         found = self._inherited(name, begun)
         words = "free in the fit, but without effect on it: as at the start"
         return replace(found, note="; ".join(filter(None, (found.note, words))))
 
-    def _inherited(self, name: str, leaf: Leaf) -> Number:
+    def _inherited(self, name: str, leaf: Leaf) -> MaterialNumber:
         if self.material and name in self.material.values:
             number = self.material.values[name]
             if number.value == leaf.value:
@@ -133,14 +133,14 @@ class Numbers:
             return _number(leaf, text, "assumed", DEFAULT, "")
         return _number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
 
-    def _carried(self, leaves: Leaves) -> Iterator[tuple[str, Number]]:
+    def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
         """Numbers of the scenario's material that the fitted system does not use."""
         if self.material:
             for name, number in self.material.values.items():
                 if name not in leaves:
                     yield name, self._copied(self.material, number)
 
-    def _copied(self, material: Material, number: Number) -> Number:
+    def _copied(self, material: Material, number: MaterialNumber) -> MaterialNumber:
         """A number of another material, with its source."""
         key = number.source
         if key in (FIT, SCENARIO, DEFAULT):
@@ -172,5 +172,5 @@ def trust(fit: Fit, free: FreeNumber) -> str:
     return "; ".join(words)
 
 
-def _number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> Number:
-    return Number(leaf.value, text, leaf.declared.unit, kind, source, "", note)
+def _number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> MaterialNumber:
+    return MaterialNumber(leaf.value, text, leaf.declared.unit, kind, source, "", note)

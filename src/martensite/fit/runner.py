@@ -15,7 +15,7 @@ import numpy as np
 from martensite.fit.experiment import Experiment
 from martensite.kernels.c99 import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import SOLVED, march_floats
 
 LANES = 16
@@ -42,7 +42,7 @@ class Runner:
         self.experiment = experiment
         self.compiled: CompiledMarch = compile_march(experiment.system)
         self.paths = self.compiled.paths
-        self.grid: Grid = experiment.grid(step)
+        self.grid: TimeGrid = experiment.grid(step)
         self.first = len(self.grid.times) - len(experiment.times)
         names = self.compiled.outputs
         self.places = tuple(names.index(output) for output in experiment.outputs)

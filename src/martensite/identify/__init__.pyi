@@ -8,7 +8,7 @@ from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii as P
 from martensite.identify.blocks.transfer_function import TransferFunction as TransferFunction
 from martensite.identify.chains.best_linear import best_linear as best_linear
 from martensite.identify.chains.chain import Chain as _BlockChain
-from martensite.identify.chains.engine import Engine as Engine
+from martensite.identify.chains.engine import ChainEngine as ChainEngine
 from martensite.identify.chains.estimate import estimate_chain as _estimate_model
 from martensite.identify.chains.linearise import linearise_chain as linearise_chain
 from martensite.identify.chains.linearise import static_curve as static_curve
@@ -16,7 +16,7 @@ from martensite.identify.chains.options import Options as _EstimateOptions
 from martensite.identify.chains.plant import build_plant as build_plant
 from martensite.identify.chains.scores import compute_rms as compute_rms
 from martensite.identify.chains.search import search as _search_structures
-from martensite.identify.chains.stages import Stage as Stage
+from martensite.identify.chains.stages import ModelStage as ModelStage
 from martensite.identify.chains.stages import identify_stages as identify_stages
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty as _model_uncertainty
 from martensite.identify.chains.validation import validate_chain as _validate_model

@@ -99,7 +99,7 @@ def _declare_kind(kind: str, types: Mapping[str, str]) -> str:
 
 
 @dataclass(frozen=True)
-class Going:
+class LoopCondition:
     """How a loop asks whether it goes on, and keeps the state of lanes that do not."""
 
     test: str = "{} > 0.0"
@@ -109,12 +109,12 @@ class Going:
 
 
 def _print_repetition(
-    loop: RepeatText, types: Mapping[str, str] = _TYPES, going: Going = Going()
+    loop: RepeatText, types: Mapping[str, str] = _TYPES, going: LoopCondition = LoopCondition()
 ) -> list[str]:
     """A loop over variables of its own block."""
     name, first = loop.name, loop.state[0]
     test = f" && {going.test.format(first)}" if loop.stops else ""
-    keep = going.keep if loop.stops else Going.keep
+    keep = going.keep if loop.stops else LoopCondition.keep
     kinds = [_declare_kind(kind, types) for kind in loop.kinds]
     state = list(zip(kinds, loop.state, loop.begin, loop.outputs, strict=True))
     rows = zip(loop.used, kinds, loop.results(), loop.state, strict=True)
@@ -174,7 +174,7 @@ C_DIALECT = Dialect(
 
 def scalar_dialect(
     number: str, templates: Mapping[str, str], constant: Callable[[float | bool], str],
-    flag: str = _TYPES[FLAG], going: Going = Going(),
+    flag: str = _TYPES[FLAG], going: LoopCondition = LoopCondition(),
 ) -> Dialect:  # fmt: skip
     """C of one run at a time, which may leave out what is not chosen.
 

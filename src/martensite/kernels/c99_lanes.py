@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
 
-from martensite.kernels.c99 import C_DIALECT, Going, c_number, scalar_dialect, vector_math
+from martensite.kernels.c99 import C_DIALECT, LoopCondition, c_number, scalar_dialect, vector_math
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.graph import Expr
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
@@ -179,7 +179,9 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
 
 def _build_dialect() -> Dialect:
     templates = {**C_DIALECT.templates, **_TEMPLATES}
-    going = Going("some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})")
+    going = LoopCondition(
+        "some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})"
+    )
     dialect = scalar_dialect("number", templates, _print_constant, "flags", going)
     return replace(dialect, wants_names=frozenset(), shares_inverses=True)
 

@@ -53,7 +53,7 @@ _FOLD: dict[str, Any] = {
 }
 
 
-class Loop(NamedTuple):
+class GraphLoop(NamedTuple):
     """A body that is evaluated for every row of some columns."""
 
     columns: tuple[tuple[int, ...], ...]
@@ -90,7 +90,7 @@ class Graph:
         self.details: list[Any] = []
         self.flags: set[int] = set()
         """The nodes that are true or false, and no numbers."""
-        self.loops: dict[int, Loop] = {}
+        self.loops: dict[int, GraphLoop] = {}
         self.repeats: dict[int, Repeat] = {}
         self._depth = 0
         self._known: dict[tuple[Any, ...], int] = {}
@@ -135,7 +135,7 @@ class Graph:
         needed = (*dict.fromkeys(i for column in table for i in column), *around)
         depends = self._loop_depends(needed)
         node = self._node("each", needed, depends, (table, outputs)).index
-        self.loops[node] = Loop(table, row, outputs, around, bit)
+        self.loops[node] = GraphLoop(table, row, outputs, around, bit)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
         for result in results:

@@ -8,7 +8,7 @@ from typing import Any
 from martensite.kernels.namespace import Namespace, Scalar
 
 
-class Shape:
+class NestedShape:
     """Rebuilds nested NamedTuples from a flat sequence."""
 
     def __init__(self, example: Any) -> None:

@@ -50,7 +50,7 @@ def differentiate_program(
     for name, count in states.items():
         function = program.functions[name]
         moving = seeds | dict.fromkeys(function.inputs[:count], VARYING)
-        walk = Walk(program.graph, moving)
+        walk = TangentWalk(program.graph, moving)
         places = shown if name == "observe" else range(len(function.outputs))
         pairs = [walk.pair(function.outputs[i].index) for i in places]
         values = tuple(value for value, _ in pairs)
@@ -77,7 +77,7 @@ class _Level:
         self.loops: dict[int, list[list[Any]]] = {}
 
 
-class Walk:
+class TangentWalk:
     """Re-reads nodes of a graph with the derivatives of some inputs."""
 
     def __init__(self, graph: Graph, moving: Mapping[str, int]) -> None:

@@ -2,7 +2,7 @@ from martensite.actuators.elements.base import ELEMENTS as ELEMENTS
 from martensite.actuators.elements.base import AbstractElement as AbstractElement
 from martensite.actuators.mechanisms.base import MECHANISMS as MECHANISMS
 from martensite.actuators.mechanisms.base import AbstractMechanism as AbstractMechanism
-from martensite.actuators.mechanisms.base import Energy as Energy
+from martensite.actuators.mechanisms.base import MechanicalEnergy as MechanicalEnergy
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine as AbstractLoadLine
 from martensite.actuators.mechanisms.multibody import AbstractMultibody as AbstractMultibody
 from martensite.actuators.mechanisms.multibody import Coordinate as Coordinate
@@ -41,7 +41,7 @@ from martensite.physics.electrical.base import Conductor as Conductor
 from martensite.physics.fluids.base import FLUIDS as FLUIDS
 from martensite.physics.fluids.base import AbstractFluid as AbstractFluid
 from martensite.physics.kinetics import history as history
-from martensite.physics.kinetics.history import Memory as Memory
+from martensite.physics.kinetics.history import OneFractionMemory as OneFractionMemory
 from martensite.physics.kinetics.history import Strip as Strip
 from martensite.physics.kinetics.strips import AbstractStripLaw as AbstractStripLaw
 from martensite.physics.laws.base import LAWS as LAWS

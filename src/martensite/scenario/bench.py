@@ -24,9 +24,9 @@ from martensite.base.parameters import Parametrised, option, param
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
 from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.loop.names import list_readings
-from martensite.control.loop.parts import Controllers, Faults, Observers, Sensors
+from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.sensors.base import SENSORS
@@ -130,7 +130,7 @@ class BenchBuilder:
         bench = bench.with_parts(
             controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
             supervisor=self._supervisor(bench),
-            faults=Faults(**faults),
+            faults=FaultTable(**faults),
         )
         outside = {name: one for name, one in found.items() if not one.kernel}
         return bench, outside, int(settings.seed) if settings.noise == "drawn" else None
@@ -174,10 +174,10 @@ class BenchBuilder:
         self.places.note_scales(where, found, scales)
         return found
 
-    def _sensor(self, row: Row) -> tuple[str, Mounted]:
+    def _sensor(self, row: Row) -> tuple[str, MountedSensor]:
         """A sensor in its place, and its name: by default that of what it measures."""
         name, table, path = row
-        mount = tuple(n for n in Mounted.declarations if n != "sensor")
+        mount = tuple(n for n in MountedSensor.declarations if n != "sensor")
         names = (NAME,) if path in PAIRS else ()
         cls = cast("type[AbstractSensor]", choose_class(SENSORS, table, path))
         given = {key: value for key, value in table.items() if key in mount}
@@ -190,7 +190,7 @@ class BenchBuilder:
         where = f"sensors.{check_name(name, path)}"
         scales = Scales(readings={READING: unit}, named=(READING,))
         sensor = self._component(cls, (f"{where}.sensor", table, path), scales, (*mount, *names))
-        return name, self._component(Mounted, (where, given, path), scales, sensor=sensor)
+        return name, self._component(MountedSensor, (where, given, path), scales, sensor=sensor)
 
     def _observer(self, bench: Bench, row: Row) -> tuple[str, AbstractObserver]:
         """An observer of a bench with sensors, and its name: by default its kind."""

@@ -26,7 +26,7 @@ from martensite.scenario.block_tables import block_of, block_table
 from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
-    from martensite.identify.chains.estimate import Estimate
+    from martensite.identify.chains.estimate import ChainEstimate
 
 FORMAT = "martensite-model"
 VERSION = 1
@@ -110,7 +110,7 @@ def read_provenance(path: str | Path) -> dict[str, Any]:
     return dict(cast("dict[str, Any]", found)) if isinstance(found, dict) else {}
 
 
-def model_provenance(found: Estimate) -> dict[str, Any]:
+def model_provenance(found: ChainEstimate) -> dict[str, Any]:
     """What an estimated model rests on: records with hashes, fits, and options.
 
     Nothing in it depends on when or where it was made.
@@ -136,7 +136,7 @@ def hash_record(record: Sampled) -> str:
     return total.hexdigest()
 
 
-def _describe_record(found: Estimate, record: Sampled) -> dict[str, Any]:
+def _describe_record(found: ChainEstimate, record: Sampled) -> dict[str, Any]:
     computed = found.chain.simulate(record)
     fits = fit_percent(record.outputs, computed, found.options.skip)
     errors = compute_rms(record.outputs, computed, found.options.skip)

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
-from martensite.signals.moments import Moments, Segment, Shape, Tone, fit_parabolas
+from martensite.signals.moments import Moments, Segment, SignalShape, Tone, fit_parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
 DRIVE = "drive"
@@ -84,10 +84,10 @@ class AbstractWaveform(AbstractDrive):
         """What it swings by at all times, beside its segments."""
         return ()
 
-    def shape(self, begin: float, end: float) -> Shape:
+    def shape(self, begin: float, end: float) -> SignalShape:
         """The waveform as segments and tones in [begin, end] [s]."""
         known = takewhile(lambda segment: segment.start < end, self.segments(begin))
-        return Shape(list(known) or [next(self.segments(begin))], self.tones())
+        return SignalShape(list(known) or [next(self.segments(begin))], self.tones())
 
     def moments(self, begin: float, end: float) -> Moments:
         """Mean, mean square and range over [begin, end] [s], exactly."""

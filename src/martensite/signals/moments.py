@@ -92,7 +92,7 @@ class Moments(NamedTuple):
         return cls(level, level * level, level, level)
 
 
-class Shape(NamedTuple):
+class SignalShape(NamedTuple):
     """A signal as segments and tones, as far as it is known."""
 
     segments: Sequence[Segment]

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 
 from martensite.signals.base import AbstractWaveform
-from martensite.signals.moments import Moments, Segment, Shape
+from martensite.signals.moments import Moments, Segment, SignalShape
 
 AHEAD = 512
 """Segments that are made at once."""
@@ -33,12 +33,14 @@ class Reader:
             alone = first + 1 == len(self._starts) or self._starts[first + 1] >= end
             if alone and segment.slope == 0.0 == segment.bend:
                 return Moments.constant(segment.level)
-        return Shape(self._known[first : self._place(end) + 1], self.tones).moments(begin, end)
+        return SignalShape(self._known[first : self._place(end) + 1], self.tones).moments(
+            begin, end
+        )
 
     def value(self, time: float) -> float:
         """Signal at `time` [s]; the new one at a jump."""
         self._need(time)
-        return Shape([self._known[self._place(time)]], self.tones).value(time)
+        return SignalShape([self._known[self._place(time)]], self.tones).value(time)
 
     def before(self, time: float) -> float:
         """Signal just before `time` [s]."""
@@ -46,7 +48,7 @@ class Reader:
         place = self._place(time)
         if place > 0 and not self._starts[place] < time:
             place -= 1
-        return Shape([self._known[place]], self.tones).value(time)
+        return SignalShape([self._known[place]], self.tones).value(time)
 
     def edges(self, begin: float, end: float) -> list[float]:
         """Where it jumps or bends in (begin, end) [s]."""

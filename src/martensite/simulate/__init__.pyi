@@ -1,7 +1,7 @@
 from martensite.simulate.alarms import Alarm as Alarm
-from martensite.simulate.batch import Sensitivity as Sensitivity
+from martensite.simulate.batch import OutputSensitivity as OutputSensitivity
 from martensite.simulate.batch import compute_sensitivity as compute_sensitivity
-from martensite.simulate.closed_loop import Loop as Loop
+from martensite.simulate.closed_loop import LoopResult as LoopResult
 from martensite.simulate.closed_loop import simulate_loop as simulate_loop
 from martensite.simulate.compiled import bind_system as bind_system
 from martensite.simulate.controlled import simulate_controlled as simulate_controlled
@@ -9,6 +9,6 @@ from martensite.simulate.courses import Choices as Choices
 from martensite.simulate.lanes import Lanes as Lanes
 from martensite.simulate.measures.base import parse_measure as parse_measure
 from martensite.simulate.paths import named_path as named_path
-from martensite.simulate.point import Leg as Leg
+from martensite.simulate.point import PathLeg as PathLeg
 from martensite.simulate.point import PointResult as PointResult
 from martensite.simulate.point import material_point as material_point

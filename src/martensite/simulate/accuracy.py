@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.marching import Marched, Plan
+from martensite.simulate.marching import Marched, MarchPlan
 
 LOCAL = {2: 0.15, 4: 0.6}
 """Accepted error of a step of the first run, as a share of the tolerance, by the order of a step:
@@ -33,11 +33,11 @@ FEW = 201
 LEAST = 1e-12
 """No accuracy is claimed below this."""
 
-March = Callable[[Plan], Marched]
+March = Callable[[MarchPlan], Marched]
 Rows = Sequence[Sequence[float]]
 
 
-def march_to(march: March, plan: Plan, tolerance: float) -> tuple[Marched, float]:
+def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
     """The last run, and how far it may be off, as a share of the range of each judged output.
 
     Args:

@@ -36,7 +36,7 @@ from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
 from martensite.simulate.ledger import Ledger
 from martensite.simulate.march import SOLVED
-from martensite.simulate.marching import HAIR, AbstractMarch, Plan, Row
+from martensite.simulate.marching import HAIR, AbstractMarch, MarchPlan, Row
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
@@ -78,7 +78,7 @@ class Node(NamedTuple):
     """What is judged."""
 
 
-class Trial(NamedTuple):
+class StepTrial(NamedTuple):
     """A step made whole and in halves."""
 
     length: float
@@ -105,7 +105,7 @@ class Trial(NamedTuple):
 class AdaptiveMarch(AbstractMarch):
     """A run with error control."""
 
-    def __init__(self, plan: Plan, functions: Functions) -> None:
+    def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         super().__init__(plan, functions)
         self.hair = SHORTEST * self.duration
         """Time [s] that is none: an edge so near is here."""
@@ -242,7 +242,7 @@ class AdaptiveMarch(AbstractMarch):
             found += feed_step(joined, first[-1])
         return tuple(found)
 
-    def _try_step(self, length: float, halves: Sequence[Row]) -> Trial:
+    def _try_step(self, length: float, halves: Sequence[Row]) -> StepTrial:
         """Make a step in two ways, and compare."""
         plan = self.plan
         solve = self._solve_rosenbrock if plan.order == 4 else self._solve_halves
@@ -267,7 +267,7 @@ class AdaptiveMarch(AbstractMarch):
             for place, a, b in rows:
                 owed[place] = part * (a - b)
         points = self.functions["points"]
-        return Trial(
+        return StepTrial(
             length, halves, one, two, fine, (points(*one), points(*two)), tuple(owed), error,
             ripple, residual, lapse,
         )  # fmt: skip
@@ -332,7 +332,7 @@ class AdaptiveMarch(AbstractMarch):
         self.power = max(ripples) / lapse
         return lapse, max(ripples)
 
-    def _find_kink(self, trial: Trial) -> float:
+    def _find_kink(self, trial: StepTrial) -> float:
         """Share of a step at which a law without rates turns or bends, if that counts; else 1.
 
         It misses the height of a turn over the points that it sees, times how its fractions go with
@@ -366,7 +366,7 @@ class AdaptiveMarch(AbstractMarch):
                 first = min([first, *(share for share in found if BESIDE < share < 1.0 - BESIDE)])
         return first
 
-    def _shortened(self, trial: Trial) -> float:
+    def _shortened(self, trial: StepTrial) -> float:
         """The next length to try after one that was too long."""
         if trial.error == math.inf:
             return 0.25 * trial.length
@@ -375,18 +375,18 @@ class AdaptiveMarch(AbstractMarch):
             shorter = min(shorter, self._to_edge(trial.length))
         return shorter
 
-    def _change(self, trial: Trial) -> float:
+    def _change(self, trial: StepTrial) -> float:
         """By what the length of a step is to be changed for the tolerance."""
         return SAFETY * max(trial.error, 1e-9) ** (-1.0 / self.exponent)
 
-    def _trend(self, trial: Trial) -> float:
+    def _trend(self, trial: StepTrial) -> float:
         """By what the next step is to be shorter if errors go on to grow as they just did."""
         power = self.exponent
         rough = max(trial.error, 1e-9) / trial.length**power
         last, self.rough = self.rough, 0.0 if self.at_edge or self.at_kink else rough
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
 
-    def _keep_ledger(self, trial: Trial) -> None:
+    def _keep_ledger(self, trial: StepTrial) -> None:
         """What a step did to heat and work; what came in by the mean of both ends of a half.
 
         It asks the laws of heating and cooling at the states that were found, and so is no part
@@ -404,7 +404,7 @@ class AdaptiveMarch(AbstractMarch):
         self.found.lost = self.ledger.lost
         self.found.accounts = tuple(self.ledger.accounts)
 
-    def _accept(self, trial: Trial, most: float, planned: float) -> None:
+    def _accept(self, trial: StepTrial, most: float, planned: float) -> None:
         """Go on to the end of a step."""
         self._keep_ledger(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
@@ -443,13 +443,13 @@ class AdaptiveMarch(AbstractMarch):
 
     # ---------------------------------------------------------------- samples
 
-    def _reached(self, trial: Trial) -> list[Node]:
+    def _reached(self, trial: StepTrial) -> list[Node]:
         """Middle and end of a step."""
         half, end = self.time + 0.5 * trial.length, self.time + trial.length
         middle = self.functions["judge"](*trial.half, *self.signals(half))
         return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
 
-    def _keep_samples(self, end: float, trial: Trial, nodes: Sequence[Node]) -> None:
+    def _keep_samples(self, end: float, trial: StepTrial, nodes: Sequence[Node]) -> None:
         """Outputs at the samples within a step."""
         observe, times = self.functions["observe"], self.plan.times
         hair = HAIR * trial.length
@@ -465,7 +465,7 @@ class AdaptiveMarch(AbstractMarch):
             self.found.rows.append(observe(*state, *self.signals(time)))
             self.sample += 1
 
-    def _is_smooth(self, trial: Trial, nodes: Sequence[Node]) -> bool:
+    def _is_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> bool:
         """Whether the polynomial through the last five points is good enough in a step."""
         if len(nodes) < 5 or trial.lapse > 0.0:
             return False
@@ -488,7 +488,7 @@ class AdaptiveMarch(AbstractMarch):
             found[k] = min(max(found[k], low), high)
         return tuple(found)
 
-    def _step_aside(self, trial: Trial, time: float) -> Row:
+    def _step_aside(self, trial: StepTrial, time: float) -> Row:
         """State after a step from the last half step."""
         middle = self.time + 0.5 * trial.length
         name = "rosenbrock" if self.plan.order == 4 else "solve"

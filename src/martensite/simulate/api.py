@@ -13,11 +13,11 @@ from martensite.simulate.accuracy import bound_error, march_to
 from martensite.simulate.balance import balance_heat, balance_work
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import Waveforms, arrange_waveforms, grid_of
-from martensite.simulate.engines import Engine, Tell
+from martensite.simulate.engines import RunEngine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
-from martensite.simulate.grid import Grid, cut_steps, steps_through
+from martensite.simulate.grid import TimeGrid, cut_steps, steps_through
 from martensite.simulate.march import Border, Track, march_floats
-from martensite.simulate.marching import Marched, Plan
+from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.result import Result, profiles_of
 from martensite.simulate.warnings import add_warnings
 
@@ -74,13 +74,13 @@ def simulate(
         return _in_discrete_time(system, waveform, duration, samples, runtime)
     compiled = compile_march(system)
     times = [duration * k / (samples - 1) for k in range(samples)]
-    plan = Plan(
+    plan = MarchPlan(
         compiled, waves, times, tolerance, first_step(system, duration, samples),
         envelope_of(system), step=step, recorded=runtime == "jax" and step is None,
         halves=runtime == "jax",
     )  # fmt: skip
     chosen = "auto" if runtime == "jax" else runtime
-    engine = Engine(compiled, compiled.values(system), chosen, tell, budget)
+    engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
     if step is None:
         found, accuracy = march_to(engine, plan, tolerance)
     else:
@@ -97,7 +97,7 @@ def simulate(
 
 
 def _on_jax(
-    engine: Engine, plan: Plan, found: Marched, accuracy: float | None
+    engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None
 ) -> tuple[Marched, float | None]:
     """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
     from martensite.simulate.batch import march_jax
@@ -129,12 +129,14 @@ def _in_discrete_time(
         [tuple(row) for row in track.rows], (), track.status, track.status_time or 0.0,
         track.place, track.value, steps=len(grid.lengths), longest=grid.longest,
     )  # fmt: skip
-    plan = Plan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
+    plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     return _build_result(system, waveform, plan, found, None, used)
 
 
-def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: Grid, runtime: str) -> Track:
+def _march_grid(
+    system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str
+) -> Track:
     """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
     track: Track | None = None
     limits = envelope_of(system)
@@ -174,7 +176,7 @@ def longest_step(system: AbstractSystem) -> float:
 
 
 def _build_result(
-    system: AbstractSystem, waveform: Waveforms, plan: Plan, found: Marched,
+    system: AbstractSystem, waveform: Waveforms, plan: MarchPlan, found: Marched,
     accuracy: float | None, runtime: str,
 ) -> Result:  # fmt: skip
     """What is returned, with its warnings."""
@@ -197,7 +199,7 @@ def _build_result(
     return add_warnings(result)
 
 
-def _add_balances(result: Result, plan: Plan, found: Marched) -> Result:
+def _add_balances(result: Result, plan: MarchPlan, found: Marched) -> Result:
     """A result with what became of heat and work, and a warning where some of it is missing."""
     book, warnings = plan.compiled.book, result.warnings
     heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None

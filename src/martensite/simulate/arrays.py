@@ -14,11 +14,11 @@ import numpy as np
 
 from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.grid import Grid
-from martensite.simulate.marching import Limits
+from martensite.simulate.grid import TimeGrid
+from martensite.simulate.marching import RunLimits
 
 
-class Schedule(NamedTuple):
+class ArrayGrid(NamedTuple):
     """A grid as arrays."""
 
     first: Any
@@ -36,8 +36,8 @@ class Schedule(NamedTuple):
 
 
 def build_schedule(
-    grid: Grid, dtype: str = "float64", limits: Limits | None = None
-) -> tuple[Schedule, bool]:
+    grid: TimeGrid, dtype: str = "float64", limits: RunLimits | None = None
+) -> tuple[ArrayGrid, bool]:
     """The grid as padded arrays, and whether padding was needed."""
     counts = np.asarray(grid.counts)
     shape = (len(counts), int(counts.max()))
@@ -52,11 +52,11 @@ def build_schedule(
     sampled = [np.asarray(signal, dtype) for signal in zip(*grid.sampled, strict=True)]
     first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
     bounds = None if limits is None else np.array(limits, dtype)
-    plan = Schedule(first, rest, drives, padded(grid.lengths), np.ones((), dtype), bounds)
+    plan = ArrayGrid(first, rest, drives, padded(grid.lengths), np.ones((), dtype), bounds)
     return plan, not bool(used.all())
 
 
-class Rows(NamedTuple):
+class BatchRows(NamedTuple):
     """Outputs at the samples and the worst reports, over a batch."""
 
     outputs: tuple[Any, ...]
@@ -69,7 +69,7 @@ class Rows(NamedTuple):
 
 def build_march(
     compiled: CompiledMarch, outputs: Sequence[int], padded: bool
-) -> Callable[[Sequence[Any], Schedule], Rows]:
+) -> Callable[[Sequence[Any], ArrayGrid], BatchRows]:
     """A pure function of (parameter values, schedule) that marches and observes.
 
     It may be jitted, mapped and differentiated (forward mode) with JAX.
@@ -77,7 +77,7 @@ def build_march(
     xp = jax_namespace()
     jax, np_ = xp.jax, xp.np
 
-    def run(values: Sequence[Any], plan: Schedule) -> Rows:
+    def run(values: Sequence[Any], plan: ArrayGrid) -> BatchRows:
         functions = compiled.program.bind_arrays(make_storing_namespace(xp, plan.one), values)
         shape = np_.broadcast_shapes(*(np_.shape(v) for v in values))
         zero = np_.zeros(shape, plan.lengths.dtype)
@@ -123,7 +123,7 @@ def build_march(
             (plan.sampled, plan.drives, plan.lengths),
         )  # fmt: skip
         joined = tuple(np_.concatenate([a[None], b]) for a, b in zip(start, rows, strict=True))
-        return Rows(joined, reports, left)
+        return BatchRows(joined, reports, left)
 
     return run
 
@@ -144,7 +144,7 @@ def jitted_jacobian(
     jax = jax_namespace().jax
     run = build_march(compiled, outputs, padded)
 
-    def directions(values: Any, plan: Schedule) -> tuple[Any, Any, Any]:
+    def directions(values: Any, plan: ArrayGrid) -> tuple[Any, Any, Any]:
         def column(some: Any) -> tuple[Any, Any]:
             everything = values.at[np.asarray(wrt)].set(some)
             rows = run(list(everything), plan)

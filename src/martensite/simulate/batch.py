@@ -27,18 +27,18 @@ from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.driven import Waveforms, by_name, grid_of
 from martensite.simulate.envelope import envelope_of, varied_stops
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import Track, classify_step, track_of
-from martensite.simulate.marching import Limits
+from martensite.simulate.marching import RunLimits
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.result import Result, Variants
-from martensite.simulate.variants import Course, Ran
+from martensite.simulate.variants import Ran, VariantSetup
 
 PRECISIONS = ("float64", "float32")
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class OutputSensitivity:
     """One output over time and its derivatives with respect to parameters."""
 
     times: Any
@@ -105,7 +105,7 @@ def simulate_batch(
             devices,
         )  # fmt: skip
     _find_indices(compile_march(system), outputs)
-    course = Course(
+    course = VariantSetup(
         system, by_name(system, waveform), duration, samples, step, tuple(outputs), chosen,
         tolerance=tolerance, threads=(os.cpu_count() or 1) if devices is None else devices,
     )  # fmt: skip
@@ -216,7 +216,7 @@ def compute_sensitivity(
     output: str = "position",
     samples: int = 1001,
     runtime: str = "auto",
-) -> Sensitivity:
+) -> OutputSensitivity:
     """Exact derivatives of an output over time with respect to parameters.
 
     Forward-mode differentiation through the march, latent heat and mechanism included.
@@ -251,11 +251,15 @@ def compute_sensitivity(
     if status.failed or not np.isfinite(slopes).all():
         raise SolveError(f"The run to be differentiated failed. {status.sentence}")
     named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
-    return Sensitivity(np.linspace(0.0, duration, samples), column, named)
+    return OutputSensitivity(np.linspace(0.0, duration, samples), column, named)
 
 
 def _differentiate_in_c(
-    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: Grid, place: int
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    rows: Sequence[int],
+    grid: TimeGrid,
+    place: int,
 ) -> tuple[Any, Any, float]:
     """A column, its derivatives by some parameters, and the worst residual, in C."""
     seeds = np.zeros((len(values), len(rows)))
@@ -265,7 +269,11 @@ def _differentiate_in_c(
 
 
 def _differentiate_on_jax(
-    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: Grid, place: int
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    rows: Sequence[int],
+    grid: TimeGrid,
+    place: int,
 ) -> tuple[Any, Any, float]:
     """The same on JAX."""
     plan, padded = build_schedule(grid, "float64")
@@ -275,7 +283,10 @@ def _differentiate_on_jax(
 
 
 def march_jax(
-    compiled: CompiledMarch, values: Sequence[float], grid: Grid, limits: Limits | None = None
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    grid: TimeGrid,
+    limits: RunLimits | None = None,
 ) -> Track:
     """One run on JAX, with every output."""
     plan, padded = build_schedule(grid, limits=limits)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from martensite.actuators.assembly import AbstractSystem
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import Grid, Steps, cut_steps
+from martensite.simulate.grid import Steps, TimeGrid, cut_steps
 
 Edges = tuple[float, ...]
 """Times at which any waveform jumps or bends [s]."""
@@ -25,7 +25,7 @@ def steps_of(edges: Edges, duration: float, samples: int, step: float) -> Steps:
 
 def play_waveforms(
     system: AbstractSystem, steps: Steps, waveforms: Sequence[AbstractWaveform | None]
-) -> Grid:
+) -> TimeGrid:
     """A grid of steps with what waveforms bring, one per drive; 0 where there is none."""
     at_end = [drive.at_end for drive in system.drives()]
     return steps.grid([wave or Constant(level=0.0) for wave in waveforms], at_end)

@@ -26,8 +26,8 @@ from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
 from martensite.simulate.envelope import Envelope, Exit, describe_exit
 from martensite.simulate.grid import MOST_STEPS
-from martensite.simulate.loop_plan import Plan, check_loop, whole_periods
-from martensite.simulate.march import Track, Watch, check_track
+from martensite.simulate.loop_plan import LoopPlan, check_loop, whole_periods
+from martensite.simulate.march import Track, WorstStep, check_track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 
@@ -37,7 +37,7 @@ Row = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Loop:
+class LoopResult:
     """A run in a loop, period by period."""
 
     result: Result
@@ -62,7 +62,7 @@ def simulate_loop(
     shortest: float = 0.0,
     probe: float | None = None,
     step: float | None = None,
-) -> Loop:
+) -> LoopResult:
     """Run a system from rest under a drive that is called at the start of every period.
 
     The drive gets the time [s], all outputs in SI by name, and its own memory, and answers with
@@ -91,7 +91,7 @@ def simulate_loop(
     if max(duration / longest, 2.0 * periods) > MOST_STEPS:
         raise InputError(f"The loop needs more than {MOST_STEPS:,} steps; shorten its duration.")
     started = probe if probe is not None else (1.0 if pulses else 0.0)
-    plan = Plan(system, drive, periods, period, pulses, shortest, started, longest)
+    plan = LoopPlan(system, drive, periods, period, pulses, shortest, started, longest)
     walk = _Walk(plan)
     return walk.loop(walk.run().require())
 
@@ -100,12 +100,12 @@ def simulate_loop(
 class _Walk:
     """One march through all periods."""
 
-    plan: Plan
+    plan: LoopPlan
     rows: list[Row] = field(default_factory=list[Row])
     ends: list[Row] = field(default_factory=list[Row])
     sums: list[list[float]] = field(default_factory=list[list[float]])
     signals: list[float] = field(default_factory=list[float])
-    watch: Watch = field(default_factory=Watch)
+    watch: WorstStep = field(default_factory=WorstStep)
     times: list[float] = field(default_factory=list[float])
     """Start of every step [s]."""
     longest: float = 0.0
@@ -187,7 +187,7 @@ class _Walk:
                 break
         return before
 
-    def loop(self, found: Track) -> Loop:
+    def loop(self, found: Track) -> LoopResult:
         """What was found, with its alarms."""
         plan, count = self.plan, len(self.times)
         times = [plan.start(k) for k in range(len(found.rows))]
@@ -200,7 +200,7 @@ class _Walk:
             when = found.status_time or 0.0
             result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
         add_warnings(result, self._judged(result.columns, ends))
-        return Loop(result, plan.period, self.signals, ends, self._columns(self.sums))
+        return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
     def _judged(
         self, starts: dict[str, list[float]], ends: dict[str, list[float]]

@@ -14,14 +14,14 @@ from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.parameters import Keyed, values_at
 from martensite.kernels.graph import Expr
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.signals.moments import Moments
 from martensite.simulate.ledger import EMPTY, Book
 
-REPORT = Report._fields[:2]
+REPORT = StepReport._fields[:2]
 """What a step under constant signals says of itself."""
 ENVELOPE = ("hottest", "stress", "strain")
 """Outputs of an element that a run must not take beyond what can be."""
@@ -55,7 +55,7 @@ def compile_system(system: AbstractSystem) -> Compiled:
     return _compile_keyed(Keyed(system))
 
 
-class Place(NamedTuple):
+class LawPoint(NamedTuple):
     """Where a law without rates acts."""
 
     fraction: int
@@ -83,7 +83,7 @@ class CompiledMarch(Compiled):
     """Port and output of what must not leave the envelope."""
     heated: tuple[int, ...] = ()
     """The drives whose elements hold a known heat."""
-    points: tuple[Place, ...] = ()
+    points: tuple[LawPoint, ...] = ()
     """What `points` returns, one after the other."""
     book: Book = EMPTY
     """What `entries` returns."""
@@ -151,12 +151,12 @@ def _compile_keyed(keyed: Keyed[AbstractSystem]) -> Compiled:
 def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
     trace, system = _Trace(keyed), keyed.part
     feeds = [not (one.at_end or system.sample_time()) for one in system.drives()]
-    trace.add_step(feeds, len(Report._fields))
+    trace.add_step(feeds, len(StepReport._fields))
     judged = tuple(system.judged().items())
     envelope = tuple((port, name) for port in system.actuators() for name in ENVELOPE)
     wanted = [*(name for name, _ in judged), *(system.label(*pair) for pair in envelope)]
     return CompiledMarch(
-        trace.program, trace.paths, trace.size, trace.drives, trace.outputs, Report._fields,
+        trace.program, trace.paths, trace.size, trace.drives, trace.outputs, StepReport._fields,
         widths=tuple(len(FED) if feed else 1 for feed in feeds),
         judged=judged,
         envelope=envelope,
@@ -265,9 +265,9 @@ class _Trace:
         self.program.add("entries", [*self.names, *self.signals], entries)
         return books[-1]
 
-    def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[Place, ...]:
+    def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[LawPoint, ...]:
         """Where laws without rates act: temperature, stress and fractions."""
-        names, places = [name for name, _ in judged], list[Place]()
+        names, places = [name for name, _ in judged], list[LawPoint]()
 
         def points(xp: Any, *state: Any) -> list[Any]:
             rows = self.system.points(xp, self.shape.rebuild(state))
@@ -275,7 +275,7 @@ class _Trace:
             for port, row in zip(self.system.actuators(), rows, strict=False):
                 fraction = names.index(self.system.label(port, "martensite_fraction"))
                 places.extend(
-                    Place(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row
+                    LawPoint(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row
                 )
             return [number for row in rows for point in row for number in flatten_numbers(point)]
 
@@ -289,7 +289,7 @@ class _Trace:
 
     def _init(self, xp: Any, *drives: Any) -> list[Any]:
         state = self.system.init(xp, *drives)
-        self.shape = Shape(state)
+        self.shape = NestedShape(state)
         return flatten_numbers(state)
 
     def _observe(self, xp: Any, *arguments: Any) -> list[Any]:

@@ -20,7 +20,7 @@ from typing import Any
 
 from martensite.base.parameters import Keyed, values_at
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
@@ -69,7 +69,7 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
         return _build_row(xp, law, memory, 0.0)
 
     program.add("init", ["xi", "xi_S", "sigma", "T"], init)
-    shape, size = Shape(found[0]), len(flatten_numbers(found[0]))
+    shape, size = NestedShape(found[0]), len(flatten_numbers(found[0]))
     names = [f"m{i}" for i in range(size)]
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
     program.add(
@@ -85,7 +85,7 @@ def _build_row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[An
     return [*flatten_numbers(memory), *fractions, strain, memory.stress, residual]
 
 
-def _stress_step(law: AbstractLaw, shape: Shape) -> Callable[..., list[Any]]:
+def _stress_step(law: AbstractLaw, shape: NestedShape) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, stress, temperature, dt = arguments
         after, _ = law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)
@@ -94,7 +94,9 @@ def _stress_step(law: AbstractLaw, shape: Shape) -> Callable[..., list[Any]]:
     return step
 
 
-def _strain_step(law: AbstractLaw, shape: Shape, tension_only: bool) -> Callable[..., list[Any]]:
+def _strain_step(
+    law: AbstractLaw, shape: NestedShape, tension_only: bool
+) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, strain, temperature, dt = arguments
 

@@ -25,7 +25,7 @@ from martensite.simulate.driven import arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.loop_plan import whole_periods
-from martensite.simulate.march import Border, Track, Watch, check_track
+from martensite.simulate.march import Border, Track, WorstStep, check_track
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 
@@ -109,7 +109,7 @@ class _Walk:
         self.border = Border(compiled, functions, envelope_of(plan.system))
         self.steps = 0
         """Steps taken."""
-        self.plan, self.watch = plan, Watch()
+        self.plan, self.watch = plan, WorstStep()
         self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
         discrete = plan.system.sample_time() > 0.0

@@ -15,8 +15,8 @@ from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.landmarks import Loaded, Marks, find_isobar, find_loaded
-from martensite.simulate.point import Leg, PointResult, material_point
+from martensite.simulate.landmarks import LoadingPoint, Marks, find_isobar, find_loaded
+from martensite.simulate.point import PathLeg, PointResult, material_point
 
 TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
 STARTS = {"austenite": AUSTENITE, "martensite": ORIENTED, "twinned": TWINNED}
@@ -25,7 +25,7 @@ ZERO = 273.15
 
 
 @dataclass(frozen=True)
-class Rates:
+class PathRates:
     """How fast paths go; matters for laws with rates only."""
 
     temperature: float = 1.0
@@ -48,11 +48,11 @@ class Choices:
     """[-]"""
     fractions: Fractions | None = None
     """Phase state at the start."""
-    rates: Rates = field(default_factory=Rates)
+    rates: PathRates = field(default_factory=PathRates)
 
 
 @dataclass(frozen=True)
-class Course:
+class ThermomechanicalPath:
     """One path: where it begins and its legs."""
 
     label: str
@@ -61,7 +61,7 @@ class Course:
     temperature: float
     """At the start [K]."""
     fractions: Fractions
-    legs: tuple[Leg, ...]
+    legs: tuple[PathLeg, ...]
 
     def follow(
         self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4,
@@ -116,7 +116,7 @@ class Guide:
         """The chosen temperatures, or some above A_f [K]."""
         return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
 
-    def top(self, temperature: float, fractions: Fractions) -> Loaded:
+    def top(self, temperature: float, fractions: Fractions) -> LoadingPoint:
         """Where loading has completed the transformation."""
         found = find_loaded(self.law, round(temperature, 6), fractions)
         if found is None or found.stress < 1e6:
@@ -138,18 +138,18 @@ class Guide:
             return self.choices.stresses[0]
         return 10e6 * math.ceil((1.08 * self.top(temperature, fractions).stress + 15e6) / 10e6)
 
-    def stress(self, change: float, end: float) -> Leg:
+    def stress(self, change: float, end: float) -> PathLeg:
         """A leg that changes stress."""
-        return Leg(stress=end, duration=_compute_time(change, self.choices.rates.stress))
+        return PathLeg(stress=end, duration=_compute_time(change, self.choices.rates.stress))
 
-    def strain(self, change: float, end: float) -> Leg:
+    def strain(self, change: float, end: float) -> PathLeg:
         """A leg that changes strain."""
-        return Leg(strain=end, duration=_compute_time(change, self.choices.rates.strain))
+        return PathLeg(strain=end, duration=_compute_time(change, self.choices.rates.strain))
 
-    def heat(self, begin: float, end: float, hold: str | None = None) -> Leg:
+    def heat(self, begin: float, end: float, hold: str | None = None) -> PathLeg:
         """A leg that changes temperature."""
         duration = _compute_time(end - begin, self.choices.rates.temperature)
-        return Leg(temperature=end, hold=hold, duration=duration)
+        return PathLeg(temperature=end, hold=hold, duration=duration)
 
 
 def _compute_time(change: float, rate: float) -> float:

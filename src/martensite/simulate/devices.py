@@ -17,7 +17,7 @@ from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.kernels.jax_setup import jax_namespace
-from martensite.simulate.arrays import Rows, Schedule
+from martensite.simulate.arrays import ArrayGrid, BatchRows
 
 CHUNKS = {"cpu": 256}
 """Variants marched together by kind of device: on a processor the state stays in its cache."""
@@ -48,11 +48,11 @@ def chunk_for(devices: Sequence[Any]) -> int:
 
 
 def march_chunks(
-    run: Callable[[Any, Schedule], Rows],
+    run: Callable[[Any, ArrayGrid], BatchRows],
     chunks: Iterable[Sequence[Any]],
-    plan: Schedule,
+    plan: ArrayGrid,
     devices: Sequence[Any],
-) -> Iterator[Rows]:
+) -> Iterator[BatchRows]:
     """March chunk after chunk, each on the next device, and fetch what they give, in order.
 
     Args:
@@ -66,7 +66,7 @@ def march_chunks(
     """
     jax = jax_namespace().jax
     plans = [jax.device_put(plan, device) for device in devices]
-    under_way: deque[Rows] = deque()
+    under_way: deque[BatchRows] = deque()
     for k, values in enumerate(chunks):
         if len(under_way) == AHEAD * len(devices):
             yield jax.device_get(under_way.popleft())

@@ -9,7 +9,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import Grid, build_grid, grid_of_samples, require_unit
+from martensite.simulate.grid import TimeGrid, build_grid, grid_of_samples, require_unit
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
 """A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""
@@ -59,7 +59,7 @@ def arrange_waveforms(
 
 def grid_of(
     system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float
-) -> Grid:
+) -> TimeGrid:
     """The time grid of a run; a system in discrete time has its own steps, whatever `step`."""
     interval = system.sample_time()
     if interval:

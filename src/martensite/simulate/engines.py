@@ -12,7 +12,7 @@ from martensite.base.errors import SolveError
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.fixed import FixedMarch
-from martensite.simulate.marching import Marched, Plan
+from martensite.simulate.marching import Marched, MarchPlan
 
 Tell = Callable[[str, float], None]
 """Told what is being done, and which share of it is."""
@@ -27,7 +27,7 @@ OFTEN = 0.1
 
 
 @dataclass
-class Engine:
+class RunEngine:
     """Makes runs of a system, on the runtime that was asked for."""
 
     compiled: CompiledMarch
@@ -41,7 +41,7 @@ class Engine:
     """What the last run was made on."""
     begin: float = field(default_factory=time.process_time)
 
-    def __call__(self, plan: Plan) -> Marched:
+    def __call__(self, plan: MarchPlan) -> Marched:
         """Make a run.
 
         Raises:
@@ -51,7 +51,7 @@ class Engine:
             return self._quickest(plan)
         return self._on_c(plan) if self.runtime == "c" else self._on_floats(plan, hasty=False)
 
-    def _quickest(self, plan: Plan) -> Marched:
+    def _quickest(self, plan: MarchPlan) -> Marched:
         """On floats if it is over soon, else in C, if there is a compiler."""
         from martensite.kernels.c99 import find_compiler
 
@@ -64,13 +64,13 @@ class Engine:
         except TimeoutError:
             return self._on_c(plan)
 
-    def _readiness(self, plan: Plan) -> str:
+    def _readiness(self, plan: MarchPlan) -> str:
         """How near the runtime C is."""
         from martensite.simulate.marching_native import kernel_of, tell_readiness
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
-    def _on_floats(self, plan: Plan, hasty: bool) -> Marched:
+    def _on_floats(self, plan: MarchPlan, hasty: bool) -> Marched:
         """A run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""
         self.used = "floats"
         functions = self.compiled.program.bind_floats(*self.values)
@@ -88,7 +88,7 @@ class Engine:
 
         return march(plan, functions).run(look)
 
-    def _on_c(self, plan: Plan) -> Marched:
+    def _on_c(self, plan: MarchPlan) -> Marched:
         """A run in C, compiled if it has to be."""
         from martensite.simulate.marching_native import Runs, march_runs
 

@@ -29,8 +29,8 @@ from martensite.simulate.accuracy import (
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
-from martensite.simulate.marching import Marched, Plan
-from martensite.simulate.marching_native import RANGES, Rows, Runs, march_runs
+from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs
 
 Numbers: TypeAlias = NDArray[np.float64]
 RIPPLE, RESIDUAL = 7, 8
@@ -91,7 +91,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
     return found
 
 
-def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: Rows) -> Numbers:
+def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> Numbers:
     """How far runs may be off, from what two of each differ by, (runs, samples, judged)."""
     least = np.array([least for _, least in compiled.judged])
     scales = np.maximum(made.numbers[:, RANGES:], least)
@@ -103,7 +103,7 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: Rows) -> Number
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
 
-def _place_runs(found: Ensemble, made: Rows, places: Any, accuracy: Numbers) -> None:
+def _place_runs(found: Ensemble, made: MarchRows, places: Any, accuracy: Numbers) -> None:
     """Put runs to their places."""
     outputs = made.outputs[:, :, : found.outputs.shape[2]]
     status = made.numbers[:, 0].astype(np.int8)
@@ -116,7 +116,7 @@ def _place_runs(found: Ensemble, made: Rows, places: Any, accuracy: Numbers) -> 
 
 
 def march_one_by_one(
-    plan: Plan, systems: Iterable[tuple[AbstractSystem, Sequence[Any]]], count: int,
+    plan: MarchPlan, systems: Iterable[tuple[AbstractSystem, Sequence[Any]]], count: int,
     outputs: Sequence[int], tolerance: float,
 ) -> Ensemble:  # fmt: skip
     """Make runs on plain floats, each to a tolerance.

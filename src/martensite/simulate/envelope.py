@@ -14,7 +14,7 @@ from typing import NamedTuple
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.simulate.compiled import ENVELOPE
-from martensite.simulate.marching import Limits, Row
+from martensite.simulate.marching import Row, RunLimits
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""
@@ -28,7 +28,7 @@ BEYOND = {
 }
 
 
-def envelope_of(system: AbstractSystem) -> Limits:
+def envelope_of(system: AbstractSystem) -> RunLimits:
     """Bounds of what `CompiledMarch.envelope` names."""
     low: list[float] = []
     high: list[float] = []
@@ -37,7 +37,7 @@ def envelope_of(system: AbstractSystem) -> Limits:
         strain = limits.strain_stop if straight else float("inf")
         low += [0.0, -limits.stress_stop, -strain]
         high += [limits.temperature_stop, limits.stress_stop, strain]
-    return Limits(tuple(low), tuple(high))
+    return RunLimits(tuple(low), tuple(high))
 
 
 def varied_stops(paths: Iterable[str]) -> list[str]:

@@ -26,7 +26,7 @@ Signals = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Grid:
+class TimeGrid:
     """Sample times, and the steps between them."""
 
     times: list[float]
@@ -92,7 +92,7 @@ class Steps(NamedTuple):
         """Where they end [s]: where the next one begins, or at the last of the times."""
         return [*self.begins[1:], self.times[-1]]
 
-    def grid(self, waveforms: Sequence[AbstractWaveform], at_end: Sequence[bool]) -> Grid:
+    def grid(self, waveforms: Sequence[AbstractWaveform], at_end: Sequence[bool]) -> TimeGrid:
         """With what waveforms bring; one flag per waveform says whether it prescribes a state."""
         count, columns = len(self.lengths), list[Sequence[Signals]]()
         ends = self.ends()
@@ -105,13 +105,13 @@ class Steps(NamedTuple):
                 columns.append([(*found, 0.0) for found in shape.many(self.begins, ends)])
         rows = [tuple(chain.from_iterable(row)) for row in zip(*columns, strict=True)]
         sampled = rows_of(waveforms, [self.times] * len(waveforms), len(self.times))
-        return Grid(list(self.times), sampled, self.counts, self.lengths, rows or [()] * count)
+        return TimeGrid(list(self.times), sampled, self.counts, self.lengths, rows or [()] * count)
 
 
 def build_grid(
     waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float,
     at_end: Sequence[bool],
-) -> Grid:  # fmt: skip
+) -> TimeGrid:  # fmt: skip
     """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
     return grid_at(waveforms, times, step, at_end)
@@ -120,7 +120,7 @@ def build_grid(
 def grid_of_samples(
     waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float,
     ahead: Sequence[bool],
-) -> Grid:  # fmt: skip
+) -> TimeGrid:  # fmt: skip
     """The grid of a system in discrete time: every step is one of its samples, from 0 on.
 
     Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
@@ -144,7 +144,7 @@ def grid_of_samples(
         tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
         for pair in pairwise(signals)
     ]
-    return Grid(
+    return TimeGrid(
         [k * interval for k in ends], [signals[k] for k in ends],
         [b - a for a, b in pairwise(ends)], [interval] * steps, played,
     )  # fmt: skip
@@ -153,7 +153,7 @@ def grid_of_samples(
 def grid_at(
     waveforms: Sequence[AbstractWaveform], times: list[float], step: float,
     at_end: Sequence[bool],
-) -> Grid:  # fmt: skip
+) -> TimeGrid:  # fmt: skip
     """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
 
     The pieces are cut into steps of at most `step` [s].

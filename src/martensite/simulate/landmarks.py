@@ -40,7 +40,7 @@ class Marks(NamedTuple):
     M_f: float
 
 
-class Loaded(NamedTuple):
+class LoadingPoint(NamedTuple):
     """A point on a loading sweep."""
 
     stress: float
@@ -49,7 +49,7 @@ class Loaded(NamedTuple):
     """[-]"""
 
 
-class Place(NamedTuple):
+class PlanePoint(NamedTuple):
     """A point of the plane."""
 
     stress: float
@@ -76,13 +76,18 @@ class Explorer:
         functions = compiled.program.bind_floats(*compiled.values(self.law))
         return functions["init"], functions["stress_step"], compiled.size
 
-    def start(self, fractions: Fractions, at: Place) -> State:
+    def start(self, fractions: Fractions, at: PlanePoint) -> State:
         """Memory in a phase state that has no history."""
         init, _, size = self._bound
         return init(*fractions, *at)[:size]
 
     def sweep(
-        self, state: State, begin: Place, end: Place, duration: float, tests: Sequence[Test]
+        self,
+        state: State,
+        begin: PlanePoint,
+        end: PlanePoint,
+        duration: float,
+        tests: Sequence[Test],
     ) -> tuple[list[Passed | None], State]:
         """Where the tests are first passed on the way, and the memory at its end."""
         found: list[Passed | None] = [None] * len(tests)
@@ -96,7 +101,12 @@ class Explorer:
         return found, state
 
     def _step(
-        self, state: State, begin: Place, end: Place, duration: float, shares: tuple[float, float]
+        self,
+        state: State,
+        begin: PlanePoint,
+        end: PlanePoint,
+        duration: float,
+        shares: tuple[float, float],
     ) -> tuple[State, State]:
         _, step, size = self._bound
         x, y = (a + shares[1] * (b - a) for a, b in zip(begin, end, strict=True))
@@ -104,7 +114,7 @@ class Explorer:
         return after[:size], after[size:]
 
     def _closer(
-        self, state: State, begin: Place, end: Place, duration: float,
+        self, state: State, begin: PlanePoint, end: PlanePoint, duration: float,
         shares: tuple[float, float], test: Test, depth: int,
     ) -> Passed:  # fmt: skip
         """The same within a piece of the way, in smaller steps."""
@@ -132,7 +142,7 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
         level: share of the transformation at which it counts as begun.
     """
     explorer = Explorer(law)
-    hot, cold = Place(stress, HOTTEST), Place(stress, COLDEST)
+    hot, cold = PlanePoint(stress, HOTTEST), PlanePoint(stress, COLDEST)
     duration = (HOTTEST - COLDEST) / HEATING
 
     def above(share: float) -> Test:
@@ -160,14 +170,14 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
 def find_loaded(
     law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE,
     share: float = 1.0 - LEVEL,
-) -> Loaded | None:  # fmt: skip
+) -> LoadingPoint | None:  # fmt: skip
     """Where loading at a temperature [K] has oriented (or formed) a share of martensite.
 
     None if that takes more than 3 GPa. What counts is martensite if there is none at the start,
     else its orientation.
     """
     explorer = Explorer(law)
-    begin, end = Place(0.0, temperature), Place(STRONGEST, temperature)
+    begin, end = PlanePoint(0.0, temperature), PlanePoint(STRONGEST, temperature)
     counted = ORIENTED if fractions.martensite > 0.5 else MARTENSITE
     state = explorer.start(fractions, begin)
     (found,), _ = explorer.sweep(
@@ -175,4 +185,4 @@ def find_loaded(
     )
     if found is None:
         return None
-    return Loaded(found.share * STRONGEST, found.row[STRAIN])
+    return LoadingPoint(found.share * STRONGEST, found.row[STRAIN])

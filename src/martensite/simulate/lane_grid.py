@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class LaneGrid:
         """Longest step [s]."""
         return float(self.lengths.max())
 
-    def lane(self, lane: int) -> Grid:
+    def lane(self, lane: int) -> TimeGrid:
         """The grid of one lane, without the steps of no length."""
         lengths = self.lengths[:, lane]
         taken = lengths > 0.0
@@ -50,10 +50,10 @@ class LaneGrid:
         counts = [int(taken[a:b].sum()) for a, b in zip(ends - self.counts, ends, strict=True)]
         sampled = [tuple(row) for row in self.sampled[:, :, lane].tolist()]
         drives = [tuple(row) for row in self.drives[taken, :, lane].tolist()]
-        return Grid(self.times, sampled, counts, lengths[taken].tolist(), drives)
+        return TimeGrid(self.times, sampled, counts, lengths[taken].tolist(), drives)
 
 
-def lane_grid(grids: Sequence[Grid]) -> LaneGrid:
+def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
     """One grid of all lanes from that of each; they must have the same samples."""
     counts = np.array([grid.counts for grid in grids], np.int_)
     most = counts.max(axis=0)

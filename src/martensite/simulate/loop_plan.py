@@ -14,7 +14,7 @@ from martensite.signals.held import Held
 
 
 @dataclass(frozen=True)
-class Plan:
+class LoopPlan:
     """Everything about a loop but its numbers of iterations."""
 
     system: System

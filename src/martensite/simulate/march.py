@@ -10,8 +10,8 @@ from typing import Any
 from martensite.base.errors import SolveError
 from martensite.base.status import Status
 from martensite.simulate.compiled import CompiledMarch, Functions
-from martensite.simulate.grid import Grid
-from martensite.simulate.marching import Limits
+from martensite.simulate.grid import TimeGrid
+from martensite.simulate.marching import RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
@@ -43,7 +43,7 @@ class Track:
 
 
 def march_floats(
-    functions: Functions, size: int, grid: Grid, border: Border | None = None
+    functions: Functions, size: int, grid: TimeGrid, border: Border | None = None
 ) -> Track:
     """Advance through the grid with traced float functions; failures are a status.
 
@@ -52,7 +52,7 @@ def march_floats(
     step, observe = functions["step"], functions["observe"]
     state = functions["init"](*grid.sampled[0])
     rows = [observe(*state, *grid.sampled[0])]
-    watch = Watch()
+    watch = WorstStep()
     k = 0
     try:
         for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):
@@ -70,7 +70,7 @@ def march_floats(
 
 
 def _stop_track(
-    rows: Sequence[tuple[float, ...]], watch: Watch, border: Border, time: float
+    rows: Sequence[tuple[float, ...]], watch: WorstStep, border: Border, time: float
 ) -> Track:
     """A track that ended at a border; one that had failed before is not to be trusted either."""
     if watch.worst.failed:
@@ -81,7 +81,7 @@ def _stop_track(
 class Border:
     """The envelope of a run on floats, looked at from inside."""
 
-    def __init__(self, compiled: CompiledMarch, functions: Functions, limits: Limits) -> None:
+    def __init__(self, compiled: CompiledMarch, functions: Functions, limits: RunLimits) -> None:
         self.judge, self.limits = functions["judge"], limits
         self.first, self.places = len(compiled.judged), compiled.signals_in_step()
         self.place, self.value = -1, 0.0
@@ -101,7 +101,7 @@ class Border:
         return False
 
 
-class Watch:
+class WorstStep:
     """Remembers the worst step and where it was."""
 
     def __init__(self) -> None:

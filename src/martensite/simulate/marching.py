@@ -19,7 +19,7 @@ HAIR = 1e-9
 """Share of a step that is none."""
 
 
-class Limits(NamedTuple):
+class RunLimits(NamedTuple):
     """What no run leaves."""
 
     low: tuple[float, ...]
@@ -28,7 +28,7 @@ class Limits(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Plan:
+class MarchPlan:
     """Everything about an adaptive run but the numbers of the system."""
 
     compiled: CompiledMarch
@@ -39,7 +39,7 @@ class Plan:
     """Accepted error of a step, as a share of the range of each judged output."""
     first: float
     """Length of the first step [s]."""
-    limits: Limits
+    limits: RunLimits
     ranges: tuple[float, ...] = ()
     """Ranges of the judged outputs, if they are known."""
     recorded: bool = False
@@ -93,7 +93,7 @@ class Marched:
 class AbstractMarch:
     """One run under way, on floats."""
 
-    def __init__(self, plan: Plan, functions: Functions) -> None:
+    def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         self.plan, self.functions, self.size = plan, functions, plan.compiled.size
         self.readers = [Reader(waveform) for waveform in plan.waveforms]
         self.time, self.duration = 0.0, plan.times[-1]

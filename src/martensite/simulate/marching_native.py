@@ -27,7 +27,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, TURNED_OVER
-from martensite.simulate.marching import Marched, Plan
+from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread_limits
 
 Numbers = NDArray[np.float64]
@@ -117,7 +117,7 @@ class _Window:
 class Runs:
     """Runs of one system: what differs between them, and what they have in common."""
 
-    plan: Plan
+    plan: MarchPlan
     """Waveforms of all runs; `own` ones replace them."""
     values: Sequence[Any]
     """Parameters in order, each a number or (runs,)."""
@@ -149,7 +149,7 @@ class Runs:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class MarchRows:
     """What runs did."""
 
     outputs: Numbers
@@ -179,7 +179,7 @@ class Rows:
         )  # fmt: skip
 
 
-def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Rows:
+def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
     """March runs to their ends; `watch` is told the share that is done, now and then."""
     marching = _Marching(runs)
     if runs.lanes == 1 or marching.knows_all():
@@ -191,7 +191,7 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Rows
     outputs, numbers = (
         np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers")
     )
-    return Rows(outputs, numbers, [])
+    return MarchRows(outputs, numbers, [])
 
 
 class _Marching:
@@ -247,7 +247,7 @@ class _Marching:
         )
         self._fill()
 
-    def go(self, watch: Callable[[float], None] | None = None) -> Rows:
+    def go(self, watch: Callable[[float], None] | None = None) -> MarchRows:
         """To the end."""
         begin = 1
         march, block = ctypes.byref(self.march), ctypes.byref(self.block)
@@ -255,7 +255,9 @@ class _Marching:
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
             if answer == DONE:
-                return Rows(self.rows, self.numbers, self.record[: self.march.recorded].tolist())
+                return MarchRows(
+                    self.rows, self.numbers, self.record[: self.march.recorded].tolist()
+                )
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
@@ -300,19 +302,19 @@ def _get_address(array: Numbers) -> int:
 
 
 def kernel_of(
-    plan: Plan, outputs: Sequence[int], lanes: int = 1,
+    plan: MarchPlan, outputs: Sequence[int], lanes: int = 1,
     own: Sequence[Sequence[AbstractWaveform]] | None = None,
-) -> Kernel:  # fmt: skip
+) -> MarchKernel:  # fmt: skip
     """What has to be compiled for runs of a plan; every run may have waveforms of its own."""
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
     fixed = plan.step is not None
     order = 2 if fixed else plan.order
-    return Kernel(plan.compiled, tuple(outputs), lanes, tones, order, own is not None, fixed)
+    return MarchKernel(plan.compiled, tuple(outputs), lanes, tones, order, own is not None, fixed)
 
 
 @dataclass(frozen=True)
-class Kernel:
+class MarchKernel:
     """What a library is compiled for."""
 
     compiled: CompiledMarch
@@ -395,11 +397,11 @@ class Kernel:
         return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
 
 
-_LOADED: set[Kernel] = set()
+_LOADED: set[MarchKernel] = set()
 
 
 @cache_answers(64)
-def _load_library(kernel: Kernel) -> Any:
+def _load_library(kernel: MarchKernel) -> Any:
     library = load_library(kernel.source(), kernel.flags)
     for name in ("march_on", "size_of_block", "run_of"):
         getattr(library, name).restype = ctypes.c_long
@@ -408,7 +410,7 @@ def _load_library(kernel: Kernel) -> Any:
     return library
 
 
-def tell_readiness(kernel: Kernel) -> str:
+def tell_readiness(kernel: MarchKernel) -> str:
     """`loaded`, `compiled` but not loaded in this process yet, or `new`."""
     if kernel in _LOADED:
         return "loaded"

@@ -14,10 +14,10 @@ from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import Track, track_of
-from martensite.simulate.marching import Limits
+from martensite.simulate.marching import RunLimits
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
@@ -144,7 +144,7 @@ def _load_library(
 
 
 def march_lanes(
-    compiled: CompiledMarch, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
+    compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int,
     outputs: Sequence[int],
 ) -> tuple[Any, Any]:  # fmt: skip
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
@@ -156,7 +156,7 @@ def march_lanes(
 
 
 def march_inside(
-    compiled: CompiledMarch, values: Sequence[Any], grid: Grid | LaneGrid, lanes: int,
+    compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int,
     outputs: Sequence[int], limits: Any,
 ) -> tuple[Any, Any, Any]:  # fmt: skip
     """The same, with the time [s] at which each lane left the envelope, (lanes,).
@@ -186,7 +186,10 @@ def spread_limits(limits: Any, runs: int) -> Any:
 
 
 def march_c(
-    compiled: CompiledMarch, values: Sequence[float], grid: Grid, limits: Limits | None = None
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    grid: TimeGrid,
+    limits: RunLimits | None = None,
 ) -> Track:
     """One run on the C runtime."""
     places = range(len(compiled.outputs))

@@ -15,9 +15,9 @@ from martensite.kernels.c99 import load_library
 from martensite.kernels.c99_slopes import WIDTHS, count_constants, slopes_source
 from martensite.kernels.once import cache_answers
 from martensite.kernels.tangent import differentiate_program
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 
 _MARCH = """
 void march(long intervals, const double *restrict p, const slopes *restrict dp,
@@ -54,7 +54,7 @@ void march(long intervals, const double *restrict p, const slopes *restrict dp,
 """
 
 
-class Slopes(NamedTuple):
+class OutputSlopes(NamedTuple):
     """Outputs of one run and their derivatives."""
 
     rows: Any
@@ -66,8 +66,12 @@ class Slopes(NamedTuple):
 
 
 def march_slopes(
-    compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: Grid, outputs: Sequence[int]
-) -> Slopes:
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    seeds: Any,
+    grid: TimeGrid,
+    outputs: Sequence[int],
+) -> OutputSlopes:
     """March one run with the derivatives of its outputs.
 
     Args:
@@ -99,18 +103,18 @@ def _pad_seeds(seeds: Any, width: int) -> Any:
 
 
 def _march_library(
-    library: Any, values: Sequence[float], seeds: Any, grid: Grid, outputs: int
-) -> Slopes:
+    library: Any, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: int
+) -> OutputSlopes:
     shape = len(grid.times), outputs
     rows, drows, worst = (
         np.empty(shape),
         np.empty((*shape, seeds.shape[1])),
-        np.empty(len(Report._fields)),
+        np.empty(len(StepReport._fields)),
     )
     arrays = (np.array([*values, 0.0]), seeds, *grid.arrays, rows, drows, worst)
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
     library.march(ctypes.c_long(len(grid.counts)), *pointers)
-    return Slopes(rows, drows, float(worst[0]), float(worst[1]))
+    return OutputSlopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
 @cache_answers(64)

@@ -13,7 +13,13 @@ from dataclasses import dataclass
 from martensite.base.errors import ParameterError, UnknownNameError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.courses import Choices, Course, Guide, format_celsius, format_megapascal
+from martensite.simulate.courses import (
+    Choices,
+    Guide,
+    ThermomechanicalPath,
+    format_celsius,
+    format_megapascal,
+)
 
 
 @dataclass(frozen=True)
@@ -25,7 +31,7 @@ class NamedPath:
     """Fields of `Choices` that it reads, apart from phase state and rates."""
     plane: tuple[str, str]
     """The two columns in which it is best seen: horizontal, vertical."""
-    lay: Callable[[Guide], list[Course]]
+    lay: Callable[[Guide], list[ThermomechanicalPath]]
 
     @property
     def summary(self) -> str:
@@ -40,10 +46,14 @@ LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
 
 def register_path(
     name: str, *uses: str, plane: tuple[str, str]
-) -> Callable[[Callable[[Guide], list[Course]]], Callable[[Guide], list[Course]]]:
+) -> Callable[
+    [Callable[[Guide], list[ThermomechanicalPath]]], Callable[[Guide], list[ThermomechanicalPath]]
+]:
     """File a function under a name."""
 
-    def file_under(lay: Callable[[Guide], list[Course]]) -> Callable[[Guide], list[Course]]:
+    def file_under(
+        lay: Callable[[Guide], list[ThermomechanicalPath]],
+    ) -> Callable[[Guide], list[ThermomechanicalPath]]:
         PATHS[name] = NamedPath(name, uses, plane, lay)
         return lay
 
@@ -61,7 +71,9 @@ def find_path(name: str) -> NamedPath:
     return PATHS[name]
 
 
-def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[Course]:
+def named_path(
+    name: str, law: AbstractLaw, choices: Choices | None = None
+) -> list[ThermomechanicalPath]:
     """The courses of a named path, sized by a law.
 
     Args:
@@ -90,7 +102,7 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
 
 
 @register_path("superelastic", "temperatures", "stresses", plane=LOOP)
-def build_superelastic(guide: Guide) -> list[Course]:
+def build_superelastic(guide: Guide) -> list[ThermomechanicalPath]:
     """Load austenite to a stress and unload it, at each of several temperatures.
 
     Temperatures: A_f + 10, 25 and 40 K. Stress: the first one given for all temperatures, else
@@ -98,16 +110,16 @@ def build_superelastic(guide: Guide) -> list[Course]:
     """
     fractions = guide.choices.fractions or AUSTENITE
 
-    def course(temperature: float) -> Course:
+    def course(temperature: float) -> ThermomechanicalPath:
         peak = guide.load(temperature, fractions)
         legs = guide.stress(peak, peak), guide.stress(peak, 0.0)
-        return Course(format_celsius(temperature), 0.0, temperature, fractions, legs)
+        return ThermomechanicalPath(format_celsius(temperature), 0.0, temperature, fractions, legs)
 
     return [course(temperature) for temperature in guide.hot(10.0, 25.0, 40.0)]
 
 
 @register_path("tension", "temperatures", "strain", plane=LOOP)
-def build_tension(guide: Guide) -> list[Course]:
+def build_tension(guide: Guide) -> list[ThermomechanicalPath]:
     """Stretch to a strain and back to the start, at each of several temperatures.
 
     Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
@@ -115,19 +127,19 @@ def build_tension(guide: Guide) -> list[Course]:
     """
     temperatures = guide.choices.temperatures or (guide.cold[0], *guide.hot(15.0))
 
-    def course(temperature: float) -> Course:
+    def course(temperature: float) -> ThermomechanicalPath:
         near = abs(temperature - guide.cold[0]) < 1e-9
         fractions = guide.choices.fractions or (guide.cold[1] if near else AUSTENITE)
         peak = guide.choices.strain or guide.top(temperature, fractions).strain + 0.004
         rest = guide.rest(temperature, fractions)
         legs = guide.strain(peak - rest, peak), guide.strain(peak - rest, rest)
-        return Course(format_celsius(temperature), 0.0, temperature, fractions, legs)
+        return ThermomechanicalPath(format_celsius(temperature), 0.0, temperature, fractions, legs)
 
     return [course(temperature) for temperature in temperatures]
 
 
 @register_path("isobaric", "stresses", plane=RECOVERY)
-def build_isobaric(guide: Guide) -> list[Course]:
+def build_isobaric(guide: Guide) -> list[ThermomechanicalPath]:
     """Cool austenite and heat it again, at each of several constant stresses.
 
     Stresses: 50, 100 and 200 MPa. Temperatures: from beyond A_f at the highest to beyond M_f at
@@ -138,11 +150,14 @@ def build_isobaric(guide: Guide) -> list[Course]:
     cold = min(guide.marks_at(stress).M_f for stress in stresses) - 10.0
     legs = guide.heat(hot, cold), guide.heat(cold, hot)
     fractions = guide.choices.fractions or AUSTENITE
-    return [Course(format_megapascal(stress), stress, hot, fractions, legs) for stress in stresses]
+    return [
+        ThermomechanicalPath(format_megapascal(stress), stress, hot, fractions, legs)
+        for stress in stresses
+    ]
 
 
 @register_path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
-def free_recovery(guide: Guide) -> list[Course]:
+def free_recovery(guide: Guide) -> list[ThermomechanicalPath]:
     """Load and unload cold, then heat without load: the strain comes back.
 
     Temperature: the cold one; by default below M_f where twinned martensite turns under stress,
@@ -152,7 +167,7 @@ def free_recovery(guide: Guide) -> list[Course]:
 
 
 @register_path("shape-memory", "temperatures", "stresses", plane=RECOVERY)
-def shape_memory(guide: Guide) -> list[Course]:
+def shape_memory(guide: Guide) -> list[ThermomechanicalPath]:
     """Load and unload cold, heat without load and cool again: the one-way effect.
 
     Temperature and stress as for free-recovery.
@@ -160,17 +175,17 @@ def shape_memory(guide: Guide) -> list[Course]:
     return [_build_recovery(guide, "load, unload, heat, cool", cool=True)]
 
 
-def _build_recovery(guide: Guide, label: str, *, cool: bool) -> Course:
+def _build_recovery(guide: Guide, label: str, *, cool: bool) -> ThermomechanicalPath:
     temperature, fractions = guide.cold
     peak, hot = guide.load(temperature, fractions), guide.marks.A_f + 20.0
     legs = [guide.stress(peak, peak), guide.stress(peak, 0.0), guide.heat(temperature, hot)]
     if cool:
         legs.append(guide.heat(hot, temperature))
-    return Course(label, 0.0, temperature, fractions, tuple(legs))
+    return ThermomechanicalPath(label, 0.0, temperature, fractions, tuple(legs))
 
 
 @register_path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
-def constrained_recovery(guide: Guide) -> list[Course]:
+def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
     """Stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
 
     Temperature: as for free-recovery. Strain: half of what completes the transformation there.
@@ -183,18 +198,22 @@ def constrained_recovery(guide: Guide) -> list[Course]:
         guide.strain(peak, peak), unload, guide.heat(temperature, hot, "strain"),
         guide.heat(hot, temperature, "strain"),
     )  # fmt: skip
-    return [Course("stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs)]
+    return [
+        ThermomechanicalPath(
+            "stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs
+        )
+    ]
 
 
 @register_path("minor-loops", "stresses", plane=RECOVERY)
-def minor_loops(guide: Guide) -> list[Course]:
+def minor_loops(guide: Guide) -> list[ThermomechanicalPath]:
     """A whole thermal cycle at constant stress, then partial heatings from cold.
 
     Stress: 100 MPa. The partial heatings end 75, 60, 45 and 30 % of the way from A_s to A_f.
     """
     stresses = guide.choices.stresses or (100e6,)
 
-    def course(stress: float) -> Course:
+    def course(stress: float) -> ThermomechanicalPath:
         marks = guide.marks_at(stress)
         hot, cold = marks.A_f + 10.0, marks.M_f - 10.0
         turns: Sequence[float] = [
@@ -204,6 +223,6 @@ def minor_loops(guide: Guide) -> list[Course]:
         for turn in turns:
             legs += [guide.heat(cold, turn), guide.heat(turn, cold)]
         fractions = guide.choices.fractions or AUSTENITE
-        return Course(format_megapascal(stress), stress, hot, fractions, tuple(legs))
+        return ThermomechanicalPath(format_megapascal(stress), stress, hot, fractions, tuple(legs))
 
     return [course(stress) for stress in stresses]

@@ -24,7 +24,7 @@ from martensite.base.errors import (
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW
-from martensite.simulate.point_march import Drive, PointTrack, Section, march_point
+from martensite.simulate.point_march import PathDriver, PathSection, PointTrack, march_point
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,7 +40,7 @@ MOST_STEPS = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Leg:
+class PathLeg:
     """One straight piece of a path; what is not given stays as it is."""
 
     temperature: float | None = None
@@ -103,7 +103,7 @@ class PointResult:
     """A path of a material point: equally long columns in SI units."""
 
     law: AbstractLaw
-    legs: tuple[Leg, ...]
+    legs: tuple[PathLeg, ...]
     time: list[float]
     """[s]"""
     stress: list[float]
@@ -152,7 +152,7 @@ COLUMNS = ("time", "stress", "strain", "temperature", "martensite", "oriented")
 
 def material_point(
     law: AbstractLaw,
-    legs: Sequence[Leg],
+    legs: Sequence[PathLeg],
     *,
     start: tuple[float, float],
     fractions: Fractions = AUSTENITE,
@@ -185,7 +185,7 @@ def material_point(
     """
     _check_path(legs, start, fractions, steps, tolerance, runtime)
     sections = _fill_sections(legs, steps, start[1])
-    drive = Drive(law, fractions, *start, sections, tension_only, runtime)
+    drive = PathDriver(law, fractions, *start, sections, tension_only, runtime)
     track, accuracy = _refine_steps(drive, tolerance)
     if track.status.failed:
         raise SolveError(
@@ -211,7 +211,7 @@ _SENTENCES = {
 
 
 def _check_path(
-    legs: Sequence[Leg], start: tuple[float, float], fractions: Fractions, steps: int,
+    legs: Sequence[PathLeg], start: tuple[float, float], fractions: Fractions, steps: int,
     tolerance: float | None, runtime: str,
 ) -> None:  # fmt: skip
     if not legs:
@@ -235,20 +235,20 @@ def _check_path(
         raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
 
 
-def _fill_sections(legs: Sequence[Leg], steps: int, temperature: float) -> list[Section]:
+def _fill_sections(legs: Sequence[PathLeg], steps: int, temperature: float) -> list[PathSection]:
     """The legs with everything filled in that can be known before the march."""
-    found: list[Section] = []
+    found: list[PathSection] = []
     control, first = "stress", temperature
     for leg in legs:
         control = leg.control or leg.hold or control
         last = first if leg.temperature is None else leg.temperature
         target = leg.strain if control == "strain" else leg.stress
-        found.append(Section(control, target, first, last, leg.duration, leg.steps or steps))
+        found.append(PathSection(control, target, first, last, leg.duration, leg.steps or steps))
         first = last
     return found
 
 
-def _refine_steps(drive: Drive, tolerance: float | None) -> tuple[PointTrack, float | None]:
+def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrack, float | None]:
     """Halve the steps until halving changes little; the finest run and its last change."""
     finer, found = 1, march_point(drive, 1)
     if tolerance is None:
@@ -277,7 +277,7 @@ def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
 
 
 def _build_result(
-    law: AbstractLaw, legs: Sequence[Leg], drive: Drive, track: PointTrack,
+    law: AbstractLaw, legs: Sequence[PathLeg], drive: PathDriver, track: PointTrack,
     accuracy: float | None, label: str,
 ) -> PointResult:  # fmt: skip
     columns = {name: [row[i] for row in track.rows] for i, name in enumerate(ROW)}

@@ -21,7 +21,7 @@ SPLITS = 4
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
 
 
-class Section(NamedTuple):
+class PathSection(NamedTuple):
     """One leg with everything filled in that is known before the march."""
 
     control: str
@@ -35,7 +35,7 @@ class Section(NamedTuple):
     samples: int
 
 
-class Ramp(NamedTuple):
+class RampSection(NamedTuple):
     """A section whose prescribed quantity is known at both ends, in equal steps."""
 
     control: str
@@ -78,7 +78,7 @@ class Rider(Protocol):
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         ...
 
-    def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
+    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
         """Along one section."""
         ...
 
@@ -98,14 +98,14 @@ class PointTrack:
 
 
 @dataclass(frozen=True)
-class Drive:
+class PathDriver:
     """A law and its path; everything about a march but its steps."""
 
     law: AbstractLaw
     fractions: Fractions
     stress: float
     temperature: float
-    sections: Sequence[Section]
+    sections: Sequence[PathSection]
     tension_only: bool
     runtime: str
 
@@ -129,7 +129,7 @@ class Drive:
         return compile_law(self.law, tension_only=self.tension_only)
 
 
-def march_point(drive: Drive, finer: int) -> PointTrack:
+def march_point(drive: PathDriver, finer: int) -> PointTrack:
     """March with `finer` steps between samples; failures are a status."""
     rider = drive.rider
     size = drive.compiled.size
@@ -155,15 +155,15 @@ def march_point(drive: Drive, finer: int) -> PointTrack:
 
 
 def _start_section(
-    section: Section, finer: int, row: tuple[float, ...], imposed: float | None
-) -> Ramp:
+    section: PathSection, finer: int, row: tuple[float, ...], imposed: float | None
+) -> RampSection:
     """Where a section begins: a slack point is longer than the strain imposed on it."""
     begin = row[STRESS]
     if section.control == "strain":
         begin = row[STRAIN] if imposed is None else imposed
     end = begin if section.target is None else section.target
     dt = section.duration / (section.samples * finer)
-    return Ramp(
+    return RampSection(
         section.control, begin, end, section.first, section.last, dt, section.samples, finer
     )
 
@@ -171,7 +171,7 @@ def _start_section(
 class FloatRider:
     """Traced functions as plain Python."""
 
-    def __init__(self, drive: Drive) -> None:
+    def __init__(self, drive: PathDriver) -> None:
         compiled = drive.compiled
         self._size = compiled.size
         self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
@@ -193,7 +193,7 @@ class FloatRider:
         last = self._carefully(first[: self._size], middle, end, 0.5 * dt, splits - 1)
         return (*last[:-1], max(first[-1], last[-1]))
 
-    def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
+    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
         """Along one section."""
         step, size, dt = self._functions[f"{ramp.control}_step"], self._size, ramp.dt
         rows: list[tuple[float, ...]] = []

@@ -11,7 +11,7 @@ from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.once import cache_answers
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
-from martensite.simulate.point_march import Ramp, Ridden
+from martensite.simulate.point_march import RampSection, Ridden
 
 _RIDE = """
 void start(const double *restrict p, const double *restrict x, double *restrict y) {{
@@ -80,7 +80,7 @@ class NativeRider:
         library.start(*map(_get_pointer, (self._parameters, given, found)))
         return tuple(found.tolist())
 
-    def ride(self, memory: tuple[float, ...], ramp: Ramp) -> Ridden:
+    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
         """Along one section."""
         state, worst = np.array(memory, float), np.empty(1)
         rows, where = np.empty((ramp.samples, len(ROW))), np.empty(1, np.int_)

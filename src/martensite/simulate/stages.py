@@ -19,7 +19,7 @@ STILL = {"temperature": 0.01, "stress": 1e3, "strain": 1e-7}
 
 
 @dataclass(frozen=True)
-class Spot:
+class StagePoint:
     """A point of a path."""
 
     stress: float
@@ -29,7 +29,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
-class Stage:
+class PathStage:
     """One leg of a path."""
 
     kind: str
@@ -40,16 +40,16 @@ class Stage:
     """Change of the martensite fraction [-]."""
     oriented: float
     """Change of the oriented fraction [-]."""
-    spots: tuple[Spot, Spot, Spot] | None
+    spots: tuple[StagePoint, StagePoint, StagePoint] | None
     """Where the transformation starts, is half done and ends."""
     varies: tuple[str, ...]
     """Which of stress and temperature change on the leg."""
-    end: Spot
+    end: StagePoint
     strain: float
     """At the end [-]."""
 
 
-def list_stages(result: PointResult) -> list[Stage]:
+def list_stages(result: PointResult) -> list[PathStage]:
     """Every leg of a path."""
     return [_build_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
 
@@ -59,7 +59,7 @@ def residual_strain(result: PointResult) -> float:
     return result.strain[-1] - result.strain[0]
 
 
-def _build_stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
+def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathStage:
     changes = {n: result[n][last] - result[n][first] for n in (*STILL, "martensite", "oriented")}
     martensite, oriented = changes["martensite"], changes["oriented"]
     name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
@@ -71,14 +71,14 @@ def _build_stage(result: PointResult, leg: int, first: int, last: int) -> Stage:
     process = "orientation"
     if name == "martensite":
         process = "forward" if martensite > 0.0 else "reverse"
-    return Stage(
+    return PathStage(
         kind=_describe_kind(result, leg, changes),
         process=process if acts else "",
         martensite=martensite,
         oriented=oriented,
         spots=_find_spots(result, getattr(result, name), first, last) if acts else None,
         varies=varies,
-        end=Spot(result.stress[last], result.temperature[last]),
+        end=StagePoint(result.stress[last], result.temperature[last]),
         strain=result.strain[last],
     )
 
@@ -99,24 +99,24 @@ def _describe_kind(result: PointResult, leg: int, changes: dict[str, float]) -> 
 
 def _find_spots(
     result: PointResult, fractions: list[float], first: int, last: int
-) -> tuple[Spot, Spot, Spot]:
+) -> tuple[StagePoint, StagePoint, StagePoint]:
     start, half, end = (_find_spot(result, fractions, first, last, share) for share in SHARES)
     return start, half, end
 
 
 def _find_spot(
     result: PointResult, fractions: list[float], first: int, last: int, share: float
-) -> Spot:
+) -> StagePoint:
     """Where a share of the change on a leg is done."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
     k = next(i for i, value in enumerate(done) if value >= share)
     if k == 0:
-        return Spot(result.stress[first], result.temperature[first])
+        return StagePoint(result.stress[first], result.temperature[first])
     part = (share - done[k - 1]) / (done[k] - done[k - 1])
     i = first + k
 
     def between(column: list[float]) -> float:
         return column[i - 1] + part * (column[i] - column[i - 1])
 
-    return Spot(between(result.stress), between(result.temperature))
+    return StagePoint(between(result.stress), between(result.temperature))

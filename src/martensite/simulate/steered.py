@@ -22,12 +22,12 @@ from functools import cached_property
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, Feed
-from martensite.actuators.assembly.base import Drive
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone, add_segments
 from martensite.simulate.driven import Waveforms, arrange_waveforms
@@ -145,7 +145,7 @@ class Steered(AbstractSystem, init=False):
         """As of the system."""
         return self.system.profile(state)
 
-    def drives(self) -> list[Drive]:
+    def drives(self) -> list[DriveSignal]:
         """Those of the system, for what does not move, one for each level, and one for pairs."""
         own = self.system.drives()
         levels = zip(self.levels.declarations, self.layout(), strict=True)
@@ -174,7 +174,7 @@ class Steered(AbstractSystem, init=False):
 
     def step(
         self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[Any, Report]:
+    ) -> tuple[Any, StepReport]:
         """Advance by `dt` [s]."""
         count = len(self.system.drives())
         fed = [self._fed(xp, place, drives) for place in range(count)]

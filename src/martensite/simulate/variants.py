@@ -32,10 +32,10 @@ from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.driven import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
-from martensite.simulate.grid import Grid, Steps
+from martensite.simulate.grid import Steps, TimeGrid
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
 from martensite.simulate.march import classify_step
-from martensite.simulate.marching import HAIR, Plan
+from martensite.simulate.marching import HAIR, MarchPlan
 from martensite.simulate.marching_native import Runs
 from martensite.simulate.refusals import find_refused
 
@@ -114,7 +114,7 @@ class Ran:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class VariantSetup:
     """What all variants have in common."""
 
     system: AbstractSystem
@@ -221,9 +221,9 @@ class Course:
         return march_one_by_one(self._plan, systems, len(rows), self.places, self.tolerance)
 
     @cached_property
-    def _plan(self) -> Plan:
+    def _plan(self) -> MarchPlan:
         """What runs with an error control have in common."""
-        return Plan(
+        return MarchPlan(
             self.compiled,
             arrange_waveforms(self.system, self.waveforms),
             self.times,
@@ -306,7 +306,7 @@ class Course:
         return [values.get(path, number) for path, number in nominal]
 
     @cached_property
-    def engine(self) -> Callable[[Values, Grid | LaneGrid, int], OnSteps]:
+    def engine(self) -> Callable[[Values, TimeGrid | LaneGrid, int], OnSteps]:
         """What marches on given steps, from (values, grid, runs)."""
         if self.runtime == "c":
             return self._march_c
@@ -316,7 +316,7 @@ class Course:
             return JaxMarch(self)
         return self._march_floats
 
-    def _march_c(self, values: Values, grid: Grid | LaneGrid, runs: int) -> OnSteps:
+    def _march_c(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
         from martensite.simulate.native import march_inside
 
         limits = self._limits(values, runs)
@@ -326,17 +326,17 @@ class Course:
         )
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
-    def _march_floats(self, values: Values, grid: Grid | LaneGrid, runs: int) -> OnSteps:
+    def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
         from martensite.simulate.variants_floats import march_on_steps
 
         return march_on_steps(self, values, grid, runs)
 
-    def _grid(self, signals: Mapping[str, Values], rows: Places) -> Grid | LaneGrid:
+    def _grid(self, signals: Mapping[str, Values], rows: Places) -> TimeGrid | LaneGrid:
         """The steps of all, or of every lane where waveforms vary."""
         if not signals:
             return self._common
-        known: dict[tuple[float, ...], Grid] = {}
-        grids: list[Grid] = []
+        known: dict[tuple[float, ...], TimeGrid] = {}
+        grids: list[TimeGrid] = []
         for row in rows:
             key = tuple(float(v[row]) for t in signals.values() for v in t.values())
             if key not in known:
@@ -345,10 +345,10 @@ class Course:
         return lane_grid(grids)
 
     @cached_property
-    def _common(self) -> Grid:
+    def _common(self) -> TimeGrid:
         return grid_of(self.system, self.waveforms, self.duration, self.samples, self._longest)
 
-    def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> Grid:
+    def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
             shape = self.duration, self.samples, self._longest

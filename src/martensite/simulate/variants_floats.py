@@ -9,12 +9,12 @@ import numpy as np
 from martensite.base.status import Status
 from martensite.simulate.compiled import bind_march
 from martensite.simulate.envelope import envelope_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import Border, march_floats
 
 if TYPE_CHECKING:
-    from martensite.simulate.variants import Course, Values
+    from martensite.simulate.variants import Values, VariantSetup
 
 REPORTS = {
     Status.OK: (0.0, 0.0, 0.0),
@@ -27,7 +27,7 @@ BROKEN = (np.inf, 0.0, 0.0)
 
 
 def march_on_steps(
-    course: Course, values: Values, grid: Grid | LaneGrid, runs: int
+    course: VariantSetup, values: Values, grid: TimeGrid | LaneGrid, runs: int
 ) -> tuple[list[Any], Any, Any]:
     """Columns (runs, samples), reports (3, runs), and when runs left the envelope (runs,).
 
@@ -37,7 +37,7 @@ def march_on_steps(
     reports, left = np.zeros((3, runs)), np.full(runs, np.inf)
     for run in range(runs):
         system = course.system.rebuilt({path: float(v[run]) for path, v in values.items()})
-        one = grid if isinstance(grid, Grid) else grid.lane(run)
+        one = grid if isinstance(grid, TimeGrid) else grid.lane(run)
         try:
             functions, size = bind_march(system)
             border = Border(course.compiled, functions, envelope_of(system))

@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.simulate.arrays import Schedule, build_schedule, jitted_march
+from martensite.simulate.arrays import ArrayGrid, build_schedule, jitted_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.envelope import envelope_of
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.marching import Limits
+from martensite.simulate.marching import RunLimits
 
 if TYPE_CHECKING:
-    from martensite.simulate.variants import Course, Numbers, Values
+    from martensite.simulate.variants import Numbers, Values, VariantSetup
 
 
 class JaxMarch:
     """The march of a course on JAX."""
 
-    def __init__(self, course: Course) -> None:
+    def __init__(self, course: VariantSetup) -> None:
         self.course = course
 
     def __call__(
-        self, values: Values, grid: Grid | LaneGrid, runs: int
+        self, values: Values, grid: TimeGrid | LaneGrid, runs: int
     ) -> tuple[list[Numbers], Numbers, Numbers]:
         """Columns (runs, samples), reports (3, runs), and when runs left the envelope (runs,).
 
@@ -68,9 +68,11 @@ def _by_run(column: Any, runs: int) -> Numbers:
     return np.broadcast_to(found if found.ndim == 2 else found[:, None], (len(found), runs)).T
 
 
-def _build_schedule(grid: Grid | LaneGrid, precision: str, limits: Limits) -> tuple[Schedule, bool]:
+def _build_schedule(
+    grid: TimeGrid | LaneGrid, precision: str, limits: RunLimits
+) -> tuple[ArrayGrid, bool]:
     """Arrays of a grid: signals and lengths by lane where lanes have their own."""
-    if isinstance(grid, Grid):
+    if isinstance(grid, TimeGrid):
         return build_schedule(grid, precision, limits)
     shape = len(grid.counts), int(grid.counts.max())
     used = np.arange(shape[1]) < grid.counts[:, None]
@@ -84,4 +86,4 @@ def _build_schedule(grid: Grid | LaneGrid, precision: str, limits: Limits) -> tu
     sampled = [grid.sampled[:, d].astype(precision) for d in range(grid.drives.shape[1])]
     first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
     one, bounds = np.ones((), precision), np.array(limits, precision)
-    return Schedule(first, rest, drives, padded(grid.lengths), one, bounds), True
+    return ArrayGrid(first, rest, drives, padded(grid.lengths), one, bounds), True

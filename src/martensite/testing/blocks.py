@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.written import parse_block
 from martensite.kernels import floats
 from martensite.testing.conformance import Check, require_condition
@@ -42,7 +42,7 @@ def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
     With 1 the greatest and least inputs are the ends of its range, with less they are beyond.
     """
     first = SideBySide(blocks=(Polynomial(degree=2.0),) * block.inputs)
-    engine = Engine([first], DT, compiled=False)
+    engine = ChainEngine([first], DT, compiled=False)
     reaching = engine.simulate(draw_numbers(first), make_record(block.inputs))
     return [first, block.adapted(share * reaching, DT)]
 
@@ -50,7 +50,7 @@ def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
 def find_slope_error(blocks: list[AbstractBlock]) -> float:
     """Greatest difference of a slope from a central difference, over those of its number."""
     theta = np.concatenate([draw_numbers(block) for block in blocks])
-    engine, u = Engine(blocks, DT, compiled=False), make_record(blocks[0].inputs)
+    engine, u = ChainEngine(blocks, DT, compiled=False), make_record(blocks[0].inputs)
     found = engine.jacobian(theta, u)[1]
     meant = np.empty_like(found)
     for i, number in enumerate(theta):
@@ -120,7 +120,7 @@ def check_rest(block: AbstractBlock) -> None:
     blocks = lead_block(block)
     theta = np.concatenate([draw_numbers(one) for one in blocks])
     held = np.repeat(make_record(blocks[0].inputs)[7:8], 6, axis=0)
-    for part in Engine(blocks, DT, compiled=False).jacobian(theta, held):
+    for part in ChainEngine(blocks, DT, compiled=False).jacobian(theta, held):
         apart = np.abs(part - part[0]).max()
         near = apart <= 1e-9 * (1.0 + np.abs(part).max())
         require_condition(near, f"Under a constant input it moves by {apart:.2g}.")
@@ -131,7 +131,7 @@ def check_wild_numbers(block: AbstractBlock) -> None:
     if not block.bounded:
         return
     led = lead_block(block)[-1]
-    engine, u = Engine([led], DT, compiled=False), make_record(block.inputs)[:15]
+    engine, u = ChainEngine([led], DT, compiled=False), make_record(block.inputs)[:15]
     for seed in range(8):
         wild = np.random.default_rng(seed).uniform(-30.0, 30.0, len(block.numbers()))
         finite = all(np.isfinite(part).all() for part in engine.jacobian(wild, u))
@@ -143,7 +143,7 @@ def check_start(block: AbstractBlock) -> None:
     for factor, level in RANGES:
         u = level + factor * make_record(block.inputs)[:10]
         adapted = block.adapted(u, DT)
-        engine = Engine([adapted], DT, compiled=False)
+        engine = ChainEngine([adapted], DT, compiled=False)
         finite = all(np.isfinite(part).all() for part in engine.jacobian(adapted.start(), u))
         require_condition(finite, f"On a record of {level:g} ± {factor:g} it is not finite.")
     draws = [block.drawn(np.random.default_rng(s), 10.0, DT) for s in (1, 1, 2)]
@@ -178,7 +178,9 @@ def check_scaling(block: AbstractBlock) -> None:
     drawn = block.drawn(np.random.default_rng(5), 10.0, DT)
     moved = block.line(-3.0, 0.0) + block.scaled(drawn - block.line(1.0, 0.0), -3.0)
     x = np.linspace(-2.0, 5.0, 9)[:, None]
-    first, second = (Engine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved))
+    first, second = (
+        ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved)
+    )
     near = np.allclose(second, -3.0 * first, rtol=1e-9, atol=1e-12)
     require_condition(near, "Scaled by -3 its output is not -3 times as large.")
 

@@ -11,7 +11,7 @@ import numpy as np
 from martensite.base.parameters import Keyed
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
@@ -43,7 +43,7 @@ def _trace_kinetics(keyed: Keyed[Any]) -> Any:
     law = keyed.part.rebuilt(
         {leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()}
     )
-    shape = Shape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
+    shape = NestedShape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
 
     def kinetics(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, stress, temperature, dt = arguments

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column
-from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
@@ -70,7 +70,7 @@ def check_pull(mechanism: AbstractMechanism) -> None:
     if not isinstance(mechanism, AbstractLoadLine):
         return
     for compliance in (1e-6, 1e-4, 1e-2):
-        assembly = Assembly(0.004)
+        assembly = LoadLineReference(0.004)
         forces = [mechanism.force(floats, assembly, Spring(free, compliance)) for free in FREE]
         require_condition(min(forces) >= 0.0, f"The force falls to {min(forces):.4g} N: it pushes.")
         grows = np.diff(forces) > 1e-12
@@ -87,10 +87,10 @@ def check_assembly(mechanism: AbstractMechanism) -> None:
     force = mechanism.start_force(floats)
     spring = Spring(0.003, 2e-4)
     elongation = spring.free + spring.compliance * force
-    found = mechanism.force(floats, Assembly(elongation), spring)
+    found = mechanism.force(floats, LoadLineReference(elongation), spring)
     near = abs(found - force) <= 1e-9 * (1.0 + abs(force))
     require_condition(near, f"Assembled with {force:.6g} N, it holds {found:.6g} N.")
-    zero = mechanism.position(floats, Assembly(elongation), found, elongation)
+    zero = mechanism.position(floats, LoadLineReference(elongation), found, elongation)
     require_condition(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
 
 
@@ -98,7 +98,7 @@ def check_position(mechanism: AbstractMechanism) -> None:
     """The position of a load line grows as the element shortens."""
     if not isinstance(mechanism, AbstractLoadLine):
         return
-    assembly, positions = Assembly(0.01), list[float]()
+    assembly, positions = LoadLineReference(0.01), list[float]()
     for free in np.linspace(0.009, 0.001, 50).tolist():
         force = mechanism.force(floats, assembly, Spring(free, 2e-4))
         positions.append(mechanism.position(floats, assembly, force, free + 2e-4 * force))

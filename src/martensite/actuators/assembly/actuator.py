@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.members import Members
 from martensite.actuators.assembly.outputs import OBSERVABLES, Observation
-from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Heating, Profile
+from martensite.actuators.elements.base import ELEMENTS, AbstractElement, CellProfile, Heating
 from martensite.actuators.mechanisms.base import Load
 from martensite.base.parameters import Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
@@ -52,7 +52,7 @@ class Actuator(Parametrised):
         seen = Observation(drive, force, current, condition)
         return {name: one.compute(seen) for name, one in OBSERVABLES.items()}
 
-    def profile(self, state: Any) -> Profile:
+    def profile(self, state: Any) -> CellProfile:
         """What differs along the element; described in `PROFILES`."""
         return self.element.profile(state)
 

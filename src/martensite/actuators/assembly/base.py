@@ -12,13 +12,19 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.actuator import Actuator, Feed
 from martensite.actuators.assembly.ledger import Entries
-from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Point, StoredHeat
+from martensite.actuators.elements.base import (
+    AbstractElement,
+    Effort,
+    Heating,
+    MaterialPoint,
+    StoredHeat,
+)
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 JUDGED = {"temperature": 1.0, "martensite_fraction": 0.01, "stress": 1e6}
 """Outputs of an element whose convergence is judged, with the least range that counts."""
@@ -31,7 +37,7 @@ class State(NamedTuple):
     mechanism: Any
 
 
-class Drive(NamedTuple):
+class DriveSignal(NamedTuple):
     """A signal that drives a system."""
 
     name: str
@@ -53,7 +59,7 @@ class AbstractSystem(Parametrised, init=False):
         """The actuator at every port."""
 
     @abstractmethod
-    def drives(self) -> list[Drive]:
+    def drives(self) -> list[DriveSignal]:
         """The signals that drive it."""
 
     @abstractmethod
@@ -91,7 +97,7 @@ class AbstractSystem(Parametrised, init=False):
     @abstractmethod
     def step(
         self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[Any, Report]:
+    ) -> tuple[Any, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
 
     def exchanges(self) -> bool:
@@ -120,7 +126,7 @@ class AbstractSystem(Parametrised, init=False):
         """What is known of its energy in a state under drive signals; by default nothing."""
         return Entries()
 
-    def points(self, xp: Namespace, state: Any) -> list[list[Point]]:
+    def points(self, xp: Namespace, state: Any) -> list[list[MaterialPoint]]:
         """Places at which laws without rates act, of every element."""
         return []
 
@@ -134,13 +140,15 @@ class AbstractAssembly(AbstractSystem):
 
     mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
 
-    def drives(self) -> list[Drive]:
+    def drives(self) -> list[DriveSignal]:
         """One signal per actuator, then those of the mechanism."""
         own = [
-            Drive(self.drive_at(port), one.source.unit, one.source.sets_temperature)
+            DriveSignal(self.drive_at(port), one.source.unit, one.source.sets_temperature)
             for port, one in self.actuators().items()
         ]
-        return own + [Drive(name, unit, True) for name, unit in self.mechanism.signals().items()]
+        return own + [
+            DriveSignal(name, unit, True) for name, unit in self.mechanism.signals().items()
+        ]
 
     def of_mechanism(self) -> dict[str, Output]:
         """What can be observed on the mechanism, with the signals that drive it."""
@@ -177,7 +185,7 @@ class AbstractAssembly(AbstractSystem):
 
     def step(
         self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[State, Report]:
+    ) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         loads, signals = self._loads(state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
@@ -258,7 +266,7 @@ class AbstractAssembly(AbstractSystem):
         rows = zip(loads, ways, strict=True)
         found.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
 
-    def points(self, xp: Namespace, state: State) -> list[list[Point]]:
+    def points(self, xp: Namespace, state: State) -> list[list[MaterialPoint]]:
         """Places at which laws without rates act, of every element."""
         rows = zip(self._actuators(), state.elements, strict=True)
         return [one.element.points(xp, element) for one, element in rows]

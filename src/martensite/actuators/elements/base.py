@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.from_material import complete_from_material
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Parametrised
@@ -26,7 +26,7 @@ from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource, Heat
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
 from martensite.signals.moments import Moments
@@ -120,7 +120,7 @@ class Condition(NamedTuple):
     """[W]"""
 
 
-class Profile(NamedTuple):
+class CellProfile(NamedTuple):
     """What differs along or across an element, one number per cell."""
 
     cell_temperature: Sequence[Scalar]
@@ -129,7 +129,7 @@ class Profile(NamedTuple):
     """Martensite fraction."""
 
 
-class Point(NamedTuple):
+class MaterialPoint(NamedTuple):
     """What decides on the phase state at a place in an element, and that state."""
 
     temperature: Scalar
@@ -152,7 +152,7 @@ class AbstractElement(Parametrised):
 
     law: AbstractLaw = NotImplemented
     """The stress–strain–temperature law."""
-    limits: Limits = NotImplemented
+    limits: ElementLimits = NotImplemented
     """What a run warns about."""
 
     def __init__(self, *, material: Material | str | Path | None = None, **values: Any) -> None:
@@ -177,7 +177,7 @@ class AbstractElement(Parametrised):
     @abstractmethod
     def advance(
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Any, Report]:
+    ) -> tuple[Any, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
 
     @property
@@ -227,15 +227,15 @@ class AbstractElement(Parametrised):
     ) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
 
-    def profile(self, state: Any) -> Profile:
+    def profile(self, state: Any) -> CellProfile:
         """Temperature and martensite fraction along the element; nothing where it has no along."""
-        return Profile((), ())
+        return CellProfile((), ())
 
     def places(self) -> list[float]:
         """Where the points of the profile lie [m]."""
         return []
 
-    def points(self, xp: Namespace, state: Any) -> list[Point]:
+    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
         """Places of about equal weight; none where a law of rates acts, which knows no turn."""
         return []
 
@@ -263,12 +263,13 @@ class AbstractElement(Parametrised):
         """Heat flow to the environment [W] of an element that is equally hot everywhere."""
 
 
-def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[Point]:
+def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[MaterialPoint]:
     """Points from the memories of a law; none if it has rates."""
     if law.rate_dependent:
         return []
     return [
-        Point(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m))) for m in memories
+        MaterialPoint(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m)))
+        for m in memories
     ]
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from martensite.actuators.elements.base import (
+    CellProfile,
     Condition,
     Effort,
     Heating,
-    Point,
-    Profile,
+    MaterialPoint,
     Pull,
     Spring,
     StoredHeat,
@@ -16,11 +16,11 @@ from martensite.actuators.elements.base import (
 from martensite.actuators.elements.columns import Cells
 from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.network import Column
-from martensite.actuators.elements.sweeps import Step
+from martensite.actuators.elements.sweeps import SweepStep
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, find_largest, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
 
 SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
@@ -46,12 +46,12 @@ class AbstractCells(AbstractCut):
         """All cells as one spring, near a force [N]."""
         return self.linkage().whole(xp, *self.springs(xp, *self._columns(state)), force)
 
-    def profile(self, state: Cells) -> Profile:
+    def profile(self, state: Cells) -> CellProfile:
         """Temperature and martensite fraction of every cell."""
         m, _, temperatures = self._columns(state)
-        return Profile(temperatures, m)
+        return CellProfile(temperatures, m)
 
-    def points(self, xp: Namespace, state: Cells) -> list[Point]:
+    def points(self, xp: Namespace, state: Cells) -> list[MaterialPoint]:
         """Every cell, unless the law has rates."""
         return points_of(xp, self.law, state.memories)
 
@@ -63,12 +63,12 @@ class AbstractCells(AbstractCut):
 
     def advance(
         self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Cells, Report]:  # fmt: skip
+    ) -> tuple[Cells, StepReport]:  # fmt: skip
         """The state after a step of dt [s], and how well the step was solved."""
-        step = Step(self, state, heating, pull, dt)
+        step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)
         guess = step.unmoved(start)
-        shape = Shape(guess)
+        shape = NestedShape(guess)
 
         def turn(_: Scalar, turned: Scalar, *numbers: Scalar) -> list[Scalar]:
             before = shape.rebuild(numbers)

@@ -14,7 +14,7 @@ from martensite.kernels.namespace import Scalar
 
 
 @ELEMENTS.register("chain")
-class Chain(AbstractRow):
+class LinkChain(AbstractRow):
     """Equal links end to end."""
 
     link: AbstractElement = part("one of the links", ELEMENTS)

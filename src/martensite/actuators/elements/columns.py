@@ -26,7 +26,7 @@ class Links(NamedTuple):
     """From each cell to the surroundings, besides its surface."""
 
 
-class Start(NamedTuple):
+class StepStart(NamedTuple):
     """One column per quantity that a step starts from."""
 
     temperature: Column
@@ -46,7 +46,7 @@ class Start(NamedTuple):
     """Compliance [m/N]."""
 
 
-class Guess(NamedTuple):
+class SweepGuess(NamedTuple):
     """One column per quantity that a sweep leaves to the next; slopes of the answer of a cell."""
 
     martensite: Column
@@ -70,7 +70,7 @@ class Guess(NamedTuple):
     crossing: Column
 
 
-class Lines(NamedTuple):
+class HeatBalanceColumns(NamedTuple):
     """The linear part of the heat balance of a step."""
 
     diagonal: Column

@@ -6,7 +6,7 @@ from abc import abstractmethod
 
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fitted
 from martensite.actuators.elements.columns import Cells, Links
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.linkage import EndToEnd, Linkage
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.wire import Wire
@@ -45,7 +45,7 @@ class AbstractCut(AbstractElement):
         return self.wire.law
 
     @property
-    def limits(self) -> Limits:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The limits of the wire."""
         return self.wire.limits
 

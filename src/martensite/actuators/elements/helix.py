@@ -64,7 +64,7 @@ class Helix(NamedTuple):
         return self.poisson / (1.0 + self.poisson)
 
 
-class Stretch(NamedTuple):
+class HelixPoint(NamedTuple):
     """A point of the force–length curve."""
 
     length: Scalar
@@ -84,17 +84,17 @@ def compute_secant(slope: Scalar) -> Scalar:
     return root
 
 
-def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> Stretch:
+def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> HelixPoint:
     """The point at which the pitch angle has the given slope t."""
     cosine = 1.0 / xp.sqrt(1.0 + slope * slope)
     sine, cubed = slope * cosine, cosine * cosine * cosine
     share, steep = helix.slenderness(), helix.cosine(xp)
     force = helix.scale() * (steep * slope - share * sine - helix.natural())
     rise = helix.scale() * (steep - share * cubed)
-    return Stretch(helix.length * sine, force, helix.length * cubed / rise)
+    return HelixPoint(helix.length * sine, force, helix.length * cubed / rise)
 
 
-def at_length(xp: Namespace, helix: Helix, length: Scalar) -> Stretch:
+def at_length(xp: Namespace, helix: Helix, length: Scalar) -> HelixPoint:
     """The point at a length H [m] below that of the wire."""
     sine = length / helix.length
     return at_slope(xp, helix, sine / xp.sqrt(1.0 - sine * sine))
@@ -109,7 +109,7 @@ def find_elastic_energy(xp: Namespace, helix: Helix, length: Scalar) -> Scalar:
     return 0.5 * helix.length * helix.scale() * square
 
 
-def at_force(xp: Namespace, helix: Helix, force: Scalar) -> Stretch:
+def at_force(xp: Namespace, helix: Helix, force: Scalar) -> HelixPoint:
     """The point at a force [N], by Newton's method for the slope."""
     share, steep = helix.slenderness(), helix.cosine(xp)
     wanted = force / helix.scale() + helix.natural()

@@ -13,7 +13,7 @@ LONGEST = 0.2
 """Strain [-] of a straight wire beyond which it has torn, or no law here describes it."""
 
 
-class Limits(Parametrised):
+class ElementLimits(Parametrised):
     """Limits beyond which a run warns, infinite where nothing is known, and at which it stops."""
 
     temperature_limit: Scalar = param(

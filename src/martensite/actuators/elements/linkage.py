@@ -74,7 +74,7 @@ class EndToEnd:
         return force
 
 
-class SideBySide:
+class ParallelCells:
     """Cells with a common elongation, none of which can push."""
 
     def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:

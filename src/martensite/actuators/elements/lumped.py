@@ -29,7 +29,7 @@ from martensite.actuators.elements.base import (
     Condition,
     Effort,
     Heating,
-    Point,
+    MaterialPoint,
     Pull,
     Spring,
     StoredHeat,
@@ -40,7 +40,7 @@ from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.coupling import Report, advance_memory
+from martensite.physics.laws.coupling import StepReport, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
 from martensite.physics.thermal.base import Environment
 
@@ -157,7 +157,7 @@ class AbstractLumped(AbstractElement, init=False):
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Lumped, Report]:
+    ) -> tuple[Lumped, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
 
         def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
@@ -291,7 +291,7 @@ class AbstractLumped(AbstractElement, init=False):
         spring = self.spring(xp, fractions, temperature, force)
         return self.strain(xp, spring.free + spring.compliance * force)
 
-    def points(self, xp: Namespace, state: Lumped) -> list[Point]:
+    def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
         """The whole element, unless its law has rates."""
         return points_of(xp, self.law, [state.memory])
 

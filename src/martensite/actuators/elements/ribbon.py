@@ -17,7 +17,7 @@ import math
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.elements.cells import AbstractCells
 from martensite.actuators.elements.columns import Cells, Links
-from martensite.actuators.elements.linkage import Linkage, SideBySide
+from martensite.actuators.elements.linkage import Linkage, ParallelCells
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
@@ -82,7 +82,7 @@ class Ribbon(AbstractCells):
 
     def linkage(self) -> Linkage:
         """Side by side."""
-        return SideBySide()
+        return ParallelCells()
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
         """Every wire with its part of the force [N]."""

@@ -11,7 +11,7 @@ import math
 from abc import abstractmethod
 
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param, part
 from martensite.kernels.namespace import Namespace, Scalar
@@ -46,7 +46,7 @@ class AbstractRoundWire(AbstractElement, init=False):
     law: AbstractLaw = part("stress–strain–temperature law", LAWS)
     resistance: AbstractResistance = part("resistance model", RESISTANCES)
     ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
-    limits: Limits = part("safety limits", default=Limits())
+    limits: ElementLimits = part("safety limits", default=ElementLimits())
 
     @abstractmethod
     def wire_length(self) -> Scalar:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import abstractmethod
 
 from martensite.actuators.elements.base import AbstractElement, Spring
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
@@ -64,7 +64,7 @@ class AbstractRow(AbstractLumped):
         return self.one.law
 
     @property
-    def limits(self) -> Limits:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The limits of one."""
         return self.one.limits
 

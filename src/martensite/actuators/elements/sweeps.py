@@ -18,20 +18,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.actuators.elements.base import Heating, Pull
-from martensite.actuators.elements.columns import Cells, Guess, Lines, Start
+from martensite.actuators.elements.columns import Cells, HeatBalanceColumns, StepStart, SweepGuess
 from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.linkage import Rest
 from martensite.actuators.elements.lumped import compute_relaxation
 from martensite.actuators.elements.network import Column, fold_others, solve_tridiagonal
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, find_largest, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.physics.laws.coupling import Report, advance_memory
+from martensite.physics.laws.coupling import StepReport, advance_memory
 
 
 @dataclass(frozen=True)
-class Step:
+class SweepStep:
     """One step of an element of many cells."""
 
     element: AbstractCut
@@ -53,9 +53,9 @@ class Step:
 
     def memory(self, flat: Sequence[Scalar]) -> Any:
         """The memory of one cell."""
-        return Shape(self.state.memories[0]).rebuild(flat)
+        return NestedShape(self.state.memories[0]).rebuild(flat)
 
-    def start(self, xp: Namespace) -> Start:
+    def start(self, xp: Namespace) -> StepStart:
         """Where all cells stand."""
         law = self.law
 
@@ -75,18 +75,18 @@ class Step:
             elastic = length * cell.stress(xp, 1.0) * law.compliance(xp, fractions)
             return temperature, *fractions, capacity, diagonal, right, latent, long, elastic
 
-        return Start(*xp.each(one, self.element.lengths(xp), *self.memories))
+        return StepStart(*xp.each(one, self.element.lengths(xp), *self.memories))
 
-    def unmoved(self, start: Start) -> Guess:
+    def unmoved(self, start: StepStart) -> SweepGuess:
         """The guess that nothing transforms."""
         none = [0.0 for _ in start.long]
         columns = (
             start.martensite, start.oriented, start.temperature, self.element.shared(self.state),
             start.long, start.elastic, start.elastic, none, none, none, none,
         )  # fmt: skip
-        return Guess(*(tuple(column) for column in columns))
+        return SweepGuess(*(tuple(column) for column in columns))
 
-    def lines(self, xp: Namespace, start: Start, guess: Guess) -> Lines:
+    def lines(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> HeatBalanceColumns:
         """Heat balance with what is conducted and what the current brings."""
         middle = _average_ends(start.martensite, guess.martensite)
         joule = self._joule(xp, start, guess)
@@ -103,15 +103,15 @@ class Step:
             flow = now * (t[i + 1] - t[i])
             right[i], right[i + 1] = right[i] + flow, right[i + 1] - flow
             between.append(later)
-        return Lines(diagonal, right, between)
+        return HeatBalanceColumns(diagonal, right, between)
 
-    def _joule(self, xp: Namespace, start: Start, guess: Guess) -> list[Scalar]:
+    def _joule(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> list[Scalar]:
         """Heat that the current brings to every cell [J], as all are in the middle of the step."""
         ohms, heated = self._ohms(xp, start, guess)
         per_ohm = self.dt * self.heating.heat(xp, ohms).mean / ohms
         return [per_ohm * r for r in heated]
 
-    def _ohms(self, xp: Namespace, start: Start, guess: Guess) -> tuple[Scalar, Column]:
+    def _ohms(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Scalar, Column]:
         """Resistance of the element, and of every cell to the current in it [ohm]."""
         element = self.element
 
@@ -135,7 +135,7 @@ class Step:
         seen, heated = xp.each(one, *columns)
         return element.copies() * sum_column(seen), heated
 
-    def sweep(self, xp: Namespace, start: Start, guess: Guess) -> Guess:
+    def sweep(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> SweepGuess:
         """Every cell for itself, with the others as they answered before."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
@@ -153,9 +153,11 @@ class Step:
             [r + s for r, s in zip(lines.right, seen.source, strict=True)],
             felt.source, guess.force, *rests, *self.memories,
         )  # fmt: skip
-        return Guess(*(tuple(column) for column in found))
+        return SweepGuess(*(tuple(column) for column in found))
 
-    def _expected(self, start: Start, guess: Guess, lines: Lines) -> list[Scalar]:
+    def _expected(
+        self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns
+    ) -> list[Scalar]:
         """Right-hand side with the latent heat as it is linear in temperature [J]."""
         rows = zip(
             lines.right, start.latent, guess.martensite, start.martensite, guess.warms,
@@ -163,7 +165,7 @@ class Step:
         )  # fmt: skip
         return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
 
-    def _rests(self, xp: Namespace, guess: Guess, heated: Column) -> tuple[Column, Column]:
+    def _rests(self, xp: Namespace, guess: SweepGuess, heated: Column) -> tuple[Column, Column]:
         """The others as springs; more force on all of them also heats them [K/N]."""
         rows = zip(guess.soft, guess.shrinks, heated, guess.elastic, strict=True)
         soft = [xp.maximum(c + s * h, e) for c, s, h, e in rows]
@@ -205,7 +207,7 @@ class Step:
             report.crossing,
         )  # fmt: skip
 
-    def end(self, xp: Namespace, start: Start, guess: Guess) -> tuple[Cells, Report]:
+    def end(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Cells, StepReport]:
         """All cells together, at the fractions found."""
         law, element = self.law, self.element
         temperatures = self._settled(xp, start, guess)
@@ -221,14 +223,14 @@ class Step:
             return [off, *flatten_numbers(after)]
 
         residuals, *columns = xp.each(one, *guess[:2], temperatures, carried, *self.memories)
-        shape = Shape(self.state.memories[0])
+        shape = NestedShape(self.state.memories[0])
         memories = tuple(shape.rebuild(flat) for flat in zip(*columns, strict=True))
         ohms, capacity = self._ohms(xp, start, guess)[0], element.heat_capacity_total()
         ripple = self.heating.ripple(xp, ohms, capacity, self.dt)
-        report = Report(find_largest(xp, residuals), find_largest(xp, guess.crossing), ripple)
+        report = StepReport(find_largest(xp, residuals), find_largest(xp, guess.crossing), ripple)
         return Cells(memories, force), report
 
-    def _settled(self, xp: Namespace, start: Start, guess: Guess) -> Column:
+    def _settled(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> Column:
         """Temperatures at the end of the step, at the fractions found; no heat is lost."""
         imposed = self.heating.temperature
         if imposed is not None:

@@ -14,14 +14,14 @@ from martensite.actuators.elements.base import Heating, Pull, Spring
 from martensite.actuators.mechanisms.base import Load
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
-from martensite.physics.laws.coupling import Report
+from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.physics.laws.coupling import StepReport
 
 LEAST = 3
 """So many are worth a loop, in which nothing about the parameters is computed beforehand."""
 
 
-class Line(NamedTuple):
+class LoadLineEquation(NamedTuple):
     """α (e - e*) + β (F - F*) = g: all that an element sees of the rest."""
 
     alpha: Scalar
@@ -41,29 +41,31 @@ class Line(NamedTuple):
         return meet
 
 
-class Answer(NamedTuple):
+class ElementResponse(NamedTuple):
     """What an element finds on its line."""
 
     state: Any
     force: Scalar
     spring: Spring
-    report: Report
+    report: StepReport
 
 
 def answer_loads(
-    xp: Namespace, loads: Sequence[Load], lines: Sequence[Line], dt: Scalar
-) -> list[Answer]:
+    xp: Namespace, loads: Sequence[Load], lines: Sequence[LoadLineEquation], dt: Scalar
+) -> list[ElementResponse]:
     """The step of every element on its own line, in the order of the loads."""
-    found: dict[int, Answer] = {}
+    found: dict[int, ElementResponse] = {}
     for places in _group_alike(loads):
         first = loads[places[0]]
         if len(places) < LEAST:
             found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
             continue
-        shape = Shape(Answer(first.state, 0.0, Spring(0.0, 0.0), Report(0.0, 0.0)))
+        shape = NestedShape(
+            ElementResponse(first.state, 0.0, Spring(0.0, 0.0), StepReport(0.0, 0.0))
+        )
 
         def row(*numbers: Scalar, first: Load = first) -> list[Scalar]:
-            line, load = Line(*numbers[:5]), _rebuild_load(first, numbers[5:])
+            line, load = LoadLineEquation(*numbers[:5]), _rebuild_load(first, numbers[5:])
             return flatten_numbers(_answer_load(xp, load, line, dt))
 
         rows = [[*lines[i], *_list_numbers(loads[i])] for i in places]
@@ -73,12 +75,12 @@ def answer_loads(
     return [found[i] for i in range(len(loads))]
 
 
-def _answer_load(xp: Namespace, load: Load, line: Line, dt: Scalar) -> Answer:
+def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) -> ElementResponse:
     """One step of one element."""
     element, state, heating = load
     after, report = element.advance(xp, state, heating, line.pull(), dt)
     force = element.force(after)
-    return Answer(after, force, element.tangent(xp, after, force), report)
+    return ElementResponse(after, force, element.tangent(xp, after, force), report)
 
 
 def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
@@ -109,8 +111,8 @@ def _rebuild_load(first: Load, numbers: Sequence[Scalar]) -> Load:
         part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()})
         for part in _list_parts(first)
     )
-    drive = Shape(first.heating.drive).rebuild(
+    drive = NestedShape(first.heating.drive).rebuild(
         [next(rest) for _ in flatten_numbers(first.heating.drive)]
     )
     heating = Heating(environment, source, drive, next(rest))  # type: ignore[arg-type]
-    return Load(element, Shape(first.state).rebuild(list(rest)), heating)  # type: ignore[arg-type]
+    return Load(element, NestedShape(first.state).rebuild(list(rest)), heating)  # type: ignore[arg-type]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.beam_motor import BeamMotor
@@ -23,7 +23,7 @@ SHORTEST = 0.05
 """Length of a beam without wire and eccentricity [m]."""
 
 
-def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
+def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape]:
     """Clamp, beam, motor, rotor, and the wire if there is one."""
     tip, angle = reading.outputs["displacement"], reading.outputs["rotor_angle"]
     r, (across, reach) = mechanism.eccentricity, _measure_reach(mechanism)
@@ -37,13 +37,13 @@ def drawn_beam(mechanism: BeamMotor, reading: Reading) -> list[Shape]:
     found = [
         draw_bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="ground"),
         draw_bar("beam", thick, *bent),
-        Shape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
-        Shape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
+        DrawingShape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
+        DrawingShape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
     ]
     if mechanism.ports():
         (port,) = mechanism.ports()
         path = ((0.0, 0.0, -across), (reach, 0.0, tip))
-        found.append(Shape(port, "wire", path, 0.0, port))
+        found.append(DrawingShape(port, "wire", path, 0.0, port))
     return found
 
 

@@ -24,14 +24,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from martensite.actuators.mechanics.alike import Line, answer_loads
+from martensite.actuators.mechanics.alike import LoadLineEquation, answer_loads
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
-from martensite.actuators.mechanics.motion import Course, Numbers, Scheme, predict_position
+from martensite.actuators.mechanics.motion import MotionHistory, Numbers, Scheme, predict_position
 from martensite.actuators.mechanisms.base import Column, Load
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.kernels.nested import Shape, find_largest, flatten_numbers
-from martensite.physics.laws.coupling import Report
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers
+from martensite.physics.laws.coupling import StepReport
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
@@ -54,7 +54,7 @@ class Tangent(NamedTuple):
     stiffness: Scalar
 
 
-class Linear(NamedTuple):
+class CondensedSystem(NamedTuple):
     """The mechanism with its elements, linearised at a trial position."""
 
     elongations: Column
@@ -78,13 +78,13 @@ class _Turn(NamedTuple):
     turned: Scalar
     """0 before the first pass, then 1."""
     states: tuple[Any, ...]
-    report: Report
+    report: StepReport
     moved: Scalar
     """Largest correction of a coordinate, in its size."""
 
 
 @dataclass(frozen=True)
-class Step:
+class CondensedStep:
     """One step; `solved` is the only thing to ask for."""
 
     mechanism: AbstractMultibody
@@ -93,12 +93,12 @@ class Step:
     signals: Column
     dt: Scalar
 
-    def solved(self, xp: Namespace) -> tuple[Course, list[Scalar], list[Any], Report]:
+    def solved(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
-        shape = Shape(_Turn(
+        shape = NestedShape(_Turn(
             predict_position(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
-            tuple(load.state for load in self.loads), Report(0.0, 0.0), 0.0,
+            tuple(load.state for load in self.loads), StepReport(0.0, 0.0), 0.0,
         ))  # fmt: skip
 
         def turn(_: Scalar, *flat: Scalar) -> list[Scalar]:
@@ -147,7 +147,7 @@ class Step:
 
     def _linear(
         self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]
-    ) -> Linear:
+    ) -> CondensedSystem:
         """Balance and slopes at a trial position, for elements that are their tangents."""
         mechanism, home = self.mechanism, self.memory.home
         paths, lever = compute_jacobian(xp, mechanism.contraction, position)
@@ -165,14 +165,14 @@ class Step:
 
         missing, matrix = compute_jacobian(xp, balance, position)
         shares = mechanism.transmission(xp, scheme(position).motion())
-        return Linear(elongations, lever, shares, matrix, missing, forces)
+        return CondensedSystem(elongations, lever, shares, matrix, missing, forces)
 
     def _answers(
-        self, xp: Namespace, lines: Sequence[Line], before: Sequence[Any]
-    ) -> tuple[list[Tangent], list[Any], Report]:
+        self, xp: Namespace, lines: Sequence[LoadLineEquation], before: Sequence[Any]
+    ) -> tuple[list[Tangent], list[Any], StepReport]:
         """What every element finds on its line: its tangent at frozen fractions, and its state."""
         if not lines:
-            return [], [], Report(0.0, 0.0)
+            return [], [], StepReport(0.0, 0.0)
         found: list[Tangent] = []
         pairs = zip(self.loads, before, strict=True)
         loads = [
@@ -183,11 +183,11 @@ class Step:
             elongation = spring.free + spring.compliance * force
             found.append(Tangent(force, elongation, 1.0 / spring.compliance))
         columns = zip(*(answer.report for answer in answered), strict=True)
-        report = Report(*(find_largest(xp, column) for column in columns))
+        report = StepReport(*(find_largest(xp, column) for column in columns))
         return found, [answer.state for answer in answered], report
 
 
-def _build_stiffness(linear: Linear, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
+def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
     """A: stiffness of the mechanism and of all elements."""
     rows = [list(row) for row in linear.matrix]
     for lever, share, tangent in zip(linear.lever, linear.shares, tangents, strict=True):
@@ -197,18 +197,18 @@ def _build_stiffness(linear: Linear, tangents: Sequence[Tangent]) -> list[list[S
     return rows
 
 
-def _build_lines(linear: Linear, tangents: Sequence[Tangent]) -> list[Line]:
+def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[LoadLineEquation]:
     """What every element sees of the mechanism and the others."""
     if not tangents:
         return []
     *softs, shift = solve_linear(
         _build_stiffness(linear, tangents), [*linear.lever, linear.missing]
     )
-    found: list[Line] = []
+    found: list[LoadLineEquation] = []
     for i, tangent in enumerate(tangents):
         lever, beta = linear.lever[i], linear.shares[i] * multiply_inner(linear.lever[i], softs[i])
         alpha, offset = 1.0 - beta * tangent.stiffness, multiply_inner(lever, shift)
-        found.append(Line(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
+        found.append(LoadLineEquation(alpha, beta, offset, linear.elongations[i], linear.forces[i]))
     return found
 
 
@@ -238,7 +238,9 @@ def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Sca
     return xp.where(path > own - STILL, most, FLOOR * most)
 
 
-def _compute_correction(xp: Namespace, linear: Linear, tangents: Sequence[Tangent]) -> list[Scalar]:
+def _compute_correction(
+    xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]
+) -> list[Scalar]:
     """Newton's step of the position, with every element as it answered."""
     side = [-missing for missing in linear.missing]
     for i, tangent in enumerate(tangents):

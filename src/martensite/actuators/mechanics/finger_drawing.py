@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 from martensite.actuators.mechanisms.drawing import (
     ARC,
+    DrawingShape,
+    DrawingState,
     Point,
-    Reading,
-    Shape,
     draw_bar,
     draw_pin,
     lead_wire,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from martensite.actuators.mechanisms.finger import Finger
 
 
-def drawn_finger(finger: Finger, reading: Reading) -> list[Shape]:
+def drawn_finger(finger: Finger, reading: DrawingState) -> list[DrawingShape]:
     """All shapes of the finger."""
     angle, (port,) = reading.outputs["angle"], finger.ports()
     r, g = finger.offset, finger.bracket
@@ -77,7 +77,7 @@ def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> l
     return found
 
 
-def _draw_spring(finger: Finger, angle: float) -> list[Shape]:
+def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:
     """The return spring, of the kind that it is."""
     a, wide = finger.arm, 0.25 * finger.arm
     if finger.spring == "fixed":
@@ -85,7 +85,7 @@ def _draw_spring(finger: Finger, angle: float) -> list[Shape]:
         post = ((a - wide, 0.0, finger.height), (a + wide, 0.0, finger.height))
         return [
             draw_bar("holder of the spring", 0.3 * wide, *post, kind="ground"),
-            Shape("spring", "spring", (fixed, turn_point(angle, a, 0.0)), 0.4 * wide),
+            DrawingShape("spring", "spring", (fixed, turn_point(angle, a, 0.0)), 0.4 * wide),
         ]
     stretched = finger.extension + a * angle
     start, slim = -a * (3.0 + finger.highest), 0.4 * wide
@@ -95,7 +95,7 @@ def _draw_spring(finger: Finger, angle: float) -> list[Shape]:
     axis = ((0.0, -wide, 0.0), (0.0, wide, 0.0))
     return [
         draw_bar("holder of the spring", slim, (start, 0.0, 0.0), (start, 0.0, a), kind="ground"),
-        Shape("spring", "spring", ((start, 0.0, a), (end, 0.0, a)), slim),
-        Shape("thread", "tether", ((end, 0.0, a), *rim), 0.0),
-        Shape("drum", "pulley", axis, a, turn=angle),
+        DrawingShape("spring", "spring", ((start, 0.0, a), (end, 0.0, a)), slim),
+        DrawingShape("thread", "tether", ((end, 0.0, a), *rim), 0.0),
+        DrawingShape("drum", "pulley", axis, a, turn=angle),
     ]

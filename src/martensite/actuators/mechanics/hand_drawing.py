@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.actuators.mechanisms.drawing import (
     ARC,
+    DrawingShape,
+    DrawingState,
     Point,
-    Reading,
-    Shape,
     draw_bar,
     lead_wire,
     measure_length,
@@ -34,7 +34,7 @@ LEAST_WRAP, MOST_WRAP = 0.15, 0.6
 """Angle by which a proximal extensor lies on its knuckle as assembled [rad]."""
 
 
-class Place(NamedTuple):
+class FingerPlace(NamedTuple):
     """Where a finger hangs."""
 
     x: float
@@ -47,7 +47,7 @@ class Place(NamedTuple):
         return self.x + self.inwards * point[1], self.y + aside, -point[0]
 
 
-class Sizes(NamedTuple):
+class FingerLengths(NamedTuple):
     """Lengths of a finger [m]."""
 
     offset: float
@@ -59,18 +59,22 @@ class Sizes(NamedTuple):
     """Angle by which its proximal extensor lies on the knuckle as assembled [rad]."""
 
 
-def drawn_hand(hand: Hand, reading: Reading) -> list[Shape]:
+def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
     """Palm, holder of the thumb, forearm, and all fingers."""
     reach = hand.proximal_length + hand.distal_length
     apart, wide = 3.0 * max(hand.offset, hand.knuckle), 0.7 * reach
-    places = (Place(wide, 0.0, -1.0), Place(-wide, apart, 1.0), Place(-wide, -apart, 1.0))
+    places = (
+        FingerPlace(wide, 0.0, -1.0),
+        FingerPlace(-wide, apart, 1.0),
+        FingerPlace(-wide, -apart, 1.0),
+    )
     thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
     above = _compute_lift(hand, 4)
     far = wide - max(*reading.lengths.values(), 2.5 * wide)
     arm = ((wide, 0.0, above), (far, 0.0, above))
     found = [
-        Shape("palm", "plate", _draw_upright(-wide, apart + edge, above), thick),
-        Shape("holder of the thumb", "plate", _draw_upright(wide, edge, above), thick),
+        DrawingShape("palm", "plate", _draw_upright(-wide, apart + edge, above), thick),
+        DrawingShape("holder of the thumb", "plate", _draw_upright(wide, edge, above), thick),
         draw_bar("forearm", thick, *arm, kind="ground"),
     ]
     words = zip(hand.ports()[::4], hand.sizes(), places, strict=True)
@@ -90,11 +94,11 @@ def _compute_lift(hand: Hand, tendon: int) -> float:
 
 
 def _draw_finger(
-    hand: Hand, name: str, size: float, place: Place, reading: Reading
-) -> Iterator[Shape]:
+    hand: Hand, name: str, size: float, place: FingerPlace, reading: DrawingState
+) -> Iterator[DrawingShape]:
     """Phalanges, hinges, brackets and tendons of one finger."""
     wrapped = min(max(-hand.lowest, LEAST_WRAP), MOST_WRAP)
-    sizes = Sizes(
+    sizes = FingerLengths(
         size * hand.offset, size * hand.bracket, size * hand.knuckle, size * hand.proximal_length,
         size * hand.distal_length, wrapped,
     )  # fmt: skip
@@ -111,7 +115,7 @@ def _draw_finger(
     )
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
         ends = (place.at(at, -half), place.at(at, half))
-        yield Shape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
+        yield DrawingShape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
     yield from _draw_brackets(name, sizes, place, first, second)
     passing = hand.tendons == "passing"
     ways, straight = (
@@ -133,8 +137,8 @@ def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
 
 
 def _draw_brackets(
-    name: str, sizes: Sizes, place: Place, first: float, second: float
-) -> Iterator[Shape]:
+    name: str, sizes: FingerLengths, place: FingerPlace, first: float, second: float
+) -> Iterator[DrawingShape]:
     """Four posts that hold the flexors."""
     r, g, far = sizes.offset, sizes.bracket, sizes.proximal - sizes.bracket
     posts = (
@@ -147,7 +151,9 @@ def _draw_brackets(
         yield draw_bar(f"{name} bracket {k}", 0.12 * r, *map(place.at, post))
 
 
-def _trace_tendons(sizes: Sizes, first: float, second: float, passing: bool) -> list[list[Flat]]:
+def _trace_tendons(
+    sizes: FingerLengths, first: float, second: float, passing: bool
+) -> list[list[Flat]]:
     """Ways of flexor and extensor of the proximal joint, then of the distal one."""
     r, g, knuckle, reach, _, wrapped = sizes
     met = 2.0 * math.atan2(g, r)
@@ -185,19 +191,21 @@ def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
 
 
 def _trace_distal(
-    sizes: Sizes, first: float, second: float, ways: tuple[float, ...], inwards: float
+    sizes: FingerLengths, first: float, second: float, ways: tuple[float, ...], inwards: float
 ) -> list[Flat]:
     """Points of the distal phalanx."""
     return [_locate_distal(sizes, first, second, way, inwards) for way in ways]
 
 
-def _locate_proximal(sizes: Sizes, angle: float, along: float, inwards: float) -> Flat:
+def _locate_proximal(sizes: FingerLengths, angle: float, along: float, inwards: float) -> Flat:
     """A point of the proximal phalanx."""
     c, s = math.cos(angle), math.sin(angle)
     return c * along - s * inwards, s * along + c * inwards
 
 
-def _locate_distal(sizes: Sizes, first: float, second: float, along: float, inwards: float) -> Flat:
+def _locate_distal(
+    sizes: FingerLengths, first: float, second: float, along: float, inwards: float
+) -> Flat:
     """A point of the distal phalanx."""
     c, s = math.cos(second), math.sin(second)
     return _locate_proximal(

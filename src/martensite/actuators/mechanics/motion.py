@@ -37,7 +37,7 @@ class Motion(NamedTuple):
     acceleration: Numbers
 
 
-class Course(NamedTuple):
+class MotionHistory(NamedTuple):
     """What a mechanism remembers of its motion; a quasi-static one has no acceleration."""
 
     position: Numbers
@@ -52,11 +52,11 @@ class Course(NamedTuple):
         return Motion(self.position, self.velocity, self.acceleration or rest)
 
 
-Scheme = Callable[[Numbers], Course]
+Scheme = Callable[[Numbers], MotionHistory]
 """The course after a step, from the position at its end."""
 
 
-def predict_position(course: Course, dt: Scalar) -> Numbers:
+def predict_position(course: MotionHistory, dt: Scalar) -> Numbers:
     """A first guess of the position after a step of dt [s]."""
     if not course.acceleration:
         return course.position
@@ -64,18 +64,18 @@ def predict_position(course: Course, dt: Scalar) -> Numbers:
     return tuple(q + dt * (v + (0.5 * dt) * a) for q, v, a in rows)
 
 
-def quasi_static(xp: Namespace, course: Course, dt: Scalar) -> Scheme:
+def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
     """Motion without inertia."""
     rate = 1.0 / xp.maximum(dt, SHORTEST)
 
-    def after(position: Numbers) -> Course:
+    def after(position: Numbers) -> MotionHistory:
         velocity = (rate * (q - q0) for q, q0 in zip(position, course.position, strict=True))
-        return Course(position, tuple(velocity))
+        return MotionHistory(position, tuple(velocity))
 
     return after
 
 
-def move_dynamically(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> Scheme:
+def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scalar) -> Scheme:
     """Motion with inertia, by the generalised-α scheme."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
@@ -84,7 +84,7 @@ def move_dynamically(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> 
     per = 1.0 / (beta * dt * dt)
     kept, share = (0.5 - beta) / beta, 1.0 / (1.0 - alpha_f)
 
-    def after(position: Numbers) -> Course:
+    def after(position: Numbers) -> MotionHistory:
         velocity: list[Scalar] = []
         acceleration: list[Scalar] = []
         smoothed: list[Scalar] = []
@@ -94,6 +94,6 @@ def move_dynamically(xp: Namespace, course: Course, dt: Scalar, rho: Scalar) -> 
             true = share * ((1.0 - alpha_m) * a + alpha_m * a0 - alpha_f * true0)
             acceleration.append(true)
             smoothed.append(a)
-        return Course(position, tuple(velocity), tuple(acceleration), tuple(smoothed))
+        return MotionHistory(position, tuple(velocity), tuple(acceleration), tuple(smoothed))
 
     return after

@@ -38,7 +38,7 @@ class TopPlate(NamedTuple):
     """Of the centroid over the joint, e [m]; negative below it."""
 
 
-class Rates(NamedTuple):
+class AngleRates(NamedTuple):
     """First or second derivatives of both angles over time."""
 
     alpha: Scalar
@@ -63,7 +63,7 @@ def thin_plate(plates: Plates, mass: Scalar) -> TopPlate:
 
 
 def inertia_forces(
-    xp: Namespace, plate: TopPlate, alpha: Scalar, rates: Rates, accelerations: Rates
+    xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates, accelerations: AngleRates
 ) -> Torques:
     """Torques [N m] that a motion takes: inertia, Coriolis and centrifugal terms; any β."""
     sine, cosine = xp.sin(alpha), xp.cos(alpha)
@@ -76,19 +76,19 @@ def inertia_forces(
 
 
 def compute_accelerations(
-    xp: Namespace, plate: TopPlate, alpha: Scalar, rates: Rates, applied: Torques
-) -> Rates:
+    xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates, applied: Torques
+) -> AngleRates:
     """Angular accelerations [rad/s²] under applied torques [N m]: the inverse of the above."""
     sine = xp.sin(alpha)
     least, more = _compute_moments(plate)
-    own = inertia_forces(xp, plate, alpha, rates, Rates(0.0, 0.0))
-    return Rates(
+    own = inertia_forces(xp, plate, alpha, rates, AngleRates(0.0, 0.0))
+    return AngleRates(
         (applied.alpha - own.alpha) / least,
         (applied.beta - own.beta) / (least + more * sine * sine),
     )
 
 
-def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: Rates) -> Scalar:
+def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates) -> Scalar:
     """T [J]."""
     sine = xp.sin(alpha)
     least, more = _compute_moments(plate)

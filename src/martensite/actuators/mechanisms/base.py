@@ -17,12 +17,17 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_hanging, draw_lifted
+from martensite.actuators.mechanisms.drawing import (
+    DrawingShape,
+    DrawingState,
+    draw_hanging,
+    draw_lifted,
+)
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 MECHANISMS: Registry[AbstractMechanism] = Registry(
     "mechanism", "martensite.actuators.mechanisms", typical="dead-weight"
@@ -48,7 +53,7 @@ class Load(NamedTuple):
     heating: Heating
 
 
-class Energy(NamedTuple):
+class MechanicalEnergy(NamedTuple):
     """Mechanical energy that a mechanism holds [J], but for constants."""
 
     springs: Scalar = 0.0
@@ -61,7 +66,7 @@ class Energy(NamedTuple):
 class Mechanics(NamedTuple):
     """What becomes of the work of the elements."""
 
-    energy: Energy
+    energy: MechanicalEnergy
     ways: tuple[Scalar, ...]
     """How far each element has drawn what it pulls since assembly [m]: where it is taut by its own
     elongation; where it hangs slack, and has an end of its own, by its path."""
@@ -121,7 +126,7 @@ class AbstractMechanism(Parametrised):
     @abstractmethod
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Any, list[Any], Report]:  # fmt: skip
+    ) -> tuple[Any, list[Any], StepReport]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
 
     @require_where("static")
@@ -141,7 +146,7 @@ class AbstractMechanism(Parametrised):
         """What it holds, dissipates and gives to the outside; None if it does not say."""
         return None
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """What it looks like (`.drawing`), by the same shapes at every time.
 
         One that says nothing is drawn as elements that hang, moved or turned by its first output;

@@ -35,8 +35,8 @@ from typing import Any
 from martensite.actuators.mechanics.beam_drawing import drawn_beam
 from martensite.actuators.mechanics.beam_modes import BeamModes
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
-from martensite.actuators.mechanisms.drawing import Reading, Shape
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
@@ -243,7 +243,7 @@ class BeamMotor(AbstractMultibody):
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
         return [*bent, torque, volts - voltage]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of the beam that is bent, of all that moves, and of the coil."""
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]
@@ -254,7 +254,7 @@ class BeamMotor(AbstractMultibody):
         )
         shared = moment * sum_column(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
         coil = 0.5 * self.inductance * current * current
-        return Energy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
+        return MechanicalEnergy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """Damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
@@ -315,7 +315,7 @@ class BeamMotor(AbstractMultibody):
         forces = [element.force(state) for element, state, _ in loads]
         return forces, [*bends, *turns, *modes, position[n + 1]]
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """The beam, the motor with its unbalance, and the wire if there is one."""
         return drawn_beam(self, reading)
 

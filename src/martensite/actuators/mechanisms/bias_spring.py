@@ -8,9 +8,9 @@ with F₀ the preload at assembly and x the position. Neither wire nor spring ca
 from __future__ import annotations
 
 from martensite.actuators.elements.base import Spring
-from martensite.actuators.mechanisms.base import MECHANISMS, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
-from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.base import MECHANISMS, MechanicalEnergy
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -28,23 +28,23 @@ class BiasSpring(AbstractLoadLine):
         """Preload [N]."""
         return self.preload
 
-    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
+    def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
         """Intersection of the two straight lines [N]; zero if they meet in compression."""
         pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
         return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
 
     def position(
-        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
+        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
     ) -> Scalar:
         """Shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
 
-    def energy(self, xp: Namespace, shortening: Scalar) -> Energy:
+    def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
         """½ F²/k [J]."""
         pull = xp.maximum(self.preload + self.stiffness * shortening, 0.0)
-        return Energy(springs=(0.5 / self.stiffness) * pull * pull)
+        return MechanicalEnergy(springs=(0.5 / self.stiffness) * pull * pull)
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Element and spring in a row between two walls; the spring's own length is not known."""
         element = reading.lengths["element"]
         end, far, tall = element - reading.outputs["position"], 1.6 * element, 0.1 * element
@@ -54,7 +54,7 @@ class BiasSpring(AbstractLoadLine):
         return [
             draw_bar("wall", thick, *near_wall, kind="ground"),
             draw_bar("wall of the spring", thick, *far_wall, kind="ground"),
-            Shape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
-            Shape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
-            Shape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),
+            DrawingShape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
+            DrawingShape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
+            DrawingShape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),
         ]

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from martensite.actuators.elements.base import Spring
-from martensite.actuators.mechanisms.base import MECHANISMS, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar, draw_weight
-from martensite.actuators.mechanisms.load_line import AbstractLoadLine, Assembly
+from martensite.actuators.mechanisms.base import MECHANISMS, MechanicalEnergy
+from martensite.actuators.mechanisms.drawing import (
+    DrawingShape,
+    DrawingState,
+    draw_bar,
+    draw_weight,
+)
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -23,27 +28,27 @@ class DeadWeight(AbstractLoadLine):
         """The weight m g [N]."""
         return self.mass * self.gravity
 
-    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
+    def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
         """The weight m g [N]."""
         return self.start_force(xp)
 
     def position(
-        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
+        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
     ) -> Scalar:
         """Lift of the mass [m]."""
         return assembly.elongation - elongation
 
-    def energy(self, xp: Namespace, shortening: Scalar) -> Energy:
+    def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
         """m g times the lift [J]."""
-        return Energy(gravity=self.start_force(xp) * shortening)
+        return MechanicalEnergy(gravity=self.start_force(xp) * shortening)
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """The element hangs from a ceiling, the mass from the element."""
         hung = reading.lengths["element"]
         end = (0.0, 0.0, reading.outputs["position"] - hung)
         wide, thick = 0.2 * hung, 0.015 * hung
         return [
             draw_bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
-            Shape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
+            DrawingShape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
             draw_weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
         ]

@@ -44,7 +44,7 @@ DENSITY = 7850.0
 """Of the steel that a weight is drawn of [kg/m³]."""
 
 
-class Shape(NamedTuple):
+class DrawingShape(NamedTuple):
     """A part of the picture of a mechanism at one time."""
 
     name: str
@@ -61,7 +61,7 @@ class Shape(NamedTuple):
     """Angle of a disc or rotor about its axis, right-handed [rad]; may pass a full turn."""
 
 
-class Reading(NamedTuple):
+class DrawingState(NamedTuple):
     """What a mechanism is drawn from."""
 
     outputs: Mapping[str, float]
@@ -91,7 +91,7 @@ def move_point(point: Point, direction: Point, way: float) -> Point:
     )
 
 
-def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[Shape]:
+def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
     """A wire along a path whose fixed end is first, and a tether where it is too short.
 
     Args:
@@ -102,14 +102,14 @@ def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> lis
     """
     if rest >= 0.0:
         points = (move_point(path[0], away, rest), *path)
-        return [Shape(port, "wire", points, 0.0, port)]
+        return [DrawingShape(port, "wire", points, 0.0, port)]
     behind, k = -rest, 0
     while k < len(path) - 2 and behind >= math.dist(path[k], path[k + 1]):
         behind -= math.dist(path[k], path[k + 1])
         k += 1
     cut = locate_along(path[k], path[k + 1], min(behind, 0.9 * math.dist(path[k], path[k + 1])))
-    tether = Shape(f"{port} tether", "tether", (*path[: k + 1], cut), 0.0)
-    return [tether, Shape(port, "wire", (cut, *path[k + 1 :]), 0.0, port)]
+    tether = DrawingShape(f"{port} tether", "tether", (*path[: k + 1], cut), 0.0)
+    return [tether, DrawingShape(port, "wire", (cut, *path[k + 1 :]), 0.0, port)]
 
 
 def trace_arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
@@ -121,35 +121,37 @@ def trace_arc(radius: float, first: float, last: float, segments: int) -> list[t
     return [(outside * math.cos(angle), outside * math.sin(angle)) for angle in angles]
 
 
-def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> Shape:
+def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> DrawingShape:
     """A bar through points."""
-    return Shape(name, kind, points, size)
+    return DrawingShape(name, kind, points, size)
 
 
-def draw_pin(name: str, at: Point, half: float, size: float) -> Shape:
+def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
     """A pin along y, so many metres to either side."""
-    return Shape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
+    return DrawingShape(
+        name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size
+    )
 
 
-def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> Shape:
+def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
     """A cube of steel of a mass [kg], with half an edge between two limits [m]."""
     half = 0.5 * math.cbrt(mass / DENSITY)
-    return Shape(name, "weight", (at,), min(max(half, least), most))
+    return DrawingShape(name, "weight", (at,), min(max(half, least), most))
 
 
-def draw_lifted(by: float) -> list[Shape]:
+def draw_lifted(by: float) -> list[DrawingShape]:
     """A ball on a thread, as long as chosen here, that is lifted by so much [m]."""
     end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
     return [
         draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground"),
         draw_bar("thread", 0.0, (0.0, 0.0, 0.0), end, kind="tether"),
-        Shape("load", "object", (end,), 0.05 * THREAD),
+        DrawingShape("load", "object", (end,), 0.05 * THREAD),
     ]
 
 
 def draw_hanging(
-    ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: Reading
-) -> list[Shape]:
+    ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
+) -> list[DrawingShape]:
     """What is drawn of a mechanism that says nothing: elements that hang side by side.
 
     Args:
@@ -167,10 +169,10 @@ def draw_hanging(
     for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
         x = apart * (k - 0.5 * (len(ports) - 1))
         end = (x, 0.0, by - reading.lengths[port])
-        found.append(Shape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
-        found.append(Shape(f"{port} end", "object", (end,), 0.03 * longest))
+        found.append(DrawingShape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
+        found.append(DrawingShape(f"{port} end", "object", (end,), 0.03 * longest))
     for k, angle in enumerate(turned):
         x, z = apart * (k - 0.5 * (len(turned) - 1)), -1.4 * longest
         axis = ((x, 0.02 * longest, z), (x, -0.02 * longest, z))
-        found.append(Shape(f"angle {k + 1}", "pulley", axis, 0.12 * longest, turn=angle))
+        found.append(DrawingShape(f"angle {k + 1}", "pulley", axis, 0.12 * longest, turn=angle))
     return found

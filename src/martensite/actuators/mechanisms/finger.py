@@ -37,8 +37,8 @@ from __future__ import annotations
 
 from martensite.actuators.mechanics.finger_drawing import drawn_finger
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.joints import (
     bowstring_arm,
     find_stop_energy,
@@ -155,7 +155,7 @@ class Finger(AbstractMultibody):
         held = self.spring_torque(xp, angle) + self.stops(xp, angle)
         return [held + self.damping * rate + self.inertia * acceleration]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of the return spring, of what stops, and of the phalanx that moves."""
         (angle,), (rate,), _ = motion
         by = self.arm * angle
@@ -164,7 +164,7 @@ class Finger(AbstractMultibody):
         drawn = self.extension + by
         spring = 0.5 * self.stiffness * drawn * drawn
         stop = self._stop_energy(xp, angle)
-        return Energy(springs=spring + stop, kinetic=0.5 * self.inertia * rate * rate)
+        return MechanicalEnergy(springs=spring + stop, kinetic=0.5 * self.inertia * rate * rate)
 
     def _stop_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
         """Of end stops and brackets [J]: ∫ 2 tan(θ/2 - φ) dθ = -4 ln cos(θ/2 - φ)."""
@@ -187,6 +187,6 @@ class Finger(AbstractMultibody):
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [self.spring_torque(xp, 0.0) / arm]
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Both phalanges, the wire over its brackets, and the return spring."""
         return drawn_finger(self, reading)

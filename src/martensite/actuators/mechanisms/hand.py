@@ -34,8 +34,8 @@ from itertools import product
 
 from martensite.actuators.mechanics.hand_drawing import drawn_hand
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.joints import (
     Pair,
     Rod,
@@ -189,7 +189,7 @@ class Hand(AbstractMultibody):
                 found.append(self._held(xp, angles[k], rates[k]) + hung[k] + moved[k])
         return found
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of springs and stops of all joints, weight, and phalanges that move."""
         springs = sum_column([self._spring_energy(xp, angle) for angle in motion.position])
         lifted, moved = list[Scalar](), list[Scalar]()
@@ -197,7 +197,7 @@ class Hand(AbstractMultibody):
             rods, angles = self._rods(size), _select_pair(motion.position, i)
             lifted.append(find_weight_energy(xp, *rods, angles, self.gravity))
             moved.append(find_kinetic_energy(xp, *rods, angles, _select_pair(motion.velocity, i)))
-        return Energy(springs, sum_column(lifted), sum_column(moved))
+        return MechanicalEnergy(springs, sum_column(lifted), sum_column(moved))
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """Damping of every joint [N m]."""
@@ -213,7 +213,7 @@ class Hand(AbstractMultibody):
                 found += [self.preload, moment * (1.0 / self.knuckle)]
         return found
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 

@@ -23,10 +23,10 @@ import math
 from collections.abc import Sequence
 
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy, Load, Output
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
 from martensite.actuators.mechanisms.drawing import (
-    Reading,
-    Shape,
+    DrawingShape,
+    DrawingState,
     draw_bar,
     draw_pin,
     draw_weight,
@@ -155,12 +155,12 @@ class Lever(AbstractMultibody):
         moved = self.damping * rate + self._turning() * acceleration
         return [self.held(xp, angle) + stop + moved]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of spring and stops, weight and inertia."""
         (angle,), (rate,), _ = motion
         rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
         stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
-        return Energy(
+        return MechanicalEnergy(
             springs=(self.torque + 0.5 * self.stiffness * angle) * angle + stop,
             gravity=self.mass * self.gravity * self.weight_arm * rise,
             kinetic=0.5 * self._turning() * rate * rate,
@@ -178,7 +178,7 @@ class Lever(AbstractMultibody):
         """Force at angle zero [N]."""
         return [self.held(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Both arms, the weight on a thread, and the wire from its fixed point."""
         angle, (port,) = reading.outputs["angle"], self.ports()
         leaves, a, b = self.wire_angle, self.arm, self.weight_arm

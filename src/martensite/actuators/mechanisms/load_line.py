@@ -16,16 +16,16 @@ from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fi
 from martensite.actuators.mechanisms.base import (
     AbstractMechanism,
     Column,
-    Energy,
     Load,
+    MechanicalEnergy,
     Mechanics,
     Output,
 )
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 
-class Assembly(NamedTuple):
+class LoadLineReference(NamedTuple):
     """What a load line remembers of being assembled."""
 
     elongation: Scalar
@@ -42,16 +42,16 @@ class AbstractLoadLine(AbstractMechanism):
         """Force [N] on the element when it is assembled."""
 
     @abstractmethod
-    def force(self, xp: Namespace, assembly: Assembly, spring: Spring) -> Scalar:
+    def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
         """Force [N] at which element and mechanism fit; never below zero."""
 
     @abstractmethod
     def position(
-        self, xp: Namespace, assembly: Assembly, force: Scalar, elongation: Scalar
+        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
     ) -> Scalar:
         """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
 
-    def energy(self, xp: Namespace, shortening: Scalar) -> Energy | None:
+    def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy | None:
         """What it holds if the path of the element is shorter by so much than at assembly [m].
 
         None, and no balance of the work, if the mechanism does not say.
@@ -71,15 +71,23 @@ class AbstractLoadLine(AbstractMechanism):
         return [self.start_force(xp)]
 
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> Assembly:  # fmt: skip
+    ) -> LoadLineReference:
         """The elongation of the element as assembled."""
-        return Assembly(elongations[0])
+        return LoadLineReference(elongations[0])
 
     def advance(
-        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Assembly, list[object], Report]:  # fmt: skip
+        self,
+        xp: Namespace,
+        memory: LoadLineReference,
+        loads: Sequence[Load],
+        signals: Column,
+        dt: Scalar,
+    ) -> tuple[LoadLineReference, list[object], StepReport]:
         """The element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
         pull = self.load_line(memory)
@@ -87,7 +95,7 @@ class AbstractLoadLine(AbstractMechanism):
         return memory, [after], report
 
     def observe(
-        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
+        self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
         """The force at which both fit, and the position there."""
         ((element, state, _),) = loads
@@ -100,7 +108,7 @@ class AbstractLoadLine(AbstractMechanism):
         return [force], [self.position(xp, memory, force, elongation)]
 
     def mechanics(
-        self, xp: Namespace, memory: Assembly, loads: Sequence[Load], signals: Column
+        self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
     ) -> Mechanics | None:
         """Its energy at the end of the last step; it has no friction."""
         ((element, state, _),) = loads
@@ -111,7 +119,7 @@ class AbstractLoadLine(AbstractMechanism):
         found = self.energy(xp, way)
         return None if found is None else Mechanics(found, (way,))
 
-    def load_line(self, memory: Assembly) -> Pull:
+    def load_line(self, memory: LoadLineReference) -> Pull:
         """The mechanism as the element sees it."""
 
         def pull(xp: Namespace, spring: Spring) -> Scalar:

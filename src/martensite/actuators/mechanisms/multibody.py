@@ -28,8 +28,8 @@ from martensite.actuators.elements.base import AbstractElement, Effort
 from martensite.actuators.mechanics import condensed
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
 from martensite.actuators.mechanics.motion import (
-    Course,
     Motion,
+    MotionHistory,
     Scheme,
     move_dynamically,
     quasi_static,
@@ -37,17 +37,17 @@ from martensite.actuators.mechanics.motion import (
 from martensite.actuators.mechanisms.base import (
     AbstractMechanism,
     Column,
-    Energy,
     Load,
+    MechanicalEnergy,
     Mechanics,
     Output,
 )
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_hanging
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 
 class Coordinate(NamedTuple):
@@ -67,7 +67,7 @@ class Assembled(NamedTuple):
 
     home: tuple[Scalar, ...]
     """Elongation of each element at home [m]."""
-    course: Course
+    course: MotionHistory
     stiffness: tuple[Scalar, ...]
     """Of each element over the last step, transformation included [N/m]."""
 
@@ -110,7 +110,7 @@ class AbstractMultibody(AbstractMechanism):
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy | None:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
         """What it holds in a motion; without inertia, its kinetic energy does not count.
 
         With `dissipative` and `imposed` it must answer for all of `demand`. None, and no balance
@@ -156,7 +156,9 @@ class AbstractMultibody(AbstractMechanism):
         place = tuple(self.home(xp))
         pull = self.supply(xp, place, self.start_forces(xp), rest)
         start = self.release(xp, Motion(place, rest, rest), pull, signals)
-        course = Course(place, rest, start, start) if self.moves else Course(place, rest)
+        course = (
+            MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
+        )
         unknown = (0.0,) * len(elements)
         return Assembled(tuple(self.mounted(xp, elongations)), course, unknown)
 
@@ -187,7 +189,7 @@ class AbstractMultibody(AbstractMechanism):
         arriving = [share * force for share, force in zip(shares, forces, strict=True)]
         return [multiply_inner(arriving, column) for column in zip(*lever, strict=True)]
 
-    def scheme(self, xp: Namespace, course: Course, dt: Scalar) -> Scheme:
+    def scheme(self, xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
         """How velocity and acceleration follow from the position at the end of a step."""
         if self.moves:
             return move_dynamically(xp, course, dt, self.rho_inf)
@@ -195,9 +197,9 @@ class AbstractMultibody(AbstractMechanism):
 
     def advance(
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Assembled, list[Any], Report]:  # fmt: skip
+    ) -> tuple[Assembled, list[Any], StepReport]:  # fmt: skip
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
-        step = condensed.Step(self, memory, loads, signals, dt)
+        step = condensed.CondensedStep(self, memory, loads, signals, dt)
         course, stiffness, states, report = step.solved(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 
@@ -236,7 +238,7 @@ class AbstractMultibody(AbstractMechanism):
             rubbed.append(Effort((1.0 - share) * force, path))
         return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
         home = self.home(floats)
         place = [

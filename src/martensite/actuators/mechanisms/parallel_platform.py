@@ -24,7 +24,7 @@ import math
 
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanics.platform_inertia import (
-    Rates,
+    AngleRates,
     TopPlate,
     inertia_forces,
     kinetic_energy,
@@ -38,8 +38,8 @@ from martensite.actuators.mechanics.platform_kinematics import (
     locate_corners,
     locate_vertices,
 )
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar, lead_wire
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, lead_wire
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
@@ -129,22 +129,22 @@ class ParallelPlatform(AbstractMultibody):
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Torques [N m] of inertia and damping, less those of the weight."""
-        (alpha, beta), rates = motion.position, Rates(*motion.velocity)
+        (alpha, beta), rates = motion.position, AngleRates(*motion.velocity)
         plate, moving = self.top_plate(xp), (0.0, 0.0)
         if self.moves:
-            moving = inertia_forces(xp, plate, alpha, rates, Rates(*motion.acceleration))
+            moving = inertia_forces(xp, plate, alpha, rates, AngleRates(*motion.acceleration))
         weight = weight_torques(xp, plate, self.gravity, alpha, beta)
         return [
             inertia + self.damping * rate - pull
             for inertia, rate, pull in zip(moving, rates, weight, strict=True)
         ]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of the weight and of the plate that moves."""
         (alpha, beta), plate = motion.position, self.top_plate(xp)
         lifted = weight_energy(xp, plate, self.gravity, alpha, beta)
-        moved = kinetic_energy(xp, plate, alpha, Rates(*motion.velocity))
-        return Energy(gravity=lifted, kinetic=moved)
+        moved = kinetic_energy(xp, plate, alpha, AngleRates(*motion.velocity))
+        return MechanicalEnergy(gravity=lifted, kinetic=moved)
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """Damping of both axes [N m]."""
@@ -154,7 +154,7 @@ class ParallelPlatform(AbstractMultibody):
         """The preload, three times [N]."""
         return [self.preload] * 3
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side
@@ -163,11 +163,11 @@ class ParallelPlatform(AbstractMultibody):
         joint = (0.0, 0.0, plates.pivot)
         x, y, z = (math.fsum(v[k] for v in top) / 3.0 for k in range(3))
         found = [
-            Shape("base", "plate", base, thick),
+            DrawingShape("base", "plate", base, thick),
             draw_bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),
-            Shape("joint", "object", (joint,), 2.5 * thick),
+            DrawingShape("joint", "object", (joint,), 2.5 * thick),
             draw_bar("neck", thick, joint, (x, y, z)),
-            Shape("plate", "plate", top, thick),
+            DrawingShape("plate", "plate", top, thick),
         ]
         for port, first, last in zip(self.ports(), base, top, strict=True):
             rest = reading.lengths[port] - self.height

@@ -15,11 +15,11 @@ from __future__ import annotations
 import math
 
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Energy
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
 from martensite.actuators.mechanisms.drawing import (
     ARC,
-    Reading,
-    Shape,
+    DrawingShape,
+    DrawingState,
     draw_bar,
     draw_pin,
     draw_weight,
@@ -82,12 +82,12 @@ class AntagonisticPulley(AbstractMultibody):
         held = self.stiffness * angle + self.moment * xp.sin(angle)
         return [held + self.damping * rate + self.inertia * acceleration]
 
-    def energy(self, xp: Namespace, motion: Motion) -> Energy:
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of joint, lever and inertia."""
         (angle,), (rate,), _ = motion
         lifted = self.moment * (1.0 - xp.cos(angle))
         moved = 0.5 * self.inertia * rate * rate
-        return Energy(0.5 * self.stiffness * angle * angle, lifted, moved)
+        return MechanicalEnergy(0.5 * self.stiffness * angle * angle, lifted, moved)
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """b φ' [N m]."""
@@ -97,7 +97,7 @@ class AntagonisticPulley(AbstractMultibody):
         """The preload, twice [N]."""
         return [self.preload, self.preload]
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """Both elements come from a wall and are wound on the rim, half a turn as assembled."""
         angle, r = reading.outputs["angle"], self.radius
         wound = math.pi * r
@@ -109,7 +109,7 @@ class AntagonisticPulley(AbstractMultibody):
         found = [
             draw_bar("wall", thick, *wall, kind="ground"),
             draw_pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
-            Shape("pulley", "pulley", axis, r, turn=angle),
+            DrawingShape("pulley", "pulley", axis, r, turn=angle),
         ]
         for port, side in zip(self.ports(), (1.0, -1.0), strict=True):
             rim = trace_arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
@@ -120,7 +120,7 @@ class AntagonisticPulley(AbstractMultibody):
                 draw_bar(
                     f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"
                 ),
-                Shape(port, "wire", tuple(path), 0.0, port),
+                DrawingShape(port, "wire", tuple(path), 0.0, port),
             ]
         if self.moment > 0.0:
             end = (2.5 * r * math.sin(angle), -3.0 * wide, -2.5 * r * math.cos(angle))

@@ -32,16 +32,16 @@ from martensite.actuators.mechanisms.base import (
     MECHANISMS,
     AbstractMechanism,
     Column,
-    Energy,
     Load,
+    MechanicalEnergy,
     Mechanics,
     Output,
 )
-from martensite.actuators.mechanisms.drawing import Reading, Shape, draw_bar
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 UNITS = {"force": "N", "stress": "Pa", "elongation": "m", "strain": "1"}
 """Control -> unit of its command."""
@@ -49,7 +49,7 @@ SIZES = {"stress": "section", "strain": "gauge_length"}
 """Control -> what makes a force or a travel of its command."""
 
 
-class Mounted(NamedTuple):
+class MountedElement(NamedTuple):
     """The element when it was mounted."""
 
     elongation: Scalar
@@ -128,15 +128,23 @@ class TensileTestingMachine(AbstractMechanism):
         return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
 
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> Mounted:  # fmt: skip
+    ) -> MountedElement:
         """The element as mounted."""
-        return Mounted(elongations[0], self.first_forces(xp, signals)[0])
+        return MountedElement(elongations[0], self.first_forces(xp, signals)[0])
 
     def advance(
-        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Mounted, list[Any], Report]:  # fmt: skip
+        self,
+        xp: Namespace,
+        memory: MountedElement,
+        loads: Sequence[Load],
+        signals: Column,
+        dt: Scalar,
+    ) -> tuple[MountedElement, list[Any], StepReport]:
         """The element solves the step by itself, against what is prescribed at its end."""
         ((element, state, heating),) = loads
         pull = self._pull(memory, signals)
@@ -144,7 +152,7 @@ class TensileTestingMachine(AbstractMechanism):
         return memory, [after], report
 
     def observe(
-        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+        self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
         """The force that is prescribed or found, the position, and the travel."""
         ((element, state, _),) = loads
@@ -159,19 +167,19 @@ class TensileTestingMachine(AbstractMechanism):
         return [force], [give - travel, travel]
 
     def mechanics(
-        self, xp: Namespace, memory: Mounted, loads: Sequence[Load], signals: Column
+        self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column
     ) -> Mechanics:
         """½ F²/k of frame and grips; the crosshead, as it travels, works against the drive."""
         ((element, state, _),) = loads
         force = element.force(state)
         travel = self._travel(xp, memory, element, state, force, signals)
-        spring = Energy(springs=(0.5 / self.stiffness) * force * force)
+        spring = MechanicalEnergy(springs=(0.5 / self.stiffness) * force * force)
         taut = memory.elongation - element.elongation(xp, state, force)
         slack = (force - memory.force) * (1.0 / self.stiffness) - travel
         ways = (xp.where(force > 0.0, taut, slack),)
         return Mechanics(spring, ways, outside=(Effort(-force, travel),))
 
-    def drawn(self, reading: Reading) -> list[Shape]:
+    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
         """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
         element = reading.lengths["element"]
         grip, thick = element - reading.outputs["position"], 0.02 * element
@@ -186,9 +194,9 @@ class TensileTestingMachine(AbstractMechanism):
                 for k, s in enumerate(sides, 1)
             ),
             draw_bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
-            Shape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
-            Shape("frame and grips", "spring" if gives else "link", rod, thick),
-            Shape("grip", "object", (rod[0],), thick),
+            DrawingShape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
+            DrawingShape("frame and grips", "spring" if gives else "link", rod, thick),
+            DrawingShape("grip", "object", (rod[0],), thick),
         ]
 
     @property
@@ -203,16 +211,21 @@ class TensileTestingMachine(AbstractMechanism):
         return command if size is None else command * getattr(self, size)
 
     def _travel(
-        self, xp: Namespace, memory: Mounted, element: AbstractElement, state: Any,
-        force: Scalar, signals: Column,
-    ) -> Scalar:  # fmt: skip
+        self,
+        xp: Namespace,
+        memory: MountedElement,
+        element: AbstractElement,
+        state: Any,
+        force: Scalar,
+        signals: Column,
+    ) -> Scalar:
         """Travel of the crosshead [m] under a force [N]."""
         if not self._pulls:
             return self._target(signals)
         give = (force - memory.force) * (1.0 / self.stiffness)
         return element.elongation(xp, state, force) - memory.elongation + give
 
-    def _pull(self, memory: Mounted, signals: Column) -> Pull:
+    def _pull(self, memory: MountedElement, signals: Column) -> Pull:
         """The machine as the element sees it."""
         target = self._target(signals)
 

@@ -24,7 +24,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material
 from martensite.scenario.components import list_nested
@@ -157,7 +157,7 @@ def _kept(
     names = {
         "element": ["material"],
         "drive": ["waveform"],
-        "sensor": [n for n in (*Mounted.declarations, NAME) if n != "of" or not fresh],
+        "sensor": [n for n in (*MountedSensor.declarations, NAME) if n != "of" or not fresh],
         "controller": [PERIOD, REFERENCE, *(n for n in inner if inner.count(n) == 1)],
     }.get(registry.kind, [])
     own = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.physics.materials.base import DOUBTFUL, Material, Number
+from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 
 WORDS = {
     "scenario": "written in the scenario",
@@ -32,7 +32,7 @@ def origin(noted: str, name: str, material: Material | None) -> dict[str, Any]:
     return found
 
 
-def sourced(material: Material, number: Number) -> dict[str, Any]:
+def sourced(material: Material, number: MaterialNumber) -> dict[str, Any]:
     """A number of a material with its source."""
     source = material.sources[number.source]
     return {

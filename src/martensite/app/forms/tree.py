@@ -15,7 +15,7 @@ from martensite.app.forms import controls, documents, words
 from martensite.app.forms.controls import Control, Spot
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.control.controllers.row import Row
+from martensite.control.controllers.row import NumberedGains
 from martensite.physics.materials.base import Material
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.components import is_plain
@@ -90,7 +90,7 @@ class Walk:
                 yield from self._listed(below, name, declared)
             elif declared.kind != "part":
                 yield from self._single(part, below, name, declared)
-            elif is_plain(type(part), name) or isinstance(part.__dict__[name], Row):
+            elif is_plain(type(part), name) or isinstance(part.__dict__[name], NumberedGains):
                 yield from self._row(part, below, name, declared)
             else:
                 later += self._parts(part, below, name, declared, owner)
@@ -159,7 +159,7 @@ class Walk:
         value = part.__dict__[name]
         if spot is not None:
             raw = documents.entry(self.document, spot.path)
-            value = list(value.numbers) if isinstance(value, Row) else value
+            value = list(value.numbers) if isinstance(value, NumberedGains) else value
             yield controls.row(spot, value if raw is None else raw)
 
     def _listed(self, path: str, name: str, declared: Declared) -> Iterator[Control]:

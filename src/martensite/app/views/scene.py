@@ -12,7 +12,7 @@ from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.mechanisms.drawing import Point, Reading, Shape
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, Point
 from martensite.app.views.columns import kept_rows
 from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario
@@ -72,9 +72,9 @@ def drawn(
     lengths: Mapping[str, float],
     names: Sequence[str],
     row: int,
-) -> list[Shape]:
+) -> list[DrawingShape]:
     """The mechanism at one row of the result, from its outputs by name."""
-    return system.mechanism.drawn(Reading({n: result.columns[n][row] for n in names}, lengths))
+    return system.mechanism.drawn(DrawingState({n: result.columns[n][row] for n in names}, lengths))
 
 
 def assembled(system: AbstractSystem, result: Result) -> dict[str, float]:
@@ -104,7 +104,7 @@ def _natural(element: AbstractElement) -> float:
 
 
 def _described(
-    shape: Shape, stands: bool, system: AbstractSystem, quantum: float
+    shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float
 ) -> dict[str, Any]:
     """A shape without its places, unless it stands still."""
     found: dict[str, Any] = {
@@ -137,17 +137,17 @@ def _slack(force: Sequence[float], rows: Sequence[int]) -> list[int]:
     return [int(force[row] <= least) for row in rows]
 
 
-def _stands(pictures: Sequence[Sequence[Shape]], k: int) -> bool:
+def _stands(pictures: Sequence[Sequence[DrawingShape]], k: int) -> bool:
     """Whether a shape is at the same place in all pictures."""
     points = pictures[0][k].points
     return all(shapes[k].points == points for shapes in pictures)
 
 
-def _moving(shapes: Sequence[Shape], still: Sequence[bool]) -> list[Shape]:
+def _moving(shapes: Sequence[DrawingShape], still: Sequence[bool]) -> list[DrawingShape]:
     return [shape for shape, stands in zip(shapes, still, strict=True) if not stands]
 
 
-def _flat(shapes: Sequence[Shape], quantum: float) -> list[int]:
+def _flat(shapes: Sequence[DrawingShape], quantum: float) -> list[int]:
     """Coordinates, one after the other."""
     share = 1.0 / quantum
     return [round(x * share) for shape in shapes for point in shape.points for x in point]
@@ -158,7 +158,7 @@ def _quantum(size: float) -> float:
     return 10.0 ** math.floor(math.log10(max(size, 1e-9) * FINENESS))
 
 
-def _bounds(pictures: Sequence[Sequence[Shape]]) -> tuple[Point, Point]:
+def _bounds(pictures: Sequence[Sequence[DrawingShape]]) -> tuple[Point, Point]:
     """Corners of a box that holds all points of all pictures."""
     columns = list(zip(*(p for shapes in pictures for s in shapes for p in s.points), strict=True))
     if not columns:

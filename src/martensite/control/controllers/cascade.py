@@ -23,14 +23,14 @@ from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.kernels.namespace import Namespace, Scalar
 
 
-class Both(NamedTuple):
+class CascadeMemory(NamedTuple):
     """Memories of the two controllers, one after the other."""
 
     outer: PidMemory
     inner: PidMemory
 
     @classmethod
-    def of(cls, memory: Column) -> Both:
+    def of(cls, memory: Column) -> CascadeMemory:
         """From a flat column."""
         return cls(PidMemory(*memory[:3]), PidMemory(*memory[3:]))
 
@@ -60,13 +60,13 @@ class Cascade(AbstractController):
         """Nothing integrated."""
         outer = self.outer.law.rest(xp, reference, readings[self.measured])
         inner = self.inner.law.rest(xp, self.start, readings[self.temperature])
-        return Both(outer, inner).flat()
+        return CascadeMemory(outer, inner).flat()
 
     def answer(
         self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
     ) -> tuple[Scalar, Column]:
         """Signal of this sample, and what is remembered for the next."""
-        before, position = Both.of(memory), readings[self.measured]
+        before, position = CascadeMemory.of(memory), readings[self.measured]
         added, outer = self.outer.law.answer(
             xp, self.outer.gains(xp, dt), before.outer, reference, position
         )
@@ -78,4 +78,4 @@ class Cascade(AbstractController):
         over = xp.both(signal >= limits.high, gained > 0.0)
         under = xp.both(signal <= limits.low, gained < 0.0)
         integral = xp.where(xp.either(over, under), before.outer.integral, outer.integral)
-        return signal, Both(outer._replace(integral=integral), inner).flat()
+        return signal, CascadeMemory(outer._replace(integral=integral), inner).flat()

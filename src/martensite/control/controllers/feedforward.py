@@ -39,7 +39,7 @@ from martensite.control.controllers.pid import PidMemory
 from martensite.kernels import floats
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 
 SLIGHT = 1e-9
 """Slope added to the output over its range, so that a flat model has an answer: the last one."""
@@ -131,7 +131,7 @@ class Feedforward(AbstractController):
         length = xp.where(some, dt, self.lookahead)
         after = self._after(xp, state, held.feed, length, self.substeps)
         rows = zip(flatten_numbers(after), flatten_numbers(state), strict=True)
-        state = Shape(state).rebuild([xp.where(some, new, old) for new, old in rows])
+        state = NestedShape(state).rebuild([xp.where(some, new, old) for new, old in rows])
         rate = self._rate(held, reference, length)
         target = reference + self.slope_weight * rate * self.lookahead
         feed = self._feed(xp, state, target, held.feed)
@@ -141,10 +141,10 @@ class Feedforward(AbstractController):
         return signal, flatten_numbers((state, Following(feed, reference, rate, correction)))
 
     @property
-    def _kept(self) -> Shape:
+    def _kept(self) -> NestedShape:
         """How its memory is nested."""
         memory = PidMemory(*[0.0] * KEPT)
-        return Shape((self.__dict__["_rest"], Following(0.0, 0.0, 0.0, memory)))
+        return NestedShape((self.__dict__["_rest"], Following(0.0, 0.0, 0.0, memory)))
 
     def _rate(self, held: Following, reference: Scalar, length: Scalar) -> Scalar:
         """Filtered rate of the reference."""

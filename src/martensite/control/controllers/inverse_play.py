@@ -29,7 +29,7 @@ from martensite.base.parameters import part
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
 from martensite.control.controllers.correction import KEPT, Correction
 from martensite.control.controllers.pid import PidMemory
-from martensite.control.controllers.row import Row, as_row
+from martensite.control.controllers.row import NumberedGains, as_row
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -112,7 +112,7 @@ class InversePlay(AbstractController):
         return found
 
 
-def _sum_weights(weights: Row) -> Scalar:
+def _sum_weights(weights: NumberedGains) -> Scalar:
     """Gain of the sum at rest."""
     total: Scalar = 0.0
     for weight in weights.numbers:
@@ -120,7 +120,9 @@ def _sum_weights(weights: Row) -> Scalar:
     return total
 
 
-def _invert_plays(thresholds: Row, weights: Row) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
+def _invert_plays(
+    thresholds: NumberedGains, weights: NumberedGains
+) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
     """b_0, and threshold and weight of every play of the inverse, by Kuhnen's equations."""
     first, *others = weights.numbers
     slope, before, place = first, 0.0, 0.0

@@ -32,18 +32,18 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
 from martensite.control.controllers.planning import (
-    Limits,
     Moment,
     Planner,
+    PlanSearch,
     Price,
-    Search,
+    SignalLimits,
     shift_plan,
 )
 from martensite.control.controllers.reach import measure_reach
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.observers.hidden import list_names, place_hidden
 from martensite.kernels import floats
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.simulate.api import steps_in
 from martensite.simulate.lanes import Lanes
@@ -67,7 +67,7 @@ class Planned(NamedTuple):
     """What the model said in the last samples, latest first."""
     cost: float
     """Of the plan."""
-    shape: Shape
+    shape: NestedShape
     """Of the state."""
     model: Lanes
     planner: Planner
@@ -90,7 +90,7 @@ class Mpc(AbstractController):
     low: float = param(DRIVE, "least signal", default=0.0)
     high: float = param(DRIVE, "largest signal", default=1.0)
     price: Price = part("what a plan is charged for", default=Price())
-    search: Search = part("how plans are searched", default=Search())
+    search: PlanSearch = part("how plans are searched", default=PlanSearch())
     correction: float = param(
         "1", "K: part of a difference between reading and model that is believed in a sample",
         low=0.0, high=1.0, default=0.8,
@@ -105,7 +105,7 @@ class Mpc(AbstractController):
     @classmethod
     def for_system(
         cls, model: AbstractSystem, *, measured: str, reference: AbstractWaveform, period: float,
-        price: Price, high: float = 1.0, output: str = "", search: Search | None = None,
+        price: Price, high: float = 1.0, output: str = "", search: PlanSearch | None = None,
     ) -> Self:  # fmt: skip
         """A controller whose horizon is what the model needs to warm up and to cool down.
 
@@ -126,7 +126,7 @@ class Mpc(AbstractController):
         return cls(
             model=model, measured=measured, output=output, reference=reference, period=period,
             horizon=max(found.up + found.down, period), high=high, price=price,
-            search=search or Search(),
+            search=search or PlanSearch(),
         )  # fmt: skip
 
     def check(self) -> None:
@@ -181,11 +181,11 @@ class Mpc(AbstractController):
     def init(self) -> Planned:
         """The model at rest, nothing planned; compiles the model."""
         lanes = Lanes(self.model, self.search.plans)
-        limits = Limits(self.low, self.high)
+        limits = SignalLimits(self.low, self.high)
         planner = Planner(lanes, self.followed, self.price, self.search, limits)
         model, idle = Lanes(self.model, 1), self.idle
         model.reset(idle)
-        shape = Shape(self.model.init(floats, idle))
+        shape = NestedShape(self.model.init(floats, idle))
         plan = np.full(self.blocks, idle)
         return Planned(0, model.state, idle, plan, 0.0, (), 0.0, shape, model, planner)
 

@@ -61,7 +61,7 @@ class Price(Parametrised):
     excess: float = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
 
 
-class Search(Parametrised):
+class PlanSearch(Parametrised):
     """How plans are searched."""
 
     plans: int = part("plans in a round", default=64)
@@ -83,7 +83,7 @@ class Search(Parametrised):
                 )
 
 
-class Limits(NamedTuple):
+class SignalLimits(NamedTuple):
     """Least and largest signal."""
 
     low: float
@@ -110,7 +110,7 @@ class Planner:
     """Plans of one controller, side by side in lanes of its model."""
 
     def __init__(
-        self, lanes: Lanes, output: str, price: Price, search: Search, limits: Limits
+        self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: SignalLimits
     ) -> None:
         self.lanes, self.price, self.search, self.limits = lanes, price, search, limits
         names = lanes.names

@@ -18,7 +18,7 @@ FIRST, DOUBLINGS = 64, 8
 BEGUN, HALF, MOST, SETTLED = 0.1, 0.5, 0.9, 0.01
 
 
-class Reach(NamedTuple):
+class TimeScales(NamedTuple):
     """Times of a system [s]."""
 
     start: float
@@ -29,7 +29,7 @@ class Reach(NamedTuple):
     """From nine tenths of it, until no signal has left half."""
 
 
-def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> Reach:
+def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
     """How long full signal and none need.
 
     Args:
@@ -54,7 +54,7 @@ def measure_reach(system: AbstractSystem, output: str, low: float, high: float) 
     lanes.reset(low)
     lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
     down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
-    return Reach(
+    return TimeScales(
         dt * _count_until(share >= BEGUN),
         dt * _count_until(share >= HALF),
         dt * _count_until(down <= HALF),

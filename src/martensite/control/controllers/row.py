@@ -15,7 +15,7 @@ from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.kernels.namespace import Scalar
 
 
-class Row(Parametrised):
+class NumberedGains(Parametrised):
     """Numbers n1, n2, … in their order."""
 
     def __init__(self, **numbers: float) -> None:
@@ -48,14 +48,14 @@ def _convert_number(place: int) -> Declared:
     return Declared("parameter", f"number {place} of a row", REQUIRED)
 
 
-def as_row(owner: str, name: str, given: Any) -> Row:
+def as_row(owner: str, name: str, given: Any) -> NumberedGains:
     """A row, of a sequence of numbers too.
 
     Raises:
         ParameterError: it is neither.
     """
-    if isinstance(given, Row):
+    if isinstance(given, NumberedGains):
         return given
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise ParameterError(f"`{name}` of `{owner}` must be a list of numbers, not {given!r}.")
-    return Row.of(given)  # type: ignore[arg-type]
+    return NumberedGains.of(given)  # type: ignore[arg-type]

@@ -39,7 +39,7 @@ class GainsAt(Parametrised):
     Kd: Scalar = param("1", "derivative gain", default=0.0)
 
 
-class Schedule(Members[GainsAt], init=False):
+class GainSchedule(Members[GainsAt], init=False):
     """Gains over what decides about them, by names of points, in ascending order."""
 
     noun, kind = "point", GainsAt
@@ -89,11 +89,11 @@ class ScheduledPid(AbstractController):
     names_reading = ("over", "measured")
 
     over: str = text("name of the reading that decides; the reference if none", default="")
-    rising: Schedule = part(
+    rising: GainSchedule = part(
         "gains since the reference rose",
         typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}},
     )
-    falling: Schedule | None = part("gains since it fell; as rising if none", default=None)
+    falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(
         "integral and derivative gains: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
         *GAINS_ARE, default="per-sample",

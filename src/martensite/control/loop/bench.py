@@ -17,15 +17,15 @@ standard normal numbers; what is not given is 0, so that a run without them is o
 from __future__ import annotations
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, advanced
-from martensite.actuators.assembly.base import Drive
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.base.parameters import option, param, part
 from martensite.control.loop import names, period
 from martensite.control.loop.checks import check_bench
-from martensite.control.loop.parts import BenchState, Controllers, Faults, Observers, Sensors
+from martensite.control.loop.parts import BenchState, Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.api import steps_in
 
 
@@ -38,7 +38,7 @@ class Bench(AbstractSystem, init=False):
     observers: Observers = part("observers by name", default=Observers())
     controllers: Controllers = part("controllers by drive of the plant", default=Controllers())
     supervisor: AbstractSupervisor | None = part("who has the last word", SUPERVISORS, default=None)
-    faults: Faults = part("what goes wrong, by name", default=Faults())
+    faults: FaultTable = part("what goes wrong, by name", default=FaultTable())
     substeps: int = part("steps of the plant in a period; 0: as many as it needs", default=0)
     switching: str = option(
         "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
@@ -94,7 +94,7 @@ class Bench(AbstractSystem, init=False):
         kinds = [one.registered_name for one in self.controllers.members().values()]
         return f"{self.plant.described()}{', under ' if kinds else ''}{', '.join(kinds)}"
 
-    def drives(self) -> list[Drive]:
+    def drives(self) -> list[DriveSignal]:
         """References, drives of the plant that are free, noise and jitter."""
         return names.list_drives(self)
 
@@ -123,7 +123,7 @@ class Bench(AbstractSystem, init=False):
 
     def step(
         self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar
-    ) -> tuple[BenchState, Report]:
+    ) -> tuple[BenchState, StepReport]:
         """One period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)

@@ -51,7 +51,7 @@ class Sensed(NamedTuple):
     """And how old it is [s]."""
 
 
-class Mounted(Parametrised):
+class MountedSensor(Parametrised):
     """A sensor in its place."""
 
     sensor: AbstractSensor = part("the sensor", SENSORS)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from martensite.actuators.assembly.base import Drive
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import Output
-from martensite.control.loop.mounted import Mounted
+from martensite.control.loop.mounted import MountedSensor
 from martensite.control.observers.base import ESTIMATED
 
 if TYPE_CHECKING:
@@ -35,14 +35,14 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
     return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
 
 
-def list_drives(bench: Bench) -> list[Drive]:
+def list_drives(bench: Bench) -> list[DriveSignal]:
     """References, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
     rows = zip(list_references(bench), reference_units(bench), strict=True)
-    followed = [Drive(name, unit, False, True) for name, unit in rows]
+    followed = [DriveSignal(name, unit, False, True) for name, unit in rows]
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     numbers = [
-        Drive(kind + name, "1", False, True)
+        DriveSignal(kind + name, "1", False, True)
         for name in bench.sensors.members()
         for kind in (NOISE, JITTER)
     ]
@@ -117,7 +117,7 @@ def list_truths(bench: Bench) -> dict[str, Output]:
     return found
 
 
-def _find_unit(bench: Bench, mounted: Mounted) -> str:
+def _find_unit(bench: Bench, mounted: MountedSensor) -> str:
     """Unit of the readings of a sensor: its own, or that of what it looks at."""
     if mounted.sensor.unit is not None:
         return mounted.sensor.unit

@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import Members
 from martensite.control.controllers.base import AbstractController
 from martensite.control.faults.base import AbstractFault
-from martensite.control.loop.mounted import Mounted, Sensed
+from martensite.control.loop.mounted import MountedSensor, Sensed
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels.namespace import Scalar
 
 Named = dict[str, Scalar]
 
 
-class Sensors(Members[Mounted], init=False):
+class Sensors(Members[MountedSensor], init=False):
     """Sensors by name: what a controller calls their readings."""
 
-    noun, kind = "sensor", Mounted
+    noun, kind = "sensor", MountedSensor
 
 
 class Observers(Members[AbstractObserver], init=False):
@@ -32,13 +32,13 @@ class Controllers(Members[AbstractController], init=False):
     noun, kind = "controller", AbstractController
 
 
-class Faults(Members[AbstractFault], init=False):
+class FaultTable(Members[AbstractFault], init=False):
     """Faults by name."""
 
     noun, kind = "fault", AbstractFault
 
 
-class Watching(NamedTuple):
+class ObserverState(NamedTuple):
     """State of an observer."""
 
     estimates: tuple[Scalar, ...]
@@ -58,7 +58,7 @@ class BenchState(NamedTuple):
     time: Scalar
     plant: Any
     sensors: tuple[Sensed, ...]
-    observers: tuple[Watching, ...]
+    observers: tuple[ObserverState, ...]
     controllers: tuple[Controlling, ...]
     supervisor: tuple[Scalar, ...]
 

@@ -9,8 +9,8 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.course import Piece
 from martensite.control.loop.mounted import Disturbed, Sensed
 from martensite.control.loop.names import AGE, AMBIENT
-from martensite.control.loop.parts import BenchState, Controlling, Inputs, Named, Watching
-from martensite.control.loop.supervisor import Verdict
+from martensite.control.loop.parts import BenchState, Controlling, Inputs, Named, ObserverState
+from martensite.control.loop.supervisor import SupervisorVerdict
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSwitch
@@ -32,7 +32,9 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     return Inputs(references, free, numbers)
 
 
-def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> Verdict:
+def apply_supervisor(
+    bench: Bench, xp: Namespace, state: BenchState, given: Inputs
+) -> SupervisorVerdict:
     """Signals by drive of the plant, as the supervisor lets them pass."""
     ordered, known = collect_wanted(bench, state.controllers, given), Named()
     if bench.supervisor is not None:
@@ -60,22 +62,22 @@ def collect_idle(bench: Bench, given: Inputs) -> Named:
 
 def judge_signals(
     bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Named, known: Named
-) -> Verdict:
+) -> SupervisorVerdict:
     """What the supervisor makes of signals; without one they pass."""
     if bench.supervisor is None:
-        return Verdict(signals, 0.0, ())
+        return SupervisorVerdict(signals, 0.0, ())
     return bench.supervisor.judge(xp, memory, signals, known, bench.period)
 
 
 def begin_loop(
     bench: Bench, xp: Namespace, known: Named, given: Inputs
-) -> tuple[tuple[Watching, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
+) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
     """Observers, controllers and supervisor in the first sample, and all that is read there."""
     first = [
         one.rest(xp, known, collect_idle(bench, given))
         for one in bench.observers.members().values()
     ]
-    observers = tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in first)
+    observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
     rows = zip(bench.controllers.members().values(), given.references, strict=True)
     found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
@@ -155,14 +157,14 @@ def update_sensors(
 
 
 def update_observers(
-    bench: Bench, xp: Namespace, before: Sequence[Watching], known: Named, signals: Named
-) -> tuple[Watching, ...]:
+    bench: Bench, xp: Namespace, before: Sequence[ObserverState], known: Named, signals: Named
+) -> tuple[ObserverState, ...]:
     """All observers a period later."""
     rows = zip(bench.observers.members().values(), before, strict=True)
     found = [
         one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows
     ]
-    return tuple(Watching(tuple(guess), tuple(memory)) for guess, memory in found)
+    return tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in found)
 
 
 def update_controllers(
@@ -182,7 +184,7 @@ def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) ->
     return found or {**known, **dict.fromkeys((name + AGE for name in known), 0.0)}
 
 
-def collect_estimates(bench: Bench, observers: Sequence[Watching]) -> Named:
+def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Named:
     """Estimates by name."""
     rows = zip(bench.observers.members().values(), observers, strict=True)
     return {

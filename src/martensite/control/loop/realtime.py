@@ -19,7 +19,13 @@ from martensite.base.parameters import values_at
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE
-from martensite.control.loop.realtime_program import Loop, Native, Plain, list_reads, trace_loop
+from martensite.control.loop.realtime_program import (
+    CompiledLoop,
+    FloatLoop,
+    LoopState,
+    list_reads,
+    trace_loop,
+)
 from martensite.kernels.c99 import find_compiler
 
 
@@ -42,7 +48,7 @@ class RealtimeStep:
         """Names of the signals that no controller has."""
         traced = trace_loop(bench)
         in_c = find_compiler() is not None if native is None else native
-        made = Native if in_c else Plain
+        made = CompiledLoop if in_c else FloatLoop
         self._engine: Any = made(traced, values_at(bench, traced.paths))
         self._waveforms = [one.reference for one in bench.controllers.members().values()]
         self._keys = [(name, name + AGE) for name in self.readings]
@@ -96,7 +102,7 @@ class RealtimeStep:
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
 
     @property
-    def state(self) -> Loop:
+    def state(self) -> LoopState:
         """What the parts remember after the last step."""
         if not self.count:
             raise ParameterError("A loop has no state before its first step.")

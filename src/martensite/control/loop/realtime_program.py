@@ -11,11 +11,11 @@ from martensite.base.parameters import Keyed
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, list_references
-from martensite.control.loop.parts import Controlling, Inputs, Named, Watching
+from martensite.control.loop.parts import Controlling, Inputs, Named, ObserverState
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 
@@ -32,10 +32,10 @@ void step(const double *c, double *x, double *y) {{
 """
 
 
-class Loop(NamedTuple):
+class LoopState(NamedTuple):
     """State of a loop without its plant."""
 
-    observers: tuple[Watching, ...]
+    observers: tuple[ObserverState, ...]
     controllers: tuple[Controlling, ...]
     supervisor: tuple[Scalar, ...]
     alarm: Scalar
@@ -57,15 +57,15 @@ def list_reads(bench: Bench) -> tuple[str, ...]:
 # ---------------------------------------------------------------- kernels
 
 
-def _begin_sample(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> Loop:
+def _begin_sample(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> LoopState:
     """The first sample, as at the start of a bench."""
     observers, controllers, held, known = period.begin_loop(bench, xp, known, given)
-    return _judge_sample(bench, xp, Loop(observers, controllers, held, 0.0, ()), known, given)
+    return _judge_sample(bench, xp, LoopState(observers, controllers, held, 0.0, ()), known, given)
 
 
 def _continue_sample(
-    bench: Bench, xp: Namespace, before: Loop, known: Named, given: Inputs
-) -> Loop:
+    bench: Bench, xp: Namespace, before: LoopState, known: Named, given: Inputs
+) -> LoopState:
     """Another sample, a period after the one before."""
     signals = dict(zip(_list_drives(bench), before.signals, strict=True))
     observers = period.update_observers(bench, xp, before.observers, known, signals)
@@ -75,7 +75,9 @@ def _continue_sample(
     return _judge_sample(bench, xp, after, known, given)
 
 
-def _judge_sample(bench: Bench, xp: Namespace, loop: Loop, known: Named, given: Inputs) -> Loop:
+def _judge_sample(
+    bench: Bench, xp: Namespace, loop: LoopState, known: Named, given: Inputs
+) -> LoopState:
     """With the signals that the supervisor lets pass."""
     ordered = period.collect_wanted(bench, loop.controllers, given)
     said = period.judge_signals(bench, xp, loop.supervisor, ordered, known)
@@ -91,26 +93,26 @@ def _list_drives(bench: Bench) -> list[str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Traced:
+class TracedLoop:
     """A traced loop; functions `begin` and `step` over flat states."""
 
     program: Program
     paths: tuple[str, ...]
     """Parameter paths in the order in which the program takes them."""
-    shape: Shape
+    shape: NestedShape
     size: int
     """Numbers of the state."""
     inputs: int
     """Readings, their ages, references, signals that no controller has."""
 
 
-def trace_loop(bench: Bench) -> Traced:
+def trace_loop(bench: Bench) -> TracedLoop:
     """Trace the loop of a bench, or return that of an earlier one of the same structure."""
     return _trace_keyed(Keyed(bench))
 
 
 @cache_answers(32)
-def _trace_keyed(keyed: Keyed[Bench]) -> Traced:
+def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
     """Kernels of a first and of another sample as a program over flat states."""
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
@@ -121,7 +123,7 @@ def _trace_keyed(keyed: Keyed[Bench]) -> Traced:
     )
     signals = [*names, *(name + AGE for name in names), *list_references(bench), *free]
     labels = [f"i{i}" for i in range(len(signals))]
-    found: list[Shape] = []
+    found: list[NestedShape] = []
 
     def sorted_out(numbers: Sequence[Scalar]) -> tuple[Named, Inputs]:
         split, end = 2 * len(names), len(signals) - len(free)
@@ -131,7 +133,7 @@ def _trace_keyed(keyed: Keyed[Bench]) -> Traced:
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begin_sample(bench, xp, *sorted_out(numbers))
-        found.append(Shape(loop))
+        found.append(NestedShape(loop))
         return flatten_numbers(loop)
 
     def step(xp: Any, *numbers: Any) -> list[Any]:
@@ -141,13 +143,13 @@ def _trace_keyed(keyed: Keyed[Bench]) -> Traced:
     program.add("begin", labels, begin)
     size = len(flatten_numbers(found[0].example))
     program.add("step", [*(f"s{i}" for i in range(size)), *labels], step)
-    return Traced(program, paths, found[0], size, len(labels))
+    return TracedLoop(program, paths, found[0], size, len(labels))
 
 
-class Native:
+class CompiledLoop:
     """One loop in C."""
 
-    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+    def __init__(self, traced: TracedLoop, values: Sequence[float]) -> None:
         self.size, number = traced.size, ctypes.c_double
         library, constants = _load_library(traced)
         self.c, self.x = (number * constants)(), (number * (traced.size + traced.inputs))()
@@ -167,10 +169,10 @@ class Native:
         return self.y[:]
 
 
-class Plain:
+class FloatLoop:
     """One loop on floats."""
 
-    def __init__(self, traced: Traced, values: Sequence[float]) -> None:
+    def __init__(self, traced: TracedLoop, values: Sequence[float]) -> None:
         self.functions = traced.program.bind_floats(*values)
         self.now: tuple[float, ...] = ()
 
@@ -186,7 +188,7 @@ class Plain:
 
 
 @cache_answers(32)
-def _load_library(traced: Traced) -> tuple[Any, int]:
+def _load_library(traced: TracedLoop) -> tuple[Any, int]:
     program = traced.program
     source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
     return load_library(source), max(1, len(program.hoisted))

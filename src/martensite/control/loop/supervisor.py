@@ -21,7 +21,7 @@ Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 
 
-class Verdict(NamedTuple):
+class SupervisorVerdict(NamedTuple):
     """What a supervisor says."""
 
     signals: dict[str, Scalar]
@@ -49,7 +49,7 @@ class AbstractSupervisor(Parametrised):
     @abstractmethod
     def judge(
         self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Verdict:
+    ) -> SupervisorVerdict:
         """What is allowed for the next period.
 
         Args:

@@ -25,7 +25,7 @@ LEAST = 1e-30
 """Variance below which nothing is unknown."""
 
 
-class Reading(NamedTuple):
+class UnknownReading(NamedTuple):
     """What is read of one of the unknowns."""
 
     index: int
@@ -80,7 +80,7 @@ def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
 
 
 def condition_on_readings(
-    xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[Reading]
+    xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[UnknownReading]
 ) -> tuple[list[Scalar], Matrix, Scalar]:
     """Unknowns and covariance after readings, and their NIS."""
     found, nis = list(mean), 0.0

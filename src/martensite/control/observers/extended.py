@@ -16,10 +16,10 @@ from typing import Any
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
-from martensite.control.observers.going import Going
+from martensite.control.observers.going import ObserverPeriod
 from martensite.kernels.dual import DualNamespace
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 
 Columns = list[list[Scalar]]
 
@@ -30,19 +30,21 @@ class ExtendedKalman(AbstractFilter):
 
     cites = ("barshalom2001",)
 
-    def forecast(self, xp: Namespace, before: Believed, going: Going) -> Forecast:
+    def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """Mean and covariance a period later."""
         drift = before.drift
         flat, slopes = self._moved(xp, before, going)
-        state = Shape(before.state).rebuild(flat)
+        state = NestedShape(before.state).rebuild(flat)
         mean, rows = self._seen(xp, before, flat, slopes, going)
         matrix = covariance.propagate_covariance(rows, before.covariance)
         added = self.disturbed(xp, state, drift, going)
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
-    def _moved(self, xp: Namespace, before: Believed, going: Going) -> tuple[list[Scalar], Columns]:
+    def _moved(
+        self, xp: Namespace, before: Believed, going: ObserverPeriod
+    ) -> tuple[list[Scalar], Columns]:
         """The flat state at the end of the period, and its slopes: a column per unknown."""
-        shape, count = Shape(before.state), self.unknowns()
+        shape, count = NestedShape(before.state), self.unknowns()
         model = self.believed(before.drift)
         at = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
@@ -76,10 +78,15 @@ class ExtendedKalman(AbstractFilter):
         return list(found[:size]), columns
 
     def _seen(
-        self, xp: Namespace, before: Believed, flat: list[Scalar], slopes: Columns, going: Going
+        self,
+        xp: Namespace,
+        before: Believed,
+        flat: list[Scalar],
+        slopes: Columns,
+        going: ObserverPeriod,
     ) -> tuple[list[Scalar], Columns]:
         """Everything at the end of the period, and its slopes: a row each."""
-        shape, columns = Shape(before.state), Columns()
+        shape, columns = NestedShape(before.state), Columns()
         mean: list[Scalar] = []
         unknown = len(slopes) - len(before.drift)
         for k, tangents in enumerate(slopes):

@@ -32,11 +32,11 @@ from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES, DIFFERENCE, of_reading
 from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import AbstractObserver, Column, Named
-from martensite.control.observers.covariance import Matrix, Reading
-from martensite.control.observers.going import Going, list_required, list_several
+from martensite.control.observers.covariance import Matrix, UnknownReading
+from martensite.control.observers.going import ObserverPeriod, list_required, list_several
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 
 LEAST, MOST = 0.2, 5.0
 """Limits of the factors of drifting parameters."""
@@ -149,7 +149,7 @@ class AbstractFilter(AbstractObserver):
     # ---------------------------------------------------------------- kernels
 
     @abstractmethod
-    def forecast(self, xp: Namespace, before: Believed, going: Going) -> Forecast:
+    def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """What is expected a period later."""
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
@@ -175,7 +175,7 @@ class AbstractFilter(AbstractObserver):
         turns: int,
     ) -> tuple[Column, Column]:
         """Estimates after the readings of this sample, and what is believed."""
-        going = Going(list_required(self, signals), dt, turns)
+        going = ObserverPeriod(list_required(self, signals), dt, turns)
         expected = self.forecast(xp, self._recalled(memory), going)
         rows = self._readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(
@@ -192,15 +192,15 @@ class AbstractFilter(AbstractObserver):
 
     def _readings(
         self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar
-    ) -> list[Reading]:
+    ) -> list[UnknownReading]:
         """Readings as what they tell of the unknowns."""
-        names, found = self._rows(), list[Reading]()
+        names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():
             i = names.index(name)
             size, age = self.reading_noise * mean[i], readings[f"{name}.age"]
             variance = size * size + self.reading_deviation * self.reading_deviation
             fresh = xp.where(age <= self.oldest + HAIR * dt, 1.0, 0.0)
-            found.append(Reading(i, readings[name], variance, fresh))
+            found.append(UnknownReading(i, readings[name], variance, fresh))
         return found
 
     def _rows(self) -> list[str]:
@@ -238,7 +238,7 @@ class AbstractFilter(AbstractObserver):
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
 
     def disturbed(
-        self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: Going
+        self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod
     ) -> Matrix:  # fmt: skip
         """Covariance that the noise of a period adds to everything."""
         walks = [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
@@ -251,7 +251,7 @@ class AbstractFilter(AbstractObserver):
     # ---------------------------------------------------------------- memory
 
     def _recalled(self, memory: Column) -> Believed:
-        shape = Shape(self.__dict__["_example"])
+        shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
         drift = size + len(self._paths())
         matrix = covariance.unpack_matrix(memory[drift:])

@@ -10,7 +10,7 @@ from martensite.control.observers.base import AbstractObserver, Named
 from martensite.kernels.namespace import Scalar
 
 
-class Going(NamedTuple):
+class ObserverPeriod(NamedTuple):
     """A period."""
 
     signals: Sequence[Scalar]

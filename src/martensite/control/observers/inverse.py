@@ -27,7 +27,7 @@ from martensite.control.observers.going import list_required, list_several
 from martensite.kernels.bracket import solve_bracketed
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 
 ITERATIONS = 8
 FLAT = 1e-6
@@ -96,7 +96,7 @@ class InverseModel(AbstractObserver):
     ) -> tuple[Column, Column]:
         """Estimates at the root, and the state of the model there."""
         applied = list_required(self, signals)
-        before = Shape(self.__dict__["_example"]).rebuild(memory)
+        before = NestedShape(self.__dict__["_example"]).rebuild(memory)
         state, _ = advanced(xp, self.model, before, [(applied, dt / turns)], turns)
         temperature, expected = hidden.read_hidden(xp, self.model, state, applied)
 

@@ -14,12 +14,12 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
-from martensite.actuators.assembly.base import Drive
+from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.base.parameters import param, part
 from martensite.control.observers import hidden
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 NOISE = "noise."
 
@@ -45,9 +45,9 @@ class Shaken(AbstractSystem):
         """Those of the plant."""
         return self.plant.actuators()
 
-    def drives(self) -> list[Drive]:
+    def drives(self) -> list[DriveSignal]:
         """Those of the plant, then the numbers."""
-        own = [Drive(NOISE + name, "1", False) for name in hidden.list_names(self.plant)]
+        own = [DriveSignal(NOISE + name, "1", False) for name in hidden.list_names(self.plant)]
         return [*self.plant.drives(), *own]
 
     def label(self, port: str, name: str) -> str:
@@ -74,7 +74,9 @@ class Shaken(AbstractSystem):
         """The plant at rest."""
         return self.plant.init(xp, *self._apart(drives)[0])
 
-    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, Report]:
+    def step(
+        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar
+    ) -> tuple[Any, StepReport]:
         """A step of the plant, then one of the walk."""
         signals, numbers = self._apart(drives)
         after, report = self.plant.step(xp, state, *signals, dt=dt)

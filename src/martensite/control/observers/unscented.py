@@ -20,9 +20,9 @@ from martensite.control.observers import covariance, hidden
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
-from martensite.control.observers.going import Going
+from martensite.control.observers.going import ObserverPeriod
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers, sum_column
+from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 
 GAUSSIAN = 3
 """s² with which the fourth moments of a normal distribution are met."""
@@ -37,17 +37,17 @@ class UnscentedKalman(AbstractFilter):
     alpha: Scalar = param("1", "how far the points are apart", above=0.0, high=2.0, default=1.0)
     beta: Scalar = param("1", "weight of the middle in the covariance", low=0.0, default=0.0)
 
-    def forecast(self, xp: Namespace, before: Believed, going: Going) -> Forecast:
+    def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """Mean and covariance a period later."""
         rows = self._moved(xp, before, going)
         seen = self._seen(xp, rows, before, going)
         mean, matrix = self._moments(seen)
         size = len(flatten_numbers(before.state))
-        state = Shape(before.state).rebuild(rows[0][:size])
+        state = NestedShape(before.state).rebuild(rows[0][:size])
         added = self.disturbed(xp, state, before.drift, going)
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
-    def points(self, xp: Namespace, before: Believed, going: Going) -> Matrix:
+    def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
         model = self.believed(before.drift)
         middle = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
@@ -63,9 +63,9 @@ class UnscentedKalman(AbstractFilter):
             for x in found
         ]
 
-    def _moved(self, xp: Namespace, before: Believed, going: Going) -> Matrix:
+    def _moved(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""
-        shape, size = Shape(before.state), len(flatten_numbers(before.state))
+        shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
         points = self.points(xp, before, going)
         unknown = len(points[0]) - len(before.drift)
 
@@ -88,9 +88,9 @@ class UnscentedKalman(AbstractFilter):
         found = turn(*flat) if going.turns == 1 else xp.repeat(going.turns, turn, *flat)
         return [list(row) for row in zip(*_cut_columns(found, len(points)), strict=True)]
 
-    def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: Going) -> Matrix:
+    def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values, factors and outputs of every point."""
-        shape, size = Shape(before.state), len(flatten_numbers(before.state))
+        shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
 
         def told(*row: Scalar) -> list[Scalar]:
             return self.told(xp, shape.rebuild(row[:size]), row[size:], going.signals)

@@ -30,7 +30,7 @@ from martensite.control.checks.above import Overheat, OverStress
 from martensite.control.checks.base import AbstractCheck
 from martensite.control.checks.sensor_lost import SensorLost
 from martensite.control.checks.sensor_stuck import SensorStuck
-from martensite.control.loop.mounted import WORST, Mounted
+from martensite.control.loop.mounted import WORST, MountedSensor
 from martensite.control.sensors.base import AbstractSensor
 
 if TYPE_CHECKING:
@@ -68,13 +68,13 @@ def checks_for(
     return found
 
 
-def lost_after(mounted: Mounted, period: float) -> float:
+def lost_after(mounted: MountedSensor, period: float) -> float:
     """Age beyond which a reading is that of a lost sensor, on a bench with that period [s]."""
     late = mounted.delay + WORST * mounted.jitter
     return late + MISSED * _find_interval(mounted, period) + period
 
 
-def stuck_after(mounted: Mounted, period: float) -> float | None:
+def stuck_after(mounted: MountedSensor, period: float) -> float | None:
     """Time after which a reading that stays the same is that of a stuck sensor [s], if any."""
     sensor = mounted.sensor
     if sensor.noise <= 0.0 or sensor.limits() is not None:
@@ -86,13 +86,13 @@ def stuck_after(mounted: Mounted, period: float) -> float | None:
     return max(count, LEAST) * _find_interval(mounted, period) + WORST * mounted.jitter
 
 
-def _find_interval(mounted: Mounted, period: float) -> float:
+def _find_interval(mounted: MountedSensor, period: float) -> float:
     """Time from one reading to the next, a whole number of periods [s]."""
     return max(1, math.ceil(mounted.sample_time / period - 1e-9)) * period
 
 
 def _build_limit_checks(
-    bench: Bench, name: str, mounted: Mounted, limit: float | None, band: float
+    bench: Bench, name: str, mounted: MountedSensor, limit: float | None, band: float
 ) -> Iterator[tuple[str, AbstractCheck]]:
     """Checks of a reading by the limits of the element that it is of."""
     plant, seen = bench.plant, mounted.sees()[0]

@@ -22,7 +22,7 @@ from martensite.control.loop.supervisor import (
     AbstractSupervisor,
     Column,
     Named,
-    Verdict,
+    SupervisorVerdict,
 )
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
@@ -70,7 +70,7 @@ class Guard(AbstractSupervisor):
 
     def judge(
         self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Verdict:
+    ) -> SupervisorVerdict:
         """What all checks leave of the signals."""
         allowed, rows = dict(wanted), list[tuple[AbstractCheck, Flag, Scalar, Column]]()
         for one, own in self._sorted(memory):
@@ -83,7 +83,7 @@ class Guard(AbstractSupervisor):
         kept: list[Scalar] = []
         for one, cut, left, own in rows:
             kept += [xp.where(cut, 1.0, 0.0), left, *one.passed(xp, own, allowed, dt)]
-        return Verdict(
+        return SupervisorVerdict(
             allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept)
         )
 

@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 from martensite.actuators.assembly import System
-from martensite.actuators.elements.limits import Limits
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.kernels import floats
@@ -105,7 +105,9 @@ class Strand:
             length=self.length,
             law=self.law,
             resistance=PerLengthResistance(r_A=per_metre, r_M=per_metre),
-            limits=Limits(**{k: v for k, v in numbers.items() if k in Limits.declarations}),
+            limits=ElementLimits(
+                **{k: v for k, v in numbers.items() if k in ElementLimits.declarations}
+            ),
             density=numbers["density"],
             heat_capacity=numbers["heat_capacity"],
             latent_heat=numbers["latent_heat"],

@@ -20,7 +20,7 @@ from martensite.design.sampling.base import AbstractDesign
 from martensite.design.sweep.axes import Axis
 from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
 from martensite.simulate.measures.means import Integral, RootMeanSquare
-from martensite.simulate.variants import Course, Numbers, Ran
+from martensite.simulate.variants import Numbers, Ran, VariantSetup
 
 Kind = TypeVar("Kind")
 ENDED, ACCURACY = "ended", "accuracy"
@@ -70,7 +70,7 @@ class Piece:
 class Plan:
     """A sweep, ready to run."""
 
-    course: Course
+    course: VariantSetup
     """System, waveforms, length and step; which outputs it has is decided here."""
     axes: tuple[Axis, ...]
     design: AbstractDesign
@@ -179,7 +179,7 @@ class Plan:
         return self._kept(self.values(rows), lost)
 
     @cached_property
-    def _ready(self) -> Course:
+    def _ready(self) -> VariantSetup:
         return replace(self.course, outputs=self.outputs)
 
     def _kept(self, values: Numbers, ran: Ran) -> Piece:

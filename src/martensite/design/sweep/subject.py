@@ -13,7 +13,7 @@ from martensite.scenario.scales import Scales
 from martensite.search.free_numbers import Target
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.driven import by_name
-from martensite.simulate.variants import Course
+from martensite.simulate.variants import VariantSetup
 
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def course_of(
     scenario: Scenario, step: float | None = None, runtime: str | None = None,
     precision: str = "float64",
-) -> Course:  # fmt: skip
+) -> VariantSetup:  # fmt: skip
     """What all variants of a scenario have in common.
 
     Args:
@@ -53,7 +53,7 @@ def course_of(
             "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or "
             "take the runtime `c`."
         )
-    return Course(
+    return VariantSetup(
         system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision,
         tolerance=scenario.tolerance,
     )  # fmt: skip

@@ -16,7 +16,7 @@ from martensite.base.errors import InputError
 from martensite.control.controllers.inverse_play import InversePlay
 from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
-from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.operators.play import PlaySum
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
@@ -30,7 +30,7 @@ class IdentifiedHysteresis(NamedTuple):
     operator: PlaySum
     knots: tuple[float, ...]
     outputs: tuple[float, ...]
-    estimate: Estimate
+    estimate: ChainEstimate
     """How they were found."""
 
     def controller(self, **others: Any) -> InversePlay:

@@ -28,11 +28,11 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem, advanced
 from martensite.base.errors import InputError, suggest_name
 from martensite.design.synthesis.operating_point import OperatingPoint
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import Shape, flatten_numbers
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import steps_in
 
@@ -47,7 +47,7 @@ NOISE = 1e-9
 def linearised(
     point: OperatingPoint, period: float | None = None, *, inputs: Sequence[str] | None = None,
     push: float = PUSH,
-) -> Linear:  # fmt: skip
+) -> LinearSystem:  # fmt: skip
     """The linear system around an operating point, with the flat state of the plant.
 
     Args:
@@ -74,7 +74,7 @@ def linearised(
     size = len(point.state)
     rows = np.array(_slopes(system, [*point.state.tolist(), *signals], size, interval))
     columns = [size + names.index(name) for name in chosen]
-    return Linear(
+    return LinearSystem(
         rows[:size, :size], rows[:size, columns], rows[size:, :size], rows[size:, columns],
         interval, np.array([point.signals[c - size] for c in columns]), point.state,
         np.array(list(point.outputs.values())[: len(rows) - size]), tuple(chosen),
@@ -86,7 +86,7 @@ def _slopes(
     system: AbstractSystem, at: list[float], size: int, interval: float
 ) -> list[list[Scalar]]:
     """Derivatives of the next state and of the outputs now, by state and signals."""
-    shape = Shape(system.init(floats, *at[size:]))
+    shape = NestedShape(system.init(floats, *at[size:]))
     turns = 1 if system.sample_time() else steps_in(system, interval)
 
     def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
@@ -101,13 +101,13 @@ def _slopes(
 class Readings:
     """A plant for small signals, in what can be read of it."""
 
-    linear: Linear
+    linear: LinearSystem
     """With the readings as states and as outputs."""
     residual: float
     """Share of their motion that these readings do not explain; 0 if they say all."""
 
 
-def in_readings(linear: Linear, states: Sequence[str]) -> Readings:
+def in_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     """A linear system whose states are some of its outputs.
 
     Args:
@@ -129,7 +129,7 @@ def in_readings(linear: Linear, states: Sequence[str]) -> Readings:
     a = cast("Numbers", np.linalg.lstsq(now.T, then.T, rcond=NOISE)[0].T)
     left = float(np.linalg.norm(then - a @ now) / max(float(np.linalg.norm(then)), 1e-300))
     a, count = a * sizes[:, None] / sizes, len(places)
-    inner = Linear(
+    inner = LinearSystem(
         a, seen @ linear.b, np.eye(count), np.zeros((count, linear.b.shape[1])), linear.interval,
         linear.inputs, linear.outputs[places], linear.outputs[places], linear.input_names,
         tuple(states),
@@ -137,7 +137,7 @@ def in_readings(linear: Linear, states: Sequence[str]) -> Readings:
     return Readings(inner, left)
 
 
-def _reached(linear: Linear, seen: Numbers) -> Numbers:
+def _reached(linear: LinearSystem, seen: Numbers) -> Numbers:
     """C_z Aᵏ B for all k, shape (samples, states, inputs)."""
     kept, found = linear.b, np.empty((REACHED, len(seen), linear.b.shape[1]))
     for k in range(REACHED):
@@ -146,7 +146,7 @@ def _reached(linear: Linear, seen: Numbers) -> Numbers:
     return found
 
 
-def _output(linear: Linear, name: str) -> int:
+def _output(linear: LinearSystem, name: str) -> int:
     if name not in linear.output_names:
         raise InputError(f"There is no output `{name}`. {suggest_name(name, linear.output_names)}")
     return linear.output_names.index(name)
@@ -160,7 +160,7 @@ def mean_of(parts: Sequence[Readings]) -> Readings:
         return np.mean([getattr(one, name) for one in each], axis=0)
 
     first = each[0]
-    linear = Linear(
+    linear = LinearSystem(
         mean("a"), mean("b"), first.c, first.d, first.interval, mean("inputs"), mean("state"),
         mean("outputs"), first.input_names, first.output_names,
     )  # fmt: skip

@@ -27,7 +27,7 @@ from scipy.linalg import solve_discrete_are
 from martensite.base.errors import ParameterError, SolveError, suggest_name
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.design.synthesis.linear import Readings
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.signals.sampling.sampled import Numbers
 
 
@@ -58,7 +58,7 @@ class Regulator:
     """N."""
 
     @property
-    def linear(self) -> Linear:
+    def linear(self) -> LinearSystem:
         """The plant."""
         return self.readings.linear
 
@@ -100,7 +100,7 @@ class Regulator:
         )  # fmt: skip
 
 
-def augmented(linear: Linear, measured: str) -> tuple[Numbers, Numbers, Numbers]:
+def augmented(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
     """A and B with the integral of the error as the last state, and the row of what is measured."""
     if measured not in linear.output_names:
         raise ParameterError(

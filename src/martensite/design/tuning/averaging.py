@@ -24,7 +24,7 @@ from martensite.physics.electrical.power_pwm import PowerPwm
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.simulate.api import first_step, simulate
-from martensite.simulate.closed_loop import Loop, simulate_loop
+from martensite.simulate.closed_loop import LoopResult, simulate_loop
 from martensite.simulate.result import Result
 
 COMPARED = ("temperature", "position", "power")
@@ -53,7 +53,7 @@ class Averaging:
     estimate: float
     """Largest P_on D (1 - D)/(f C) [K]."""
     average: Result
-    pulsed: Loop
+    pulsed: LoopResult
 
 
 def compare_averaging(
@@ -125,7 +125,7 @@ def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, Abs
     return system.with_parts(source=switch), drive
 
 
-def ripples(pulsed: Loop) -> list[float]:
+def ripples(pulsed: LoopResult) -> list[float]:
     """Rise of temperature in each pulse above the straight line through its period [K]."""
     starts, ends = pulsed.result.columns["temperature"], pulsed.ends["temperature"]
     shares = pulsed.means["drive"]

@@ -23,7 +23,7 @@ from martensite.base.parameters import param, part
 from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.identify.blocks.base import AbstractBlock, Column, Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.kernels.namespace import Namespace, Scalar
 
 KEPT = 4
@@ -175,7 +175,7 @@ class ControlledModel:
         if zeroed:
             idle = np.full((1, 1), law.idle)
             block = block.with_given([*values, float(chain.simulate(idle)[0, measured])])
-        self.block, self.engine = block, Engine([block], chain.interval, compiled=compiled)
+        self.block, self.engine = block, ChainEngine([block], chain.interval, compiled=compiled)
 
     def run(self, gains: Gains, reference: Numbers) -> Trajectory:
         """A run from rest, for gains of one sign or 0."""

@@ -20,8 +20,8 @@ from martensite.base.files import replace_file
 from martensite.export.c_names import checked_identifier, make_identifier
 from martensite.export.fmu.binaries import TARGETS, build_library, checked_targets
 from martensite.export.fmu.description import build_description, write_description
-from martensite.export.fmu.plan import Plan, plan_of
-from martensite.export.fmu.variables import Variable, list_variables
+from martensite.export.fmu.plan import FmuPlan, plan_of
+from martensite.export.fmu.variables import FmuVariable, list_variables
 from martensite.export.fmu.wrapper import write_sources
 from martensite.scenario.scenario import Scenario
 
@@ -43,11 +43,11 @@ class Fmu:
     step: float
     """The inner step [s]; the period of a system in discrete time."""
     discrete: bool
-    variables: tuple[Variable, ...]
+    variables: tuple[FmuVariable, ...]
     platforms: tuple[str, ...]
     """Machines for which it has a library; elsewhere its sources must be compiled."""
 
-    def named(self, causality: str) -> list[Variable]:
+    def named(self, causality: str) -> list[FmuVariable]:
         """Variables that are an input, output, parameter or local."""
         return [one for one in self.variables if one.causality == causality]
 
@@ -104,7 +104,7 @@ def _locate_library(fmi: str, target: str, name: str) -> str:
     return f"binaries/{known.folder if fmi == '2.0' else target}/{name}{known.ending}"
 
 
-def _write_beside(fmi: str, plan: Plan) -> dict[str, str]:
+def _write_beside(fmi: str, plan: FmuPlan) -> dict[str, str]:
     """How to build it, and what it was made of."""
     found: dict[str, str] = {}
     if fmi == "3.0":

@@ -26,7 +26,7 @@ FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off
 
 
 @dataclass(frozen=True)
-class Target:
+class BinaryTarget:
     """A kind of machine for which a library can be made."""
 
     folder: str
@@ -40,15 +40,15 @@ class Target:
 
 
 TARGETS = {
-    "x86_64-linux": Target("linux64", ".so", "x86_64-linux-gnu.2.17", "x86_64-linux-gnu-gcc"),
-    "aarch64-linux": Target(
+    "x86_64-linux": BinaryTarget("linux64", ".so", "x86_64-linux-gnu.2.17", "x86_64-linux-gnu-gcc"),
+    "aarch64-linux": BinaryTarget(
         "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", "aarch64-linux-gnu-gcc"
     ),
-    "x86_64-windows": Target(
+    "x86_64-windows": BinaryTarget(
         "win64", ".dll", "x86_64-windows-gnu", "x86_64-w64-mingw32-gcc", ("-static-libgcc",)
     ),
-    "x86_64-darwin": Target("darwin64", ".dylib", "x86_64-macos"),
-    "aarch64-darwin": Target("aarch64-darwin", ".dylib", "aarch64-macos"),
+    "x86_64-darwin": BinaryTarget("darwin64", ".dylib", "x86_64-macos"),
+    "aarch64-darwin": BinaryTarget("aarch64-darwin", ".dylib", "aarch64-macos"),
 }
 """By the names of FMI 3.0."""
 

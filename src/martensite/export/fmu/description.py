@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from martensite.export.fmu.plan import Plan
+from martensite.export.fmu.plan import FmuPlan
 from martensite.export.fmu.units import add_units
-from martensite.export.fmu.variables import TIME, Variable
+from martensite.export.fmu.variables import TIME, FmuVariable
 
 CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 
 
-def write_description(fmi: str, plan: Plan, variables: Sequence[Variable], token: str) -> str:
+def write_description(fmi: str, plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> str:
     """modelDescription.xml of an FMI version, 2.0 or 3.0."""
     made = (
         _write_version_2(plan, variables, token)
@@ -41,7 +41,7 @@ def as_text(root: Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
-def _write_version_2(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+def _write_version_2(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
     root.attrib |= {"description": plan.system.described(), "generationTool": _name_tool()}
     slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
@@ -66,7 +66,7 @@ def _write_version_2(plan: Plan, variables: Sequence[Variable], token: str) -> E
     return root
 
 
-def _write_version_3(plan: Plan, variables: Sequence[Variable], token: str) -> Element:
+def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="3.0", modelName=plan.title)
     root.attrib |= {
         "instantiationToken": token,
@@ -93,7 +93,7 @@ def _write_version_3(plan: Plan, variables: Sequence[Variable], token: str) -> E
     return root
 
 
-def _write_head(root: Element, plan: Plan, variables: Sequence[Variable]) -> None:
+def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) -> None:
     """What both versions have between what the FMU can do and its variables."""
     used = {one.unit: None for one in variables if one.unit is not None}
     add_units(root, list({**used, "s": None}))
@@ -103,7 +103,7 @@ def _write_head(root: Element, plan: Plan, variables: Sequence[Variable]) -> Non
     SubElement(root, "DefaultExperiment", _write_experiment(plan))
 
 
-def _write_experiment(plan: Plan) -> dict[str, str]:
+def _write_experiment(plan: FmuPlan) -> dict[str, str]:
     found, scenario = {"startTime": "0.0"}, plan.scenario
     interval = plan.period
     if scenario is not None:
@@ -112,7 +112,7 @@ def _write_experiment(plan: Plan) -> dict[str, str]:
     return found | ({"stepSize": repr(interval)} if interval else {})
 
 
-def _name_variable(one: Variable) -> dict[str, str]:
+def _name_variable(one: FmuVariable) -> dict[str, str]:
     initial = {"output": "calculated", "parameter": "exact", "local": "exact"}.get(one.causality)
     return {
         "name": one.name,
@@ -124,7 +124,7 @@ def _name_variable(one: Variable) -> dict[str, str]:
     }
 
 
-def _type_variable(one: Variable) -> dict[str, str]:
+def _type_variable(one: FmuVariable) -> dict[str, str]:
     found: dict[str, str] = {}
     if one.unit is not None:
         found["unit"] = one.unit
@@ -136,7 +136,7 @@ def _type_variable(one: Variable) -> dict[str, str]:
     return found
 
 
-def _time_name(variables: Sequence[Variable]) -> str:
+def _time_name(variables: Sequence[FmuVariable]) -> str:
     return "simulation_time" if any(one.name == "time" for one in variables) else "time"
 
 

@@ -18,7 +18,7 @@ FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 
 
 @dataclass(frozen=True)
-class Number:
+class ModelNumber:
     """A number of the system."""
 
     leaf: Leaf
@@ -32,7 +32,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Plan:
+class FmuPlan:
     """A model in C, and all that the archive says of it."""
 
     identifier: str
@@ -41,7 +41,7 @@ class Plan:
     core: CCore
     step: float
     """The inner step, or the period of a system in discrete time [s]."""
-    numbers: tuple[Number, ...]
+    numbers: tuple[ModelNumber, ...]
     """All numbers of the system, in its order."""
     first: tuple[float, ...]
     """Inputs that nobody sets."""
@@ -53,7 +53,7 @@ class Plan:
         return self.system.sample_time()
 
 
-def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> Plan:
+def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> FmuPlan:
     """The plan of a scenario or a system.
 
     Raises:
@@ -63,7 +63,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
     system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
     chosen = _choose_step(system, scenario, step)
     core = build_c_core(system, name=f"{identifier}_core")
-    return Plan(
+    return FmuPlan(
         identifier=identifier,
         title=identifier if scenario is None else scenario.title,
         system=system,
@@ -115,10 +115,10 @@ def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
 
 def _list_numbers(
     core: CCore, system: AbstractSystem, scenario: Scenario | None
-) -> tuple[Number, ...]:
+) -> tuple[ModelNumber, ...]:
     places = {one.name: one.index for one in core.parameters}
     sampled = bool(system.sample_time())
-    found: list[Number] = []
+    found: list[ModelNumber] = []
     for leaf in system.leaves():
         kind = FREE
         if leaf.path not in places or not math.isfinite(leaf.value):
@@ -127,7 +127,7 @@ def _list_numbers(
             kind = CONSTANT
         name = leaf.path if scenario is None else scenario.places.path(leaf.path)
         unit = leaf.declared.unit if scenario is None else scenario.places.unit(leaf)
-        found.append(Number(leaf, name, unit, kind, places.get(leaf.path, 0)))
+        found.append(ModelNumber(leaf, name, unit, kind, places.get(leaf.path, 0)))
     return tuple(found)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from martensite.export.fmu.plan import CONSTANT, HIDDEN, Number, Plan
+from martensite.export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
 from martensite.export.fmu.units import display_of, unit_of
 
 KIND = 100_000
@@ -18,7 +18,7 @@ TIME, INNER = 3 * KIND, 3 * KIND + 1
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """One variable of a model description."""
 
     name: str
@@ -45,17 +45,17 @@ class Variable:
         return display_of(self.declared)
 
 
-def list_variables(plan: Plan) -> tuple[Variable, ...]:
+def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
     """Inputs, outputs, parameters and the inner step."""
     pace = "discrete" if plan.period else "continuous"
     found = [
-        Variable(one.name, one.index, "input", pace, one.words, one.unit, start)
+        FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)
         for one, start in zip(plan.core.inputs, plan.first, strict=True)
     ]
     taken = {one.name for one in found}
     for one in plan.core.outputs:
         name = _free_name(one.name, "echo", taken)
-        found.append(Variable(name, KIND + one.index, "output", pace, one.words, one.unit))
+        found.append(FmuVariable(name, KIND + one.index, "output", pace, one.words, one.unit))
     for place, number in enumerate(plan.numbers):
         if number.kind != HIDDEN:
             name = _free_name(number.name, "parameter", taken)
@@ -63,18 +63,18 @@ def list_variables(plan: Plan) -> tuple[Variable, ...]:
     if not plan.period:
         name = _free_name("inner_step", "parameter", taken)
         words = "longest step of the model within a step of the co-simulation (above 0)"
-        found.append(Variable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
+        found.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
     return tuple(found)
 
 
-def _describe_parameter(name: str, reference: int, number: Number) -> Variable:
+def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVariable:
     declared, value = number.leaf.declared, float(number.leaf.value)
     if number.kind == CONSTANT:
         words = f"{declared.doc}; constant, for it decides what the program is"
-        return Variable(name, reference, "local", "constant", words, number.unit, value)
+        return FmuVariable(name, reference, "local", "constant", words, number.unit, value)
     low, high = declared.bounds
     words = f"{declared.doc} (above {low:g})" if declared.open_low else declared.doc
-    return Variable(name, reference, "parameter", "fixed", words, number.unit, value, low, high)
+    return FmuVariable(name, reference, "parameter", "fixed", words, number.unit, value, low, high)
 
 
 def _free_name(name: str, suffix: str, taken: set[str]) -> str:

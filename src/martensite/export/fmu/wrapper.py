@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from importlib.resources import files
 
-from martensite.export.fmu.plan import Number, Plan
+from martensite.export.fmu.plan import FmuPlan, ModelNumber
 from martensite.export.fmu.variables import KIND
 from martensite.simulate.grid import place_signal
 
@@ -20,7 +20,7 @@ MOST_STEPS = 1e9
 _LARGEST = 1.7e308
 
 
-def write_sources(plan: Plan, version: str, token: str) -> dict[str, str]:
+def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
     found = {
         "all.c": _write_all(plan, version),
@@ -37,12 +37,12 @@ def _read_interface(version: str) -> str:
     return "fmi2.c" if version == "2.0" else "fmi3.c"
 
 
-def _write_all(plan: Plan, version: str) -> str:
+def _write_all(plan: FmuPlan, version: str) -> str:
     included = (f"{plan.core.name}.c", "model.h", _read_interface(version))
     return "".join(f'#include "{name}"\n' for name in included)
 
 
-def _write_model(plan: Plan, token: str) -> str:
+def _write_model(plan: FmuPlan, token: str) -> str:
     """model.h: what the interface has to know of the core."""
     core = plan.core.name
     numbers = {
@@ -85,7 +85,7 @@ typedef struct {
 """
 
 
-def _write_rule(number: Number) -> str:
+def _write_rule(number: ModelNumber) -> str:
     declared = number.leaf.declared
     low, high = (max(-_LARGEST, min(_LARGEST, bound)) for bound in declared.bounds)
     is_open = int(declared.open_low)

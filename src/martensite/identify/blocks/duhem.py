@@ -49,7 +49,9 @@ class Duhem(AbstractRanged):
         """The input before, and z."""
         return 2
 
-    def _branches(self, xp: Namespace, theta: Column) -> tuple[branches.Branch, branches.Branch]:
+    def _branches(
+        self, xp: Namespace, theta: Column
+    ) -> tuple[branches.LogisticBranch, branches.LogisticBranch]:
         half = len(theta) // 2
         return branches.branch_of(xp, theta[:half]), branches.branch_of(xp, theta[half:])
 

@@ -61,8 +61,8 @@ class _Heat(NamedTuple):
     """r."""
     latent: Scalar
     resistance: Scalar
-    rising: branches.Branch
-    falling: branches.Branch
+    rising: branches.LogisticBranch
+    falling: branches.LogisticBranch
 
     def power(self, xp: Namespace, u: Scalar, z: Scalar) -> Scalar:
         """The rise [K] that the input would hold."""

@@ -15,7 +15,7 @@ from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbers
 from martensite.identify.chains.best_linear import polish_linear
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.informed import linear_twin
 from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.residuals import Aim, Squares
@@ -39,7 +39,7 @@ def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> 
     parts: list[Numbers] = []
     reaching = [record.inputs for record in records]
     for block, known, own in zip(chain.blocks, given.blocks, given.split(), strict=True):
-        engine = Engine([known], dt)
+        engine = ChainEngine([known], dt)
         leaving = [engine.simulate(own, x) for x in reaching]
         if block.structure() == known.structure():
             made, numbers = known, own
@@ -81,5 +81,5 @@ def _follow_block(
     if (twin := linear_twin(block)) is not None:
         linear = polish_linear(twin, records).split()[0]
         block, theta = block.as_linear(twin, linear, x, dt)
-    squares = Squares(Engine([block], dt), [Aim(record) for record in records])
+    squares = Squares(ChainEngine([block], dt), [Aim(record) for record in records])
     return block, minimise_cost(squares, theta, STEPS).theta

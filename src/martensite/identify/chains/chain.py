@@ -10,7 +10,7 @@ import numpy as np
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.native_source import Taps
 from martensite.signals.sampling.sampled import Sampled
 
@@ -56,9 +56,9 @@ class Chain:
         return " | ".join(block.text() for block in self.blocks)
 
     @cached_property
-    def engine(self) -> Engine:
+    def engine(self) -> ChainEngine:
         """What runs it."""
-        return Engine(self.blocks, self.interval, self.taps)
+        return ChainEngine(self.blocks, self.interval, self.taps)
 
     @property
     def inputs(self) -> int:
@@ -108,7 +108,7 @@ class Chain:
         if block == 0:
             return u
         theta = np.concatenate([np.zeros(0), *self.split()[:block]])
-        return Engine(self.blocks[:block], self.interval).simulate(theta, u)
+        return ChainEngine(self.blocks[:block], self.interval).simulate(theta, u)
 
     def then(self, other: Chain) -> Chain:
         """This model in series with another, whose input is its output.
@@ -139,7 +139,7 @@ def build_untrained(
         block = block.adapted(x, record.interval)
         made.append(block)
         own = block.start()
-        x = Engine([block], record.interval).simulate(own, x)
+        x = ChainEngine([block], record.interval).simulate(own, x)
         theta = np.concatenate([theta, own])
     return Chain(
         tuple(made), theta, record.interval, record.input_names, record.output_names,

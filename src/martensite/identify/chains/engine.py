@@ -9,18 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
-from martensite.identify.chains.native import Native
+from martensite.identify.chains.native import CompiledChain
 from martensite.identify.chains.native_columns import TILE, pad_count
 from martensite.identify.chains.native_source import Taps
-from martensite.identify.chains.plain import Plain
-from martensite.identify.chains.plan import Plan, plan_blocks
+from martensite.identify.chains.plain import FloatChain
+from martensite.identify.chains.plan import ChainPlan, plan_blocks
 from martensite.kernels.c99 import find_compiler
 
 CHUNK = 4032
 """Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""
 
 
-class Start(NamedTuple):
+class ChainStart(NamedTuple):
     """State of a chain at the first sample."""
 
     state: Numbers
@@ -39,7 +39,7 @@ class Chunk(NamedTuple):
     """Shape (samples, outputs, extra + columns)."""
 
 
-class Engine:
+class ChainEngine:
     """Blocks in series at one sample time.
 
     Args:
@@ -58,10 +58,10 @@ class Engine:
         last = len(self.blocks) - 1
         self.taps: Taps = taps or tuple((last, i) for i in range(self.blocks[last].outputs))
         native = find_compiler() is not None if compiled is None else compiled
-        self._runner = (Native if native else Plain)(self.plan, self.taps)
+        self._runner = (CompiledChain if native else FloatChain)(self.plan, self.taps)
 
     @cached_property
-    def plan(self) -> Plan:
+    def plan(self) -> ChainPlan:
         """The traced blocks."""
         return plan_blocks(self.blocks)
 
@@ -69,7 +69,7 @@ class Engine:
         given = [value for block in self.blocks for value in block.given()]
         return np.array([*theta, *given, self.interval], dtype=float)
 
-    def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> Start:
+    def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> ChainStart:
         """The state at rest under a constant input.
 
         With a `deviation` of the state from rest, the first columns are derivatives with
@@ -79,8 +79,8 @@ class Engine:
         state, slopes = np.zeros(count), np.zeros((count, columns))
         self._runner.rest(self._numbers(theta), np.ascontiguousarray(x, dtype=float), state, slopes)
         if deviation is None:
-            return Start(state, slopes)
-        return Start(state + deviation, np.hstack([np.eye(count), slopes]))
+            return ChainStart(state, slopes)
+        return ChainStart(state + deviation, np.hstack([np.eye(count), slopes]))
 
     def simulate(self, theta: Numbers, u: Numbers, state: Numbers | None = None) -> Numbers:
         """Outputs (samples, outputs) for inputs (samples, inputs); from rest if no state is given.
@@ -94,7 +94,7 @@ class Engine:
         return y
 
     def sensitivities(
-        self, theta: Numbers, u: Numbers, start: Start | None = None, chunk: int = CHUNK,
+        self, theta: Numbers, u: Numbers, start: ChainStart | None = None, chunk: int = CHUNK,
         reuse: bool = False,
     ) -> Iterator[Chunk]:  # fmt: skip
         """Outputs and their derivatives, some thousand samples at a time.
@@ -115,7 +115,7 @@ class Engine:
             yield Chunk(slice(first, first + len(part)), y, dy)
 
     def jacobian(
-        self, theta: Numbers, u: Numbers, start: Start | None = None
+        self, theta: Numbers, u: Numbers, start: ChainStart | None = None
     ) -> tuple[Numbers, Numbers]:
         """Outputs and derivatives of a whole record at once."""
         chunks = list(self.sensitivities(theta, u, start, max(len(u), 1)))

@@ -38,7 +38,7 @@ Tell = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class ChainEstimate:
     """A chain that was estimated, and how."""
 
     chain: Chain
@@ -63,7 +63,7 @@ class Estimate:
         return Squares(self.chain.engine, self.aims)
 
 
-class End(NamedTuple):
+class SearchEnd(NamedTuple):
     """Where a search ended."""
 
     cost: float
@@ -77,7 +77,7 @@ def estimate_chain(
     records: Sampled | Sequence[Sampled],
     options: Options | None = None,
     watch: Tell | None = None,
-) -> Estimate:
+) -> ChainEstimate:
     """A chain of blocks that reproduces the outputs of records in free run.
 
     Args:
@@ -117,7 +117,7 @@ def estimate_chain(
         found, wanted = whiten_chain(chain, found, wanted, options)
         chain = chain.with_theta(found.theta[: len(chain.theta)])
     fits = (_compute_fit(end.chain, middle, own) for end in refined)
-    return Estimate(
+    return ChainEstimate(
         chain, records, wanted, found, tuple(sorted(fits, reverse=True)),
         tuple(end.cost for end in first), options,
     )  # fmt: skip
@@ -150,7 +150,7 @@ def _thin_options(options: Options, thin: Sequence[Sampled], records: Sequence[S
 
 def _search_thin(
     chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell
-) -> list[End]:
+) -> list[SearchEnd]:
     """Ends of first searches over thin records, from given chains and from others."""
     slow = replace(chain, interval=records[0].interval)
     given = [begin_from_chain(slow, one, records) for one in options.begin]
@@ -175,9 +175,9 @@ def _tell_searches(tell: Tell, word: str, low: float, high: float) -> Callable[[
 def _refine_all(
     chains: Sequence[Chain], records: Sequence[Sampled], options: Options,
     told: Callable[[int, int], None],
-) -> list[End]:  # fmt: skip
+) -> list[SearchEnd]:  # fmt: skip
     """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
-    ends: list[End] = []
+    ends: list[SearchEnd] = []
     with ThreadPoolExecutor(options.threads) as pool:
         found = pool.map(lambda chain: _refine_one(chain, records, options), chains)
         try:
@@ -192,18 +192,21 @@ def _refine_all(
     return sorted((end for end in ends if np.isfinite(end.cost)), key=lambda end: end.cost)
 
 
-def _refine_one(chain: Chain, records: Sequence[Sampled], options: Options) -> End:
+def _refine_one(chain: Chain, records: Sequence[Sampled], options: Options) -> SearchEnd:
     """The nearest minimum over records of any sample time."""
     chain = replace(chain, interval=records[0].interval)
     found = refine_chain(chain, records, options)
     end = chain.with_theta(found.theta[: len(chain.theta)])
     known = sum(int(np.isfinite(r.outputs[options.skip :]).sum()) for r in records)
-    return End(found.value / known, found, end)
+    return SearchEnd(found.value / known, found, end)
 
 
 def _finish_search(
-    refined: Sequence[End], middle: Sequence[Sampled], records: Sequence[Sampled], options: Options
-) -> End:
+    refined: Sequence[SearchEnd],
+    middle: Sequence[Sampled],
+    records: Sequence[Sampled],
+    options: Options,
+) -> SearchEnd:
     """The end of the best search at the full rate.
 
     Raises:

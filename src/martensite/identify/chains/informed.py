@@ -22,7 +22,7 @@ from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import Linear, linear_start, polish_linear
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.starts import align_chain, draw_numbers
 from martensite.identify.chains.wiener_hammerstein import (
     is_wiener_hammerstein,
@@ -122,7 +122,7 @@ def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Cha
         if i == place and (twin := linear_twin(block)) is not None:
             blocks[i], numbers = blocks[i].as_linear(twin, own, x, chain.interval)
         theta.append(numbers)
-        x = Engine([blocks[i]], chain.interval).simulate(numbers, x)
+        x = ChainEngine([blocks[i]], chain.interval).simulate(numbers, x)
     return replace(chain, blocks=tuple(blocks), theta=np.concatenate([np.zeros(0), *theta]))
 
 

@@ -30,7 +30,7 @@ class Normal(NamedTuple):
     hessian: Numbers
 
 
-class Cost(Protocol):
+class LeastSquaresCost(Protocol):
     """What is minimised."""
 
     def value(self, theta: Numbers) -> float:
@@ -54,9 +54,14 @@ class Found:
 
 
 def minimise_cost(
-    cost: Cost, theta: Numbers, iterations: int = 100, tolerance: float = 1e-7, patience: int = 4,
-    free: Numbers | None = None, watch: Callable[[int, float, Numbers], None] | None = None,
-) -> Found:  # fmt: skip
+    cost: LeastSquaresCost,
+    theta: Numbers,
+    iterations: int = 100,
+    tolerance: float = 1e-7,
+    patience: int = 4,
+    free: Numbers | None = None,
+    watch: Callable[[int, float, Numbers], None] | None = None,
+) -> Found:
     """The nearest minimum from a start.
 
     Args:
@@ -87,7 +92,7 @@ def minimise_cost(
 
 
 def _try_step(
-    cost: Cost, theta: Numbers, normal: Normal, damping: float, moving: Numbers
+    cost: LeastSquaresCost, theta: Numbers, normal: Normal, damping: float, moving: Numbers
 ) -> tuple[Numbers, float] | None:
     """The next point and damping, or None if no step makes it better."""
     gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]

@@ -16,7 +16,7 @@ from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
 
 
@@ -43,7 +43,7 @@ def find_orders(block: AbstractBlock) -> Orders | None:
     return None
 
 
-def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear:
+def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> LinearSystem:
     """State space of a linear block at a sample time [s]; an offset is left out.
 
     Raises:
@@ -62,7 +62,7 @@ def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear
     whole = np.zeros((states + outputs, states + inputs))
     for k, unit in enumerate(np.eye(states + inputs)):
         whole[:, k] = stepped(unit) - zero
-    return Linear(
+    return LinearSystem(
         whole[:states, :states], whole[:states, states:],
         whole[states:, :states], whole[states:, states:],
         dt, np.zeros(inputs), np.zeros(states), zero[states:],
@@ -98,7 +98,7 @@ def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
     return found[np.abs(found) > 1e-9]
 
 
-def find_fraction(system: Linear) -> tuple[Numbers, Numbers]:
+def find_fraction(system: LinearSystem) -> tuple[Numbers, Numbers]:
     """Numerator and denominator in falling powers of z, of a system of one input and output."""
     denominator = np.atleast_1d(np.poly(system.a))
     # det(zI - A + B C) = det(zI - A) (1 + C (zI - A)⁻¹ B)

@@ -23,7 +23,7 @@ CIRCLE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
+class LinearSystem:
     """A linear system around an operating point."""
 
     a: Numbers
@@ -57,10 +57,10 @@ class Linear:
         """How many states small signals do not move, or nobody feels."""
         return len(self.a) - len(self.active)
 
-    def reduced(self) -> Linear:
+    def reduced(self) -> LinearSystem:
         """The same system with its active states alone."""
         kept = self.active
-        return Linear(
+        return LinearSystem(
             self.a[np.ix_(kept, kept)], self.b[kept], self.c[:, kept], self.d, self.interval,
             self.inputs, self.state[kept], self.outputs, self.input_names, self.output_names,
         )  # fmt: skip

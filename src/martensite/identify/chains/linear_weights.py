@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.impulse_response import Pair
 
 
@@ -34,7 +34,7 @@ def fit_weights(
     theta = np.zeros(len(block.numbers()))
     theta[: len(known)] = known
     own = _find_weights(block, len(known))
-    found, error = _solve_squares(Engine([block], dt), theta, own, pairs)
+    found, error = _solve_squares(ChainEngine([block], dt), theta, own, pairs)
     if not np.isfinite(error):
         return LinearStart(theta, 1.0, 0.0, np.inf)
     if isinstance(block, TransferFunction):
@@ -61,7 +61,7 @@ def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[n
 
 
 def _solve_squares(
-    engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
+    engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> tuple[Numbers, float]:
     """Weights of the signals and a constant (the last), and the error over the variances."""
     outputs = np.concatenate([y for _, y in pairs])
@@ -85,7 +85,7 @@ def _solve_squares(
 
 
 def _collect_signals(
-    engine: Engine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
+    engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> Iterator[Pair]:
     """What the linear numbers weigh, with a constant, and the outputs: rows known in all."""
     single = isinstance(engine.blocks[0], TransferFunction)

@@ -21,7 +21,7 @@ import numpy as np
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.signals.sampling.sampled import Sampled
 
 SETTLED = 1e-9
@@ -30,7 +30,7 @@ DOUBLINGS = 12
 """How often the stretch held after a history is doubled."""
 
 
-class Point(NamedTuple):
+class LinearisationPoint(NamedTuple):
     """An operating point: constant input, state and output."""
 
     inputs: Numbers
@@ -38,7 +38,9 @@ class Point(NamedTuple):
     outputs: Numbers
 
 
-def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> Point:
+def operating_point(
+    chain: Chain, level: Any, history: Numbers | Sampled | None = None
+) -> LinearisationPoint:
     """The state in which a chain rests under a constant input.
 
     Args:
@@ -62,7 +64,7 @@ def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None 
         chain.engine.simulate(chain.theta, rows, state)
         _settle_state(chain, u, state)
     y = chain.engine.simulate(chain.theta, u[None], state.copy())[0]
-    return Point(u, state, y)
+    return LinearisationPoint(u, state, y)
 
 
 def _convert_history(chain: Chain, history: Numbers | Sampled) -> Numbers:
@@ -91,7 +93,7 @@ def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
 
 def linearise_chain(
     chain: Chain, level: Any, history: Numbers | Sampled | None = None, push: Any = 0.0
-) -> Linear:
+) -> LinearSystem:
     """The linear system of a chain around an operating point (see `operating_point`).
 
     Args:
@@ -113,7 +115,9 @@ def linearise_chain(
     return linearise_around(chain, point, _find_entering(chain, u, state))
 
 
-def linearise_around(chain: Chain, point: Point, pushed: Sequence[Numbers] | None = None) -> Linear:
+def linearise_around(
+    chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None
+) -> LinearSystem:
     """The linear system around any state and input: also one that does not rest.
 
     Args:
@@ -147,7 +151,7 @@ def linearise_around(chain: Chain, point: Point, pushed: Sequence[Numbers] | Non
                 seen[place] = reach[channel]
         first = rows.stop
     c, d = np.split(seen, [states], axis=1)
-    return Linear(
+    return LinearSystem(
         a, b, c, d, chain.interval, point.inputs, point.state, point.outputs,
         chain.input_names, chain.output_names,
     )  # fmt: skip

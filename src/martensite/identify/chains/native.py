@@ -10,7 +10,7 @@ import numpy as np
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.native_columns import TILE, count_room
 from martensite.identify.chains.native_source import Taps, chain_source
-from martensite.identify.chains.plan import Plan
+from martensite.identify.chains.plan import ChainPlan
 from martensite.kernels.c99 import load_library
 from martensite.kernels.once import cache_answers
 
@@ -18,10 +18,10 @@ FLAGS = ("-O2",)
 """Kernels of hundreds of numbers compile sooner than with more, and run as fast."""
 
 
-class Native:
+class CompiledChain:
     """The compiled functions of a plan. Arrays are C-ordered; states are changed in place."""
 
-    def __init__(self, plan: Plan, taps: Taps) -> None:
+    def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps, self._width = plan, taps, plan.width
         self._library = _load_library(plan, taps, False)
         self._with_slopes: dict[int, tuple[Any, int]] = {}
@@ -82,7 +82,7 @@ def _allocate_aligned(count: int) -> Numbers:
     return room[first : first + count]
 
 
-def scratch_size(plan: Plan, columns: int) -> int:
+def scratch_size(plan: ChainPlan, columns: int) -> int:
     """Numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
     beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
@@ -93,5 +93,5 @@ def _get_address(array: Numbers) -> ctypes.c_void_p:
 
 
 @cache_answers(64)
-def _load_library(plan: Plan, taps: Taps, extra: bool) -> Any:
+def _load_library(plan: ChainPlan, taps: Taps, extra: bool) -> Any:
     return load_library(chain_source(plan, taps, extra), FLAGS)

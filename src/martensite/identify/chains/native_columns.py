@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from martensite.identify.chains.plan import Entry, Piece
+from martensite.identify.chains.plan import ChainPiece, Entry
 
 TILE = 64
 """Samples that go through all blocks together."""
@@ -26,7 +26,7 @@ def pad_count(count: int, unit: int = LANES) -> int:
     return -(-max(count, 1) // unit) * unit
 
 
-def count_room(piece: Piece, extra: int) -> int:
+def count_room(piece: ChainPiece, extra: int) -> int:
     """Numbers that a block needs beside the tile; they begin as zeros."""
     block = piece.block
     if not block.states():
@@ -35,27 +35,27 @@ def count_room(piece: Piece, extra: int) -> int:
     return TILE * (signals * pad_count(piece.first + extra) + rows * pad_count(piece.count))
 
 
-def list_moving(piece: Piece) -> int:
+def list_moving(piece: ChainPiece) -> int:
     """Columns of partial derivatives that are of inputs and states."""
     return piece.block.inputs + piece.block.states()
 
 
-def list_through(piece: Piece) -> list[Entry]:
+def list_through(piece: ChainPiece) -> list[Entry]:
     """The partial derivatives with respect to inputs and states."""
     return [e for e in piece.step.entries if e.column < list_moving(piece)]
 
 
-def list_own(piece: Piece) -> list[Entry]:
+def list_own(piece: ChainPiece) -> list[Entry]:
     """The partial derivatives with respect to free numbers."""
     return [e for e in piece.step.entries if e.column >= list_moving(piece)]
 
 
-def _count_begun(piece: Piece) -> int:
+def _count_begun(piece: ChainPiece) -> int:
     """How many outputs and states depend directly on free numbers."""
     return max(len({e.row for e in list_own(piece)}), 1)
 
 
-def at_once(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
+def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
     """A block without memory: lines before its loop over samples, in the loop, and behind it."""
     block, entries = piece.block, list_through(piece)
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(entries)}
@@ -83,7 +83,9 @@ def at_once(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str],
     return [f"double j[{max(len(entries), 1)}][TILE];", "(void)j;"], kept, lines
 
 
-def in_sequence(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
+def in_sequence(
+    piece: ChainPiece, results: Sequence[str]
+) -> tuple[list[str], list[str], list[str]]:
     """A block with memory: lines before its loop over samples, in the loop, and behind it."""
     block = piece.block
     varying = [e for e in list_through(piece) if not e.constant]
@@ -107,7 +109,7 @@ def in_sequence(piece: Piece, results: Sequence[str]) -> tuple[list[str], list[s
     return before, inside, _print_carried(piece, values, rows)
 
 
-def _print_carried(piece: Piece, values: dict[int, str], rows: list[int]) -> list[str]:
+def _print_carried(piece: ChainPiece, values: dict[int, str], rows: list[int]) -> list[str]:
     """All columns through the samples of a tile: those of before as e, its own as f."""
     block, entries, begun = piece.block, list_through(piece), _count_begun(piece)
     inputs, outputs, states = block.inputs, block.outputs, block.states()
@@ -161,7 +163,7 @@ def _print_columns(lanes: str, body: Sequence[str]) -> list[str]:
 
 
 def _print_rows(
-    piece: Piece, entries: Sequence[Entry], values: dict[int, str], reads: dict[int, str],
+    piece: ChainPiece, entries: Sequence[Entry], values: dict[int, str], reads: dict[int, str],
     writes: Sequence[str], begun: dict[int, str], state: str,
 ) -> list[str]:  # fmt: skip
     """One sample of some columns; all are read before any is written."""

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 from martensite.identify.chains.native_columns import TILE, at_once, count_room, in_sequence
 from martensite.identify.chains.native_kernels import Kernels
-from martensite.identify.chains.plan import Piece, Plan
+from martensite.identify.chains.plan import ChainPiece, ChainPlan
 from martensite.kernels.c99 import write_prelude
 
 Taps = tuple[tuple[int, int], ...]
 """What is given out: numbers of blocks, and of their outputs."""
 
 
-def chain_source(plan: Plan, taps: Taps, extra: bool) -> str:
+def chain_source(plan: ChainPlan, taps: Taps, extra: bool) -> str:
     """C of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
     columns = plan.columns + plan.states * extra
     writer = _Writer(plan, taps, columns, Kernels(plan.program))
@@ -36,7 +36,7 @@ def chain_source(plan: Plan, taps: Taps, extra: bool) -> str:
 class _Writer:
     """The functions of one chain. `columns` is M, those of the initial state included."""
 
-    plan: Plan
+    plan: ChainPlan
     taps: Taps
     columns: int
     kernels: Kernels
@@ -158,7 +158,7 @@ class _Writer:
             lines,
         )
 
-    def _rested(self, piece: Piece, state: int) -> list[str]:
+    def _rested(self, piece: ChainPiece, state: int) -> list[str]:
         """State of one block with its columns, from its inputs and theirs."""
         inputs, first = piece.block.inputs, piece.first
         named = self.kernels.statements(piece.rest.name)
@@ -177,7 +177,11 @@ class _Writer:
 
 
 def _print_loop(
-    piece: Piece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
+    piece: ChainPiece,
+    lines: Sequence[str],
+    results: Sequence[str],
+    inside: Sequence[str],
+    slopes: bool,
 ) -> list[str]:
     """The loop over samples; the state is in local variables meanwhile."""
     inputs, outputs, states = piece.block.inputs, piece.block.outputs, piece.block.states()

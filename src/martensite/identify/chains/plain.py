@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.plan import Piece, Plan
+from martensite.identify.chains.plan import ChainPiece, ChainPlan
 
 Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 Taps = tuple[tuple[int, int], ...]
 
 
-class Plain:
+class FloatChain:
     """What `native.Native` does, some hundred times slower."""
 
-    def __init__(self, plan: Plan, taps: Taps) -> None:
+    def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps = plan, taps
 
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
@@ -76,7 +76,13 @@ class Plain:
 
 
 def _step_block(
-    piece: Piece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
+    piece: ChainPiece,
+    functions: Functions,
+    x: Numbers,
+    dx: Numbers,
+    s: Numbers,
+    ds: Numbers,
+    extra: int,
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
     """One block in one sample: outputs, their columns, the next state, its columns."""
     block, step = piece.block, piece.step

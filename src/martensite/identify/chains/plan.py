@@ -35,7 +35,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Traced:
+class TracedBlock:
     """One function of a block: rows are its results, columns what it depends on."""
 
     name: str
@@ -45,15 +45,15 @@ class Traced:
 
 
 @dataclass(frozen=True)
-class Piece:
+class ChainPiece:
     """A block in the plan of a chain."""
 
     block: AbstractBlock
     first: int
     """Column of its first free number, after those of the initial state."""
-    step: Traced
+    step: TracedBlock
     """Rows: outputs, then states. Columns: inputs, states, free numbers."""
-    rest: Traced
+    rest: TracedBlock
     """Rows: states. Columns: inputs, free numbers."""
 
     @property
@@ -63,11 +63,11 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class ChainPlan:
     """A chain as programs. Parameters: all free numbers, all fixed numbers, then dt."""
 
     program: Program
-    pieces: tuple[Piece, ...]
+    pieces: tuple[ChainPiece, ...]
 
     @property
     def columns(self) -> int:
@@ -85,7 +85,7 @@ class Plan:
         return max(max(p.block.inputs, p.block.outputs) for p in self.pieces)
 
 
-def plan_blocks(blocks: Sequence[AbstractBlock]) -> Plan:
+def plan_blocks(blocks: Sequence[AbstractBlock]) -> ChainPlan:
     """The plan of some blocks in series, traced once per structure."""
     return _plan_keyed(tuple(_Shaped(block) for block in blocks))
 
@@ -104,24 +104,24 @@ class _Shaped:
 
 
 @cache_answers(64)
-def _plan_keyed(shaped: tuple[_Shaped, ...]) -> Plan:
+def _plan_keyed(shaped: tuple[_Shaped, ...]) -> ChainPlan:
     program = Program()
     blocks = [one.block for one in shaped]
     theta = [[program.parameter(n) for n in block.numbers()] for block in blocks]
     given = [[program.parameter(n) for n in block.fixed] for block in blocks]
     dt = program.parameter("dt")
-    pieces: list[Piece] = []
+    pieces: list[ChainPiece] = []
     first = 0
     for k, block in enumerate(blocks):
         twin = block.with_given(given[k])
         pieces.append(_build_piece(program, twin, k, first, theta[k], dt))
         first += len(theta[k])
-    return Plan(program, tuple(pieces))
+    return ChainPlan(program, tuple(pieces))
 
 
 def _build_piece(
     program: Program, block: AbstractBlock, k: int, first: int, theta: list[Any], dt: Any
-) -> Piece:
+) -> ChainPiece:
     x = [f"x{i}" for i in range(block.inputs)]
     s = [f"s{i}" for i in range(block.states())]
     inputs, states = len(x), len(s)
@@ -134,7 +134,7 @@ def _build_piece(
     def rest(xp: Any, moving: Sequence[Any]) -> Sequence[Any]:
         return list(block.rest(xp, moving[inputs:], moving[:inputs], dt))
 
-    return Piece(
+    return ChainPiece(
         block, first,
         _trace_block(program, f"b{k}", [*x, *s], theta, step),
         _trace_block(program, f"r{k}", x, theta, rest),
@@ -144,7 +144,7 @@ def _build_piece(
 def _trace_block(
     program: Program, name: str, inputs: list[str], theta: list[Any],
     kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
-) -> Traced:  # fmt: skip
+) -> TracedBlock:  # fmt: skip
     """Add a kernel to the program with its derivatives, and once more without."""
     moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
     values, rows = _differentiate_block(program, kernel, moving)
@@ -157,7 +157,7 @@ def _trace_block(
             slopes.append(slope)
     program.functions[name] = Function(name, tuple(inputs), (*values, *slopes))
     program.functions[f"v{name}"] = Function(f"v{name}", tuple(inputs), tuple(values))
-    return Traced(name, len(values), tuple(entries))
+    return TracedBlock(name, len(values), tuple(entries))
 
 
 def _differentiate_block(

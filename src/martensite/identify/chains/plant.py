@@ -26,7 +26,7 @@ from martensite.base.parameters import REQUIRED, Declared
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.coupling import Report
+from martensite.physics.laws.coupling import StepReport
 
 SI = ("1", "K", "m", "s", "N", "Pa", "V", "A", "W", "ohm", "rad", "rad/s", "m/s", "N*m", "Hz",
       "kg", "J/kg", "m/s^2", "N/m")  # fmt: skip
@@ -136,10 +136,10 @@ class ModelMechanism(AbstractMechanism):
 
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Any, list[Any], Report]:  # fmt: skip
+    ) -> tuple[Any, list[Any], StepReport]:  # fmt: skip
         """The state one sample on, whatever `dt`."""
         after, _ = self._sample(xp, memory, signals)
-        return after, [], Report(0.0, 0.0)
+        return after, [], StepReport(0.0, 0.0)
 
     def observe(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column

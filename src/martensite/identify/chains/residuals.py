@@ -19,7 +19,7 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.engine import Engine, Start
+from martensite.identify.chains.engine import ChainEngine, ChainStart
 from martensite.identify.chains.levenberg import Found, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
@@ -86,7 +86,7 @@ class Squares:
     """
 
     def __init__(
-        self, engine: Engine, aims: Sequence[Aim], ridge: float = 0.0,
+        self, engine: ChainEngine, aims: Sequence[Aim], ridge: float = 0.0,
         reference: Numbers | None = None, priors: Numbers | None = None,
     ) -> None:  # fmt: skip
         """Take a chain and records.
@@ -180,10 +180,10 @@ class Squares:
             return theta
         return np.concatenate([np.arange(place, place + self.states), theta])
 
-    def _start(self, aim: Aim, theta: Numbers, place: int | None, slopes: bool) -> Start:
+    def _start(self, aim: Aim, theta: Numbers, place: int | None, slopes: bool) -> ChainStart:
         own, first = theta[: self.columns], aim.record.inputs[0]
         if aim.start == "zero":
-            return Start(np.zeros(self.states), np.zeros((self.states, self.columns)))
+            return ChainStart(np.zeros(self.states), np.zeros((self.states, self.columns)))
         away = None if place is None else theta[place : place + self.states]
         start = self.engine.rest(own, first, away)
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])

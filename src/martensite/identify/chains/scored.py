@@ -23,7 +23,7 @@ ROLES = ("estimation", "validation", "other")
 
 
 @dataclass(frozen=True)
-class Score:
+class OutputScore:
     """How one output of one record is reproduced in free run."""
 
     model: str
@@ -65,12 +65,12 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
 def score_chain(
     chain: Chain, records: Iterable[Sampled], role: str, start: str = "rest", skip: int = 0,
     model: str = "model",
-) -> list[Score]:  # fmt: skip
+) -> list[OutputScore]:  # fmt: skip
     """Scores of all outputs over records, at their full rate.
 
     A record of another sample time is brought to that of the model first.
     """
-    found: list[Score] = []
+    found: list[OutputScore] = []
     for record in records:
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
             record = resample_record(record, chain.interval)
@@ -78,7 +78,7 @@ def score_chain(
         fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
         found += [
-            Score(
+            OutputScore(
                 model, role, record.name, name, record.units.get(name, "1"), float(fits[k]),
                 float(errors[k]), float(worst[k]),
             )
@@ -87,7 +87,7 @@ def score_chain(
     return found
 
 
-def mean_fit(scores: Iterable[Score]) -> float:
+def mean_fit(scores: Iterable[OutputScore]) -> float:
     """Mean fit [%]; NaN of none."""
     fits = [score.fit for score in scores]
     return float(np.mean(fits)) if fits else float("nan")

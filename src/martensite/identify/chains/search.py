@@ -19,7 +19,7 @@ import numpy as np
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.checks import check_informative, check_records
-from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.patterns import expand_pattern
 from martensite.identify.chains.scored import free_run, mean_fit, score_chain
 from martensite.identify.chains.scores import fit_percent
@@ -33,13 +33,13 @@ FOLDS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class StructureCandidate:
     """One structure, and what became of it."""
 
     structure: str
     numbers: int
     """Free numbers."""
-    found: Estimate | None
+    found: ChainEstimate | None
     """None if no search gave a model; `fault` says why."""
     estimation: float
     """Mean fit [%] over the estimation records, free run."""
@@ -63,15 +63,15 @@ class Candidate:
 class Searched:
     """All candidates, the best first, and the one that was chosen."""
 
-    candidates: tuple[Candidate, ...]
-    chosen: Candidate
+    candidates: tuple[StructureCandidate, ...]
+    chosen: StructureCandidate
     by: str
     """What the candidates were chosen by, as words."""
     complete: bool = True
     """False if it was interrupted."""
 
     @property
-    def found(self) -> Estimate:
+    def found(self) -> ChainEstimate:
         """The estimate of the chosen structure."""
         if self.chosen.found is None:
             raise SolveError("No structure of the search could be estimated.")
@@ -110,7 +110,7 @@ def search(
     check_informative(records, options.skip, options.start)
     for text in texts:
         parse_chain(text)
-    done: list[Candidate] = []
+    done: list[StructureCandidate] = []
     complete = True
     try:
         for k, text in enumerate(texts):
@@ -123,7 +123,9 @@ def search(
     return _decided(done, validation, complete)
 
 
-def _decided(done: Sequence[Candidate], validation: Sequence[Sampled], complete: bool) -> Searched:
+def _decided(
+    done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool
+) -> Searched:
     ranked = sorted(done, key=lambda c: -c.validation if math.isfinite(c.validation) else math.inf)
     good = [c for c in ranked if c.found is not None and math.isfinite(c.validation)]
     if not good:
@@ -147,7 +149,7 @@ def _share(
 def _candidate(
     text: str, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
     watch: Callable[[str, float], None] | None,
-) -> Candidate:  # fmt: skip
+) -> StructureCandidate:  # fmt: skip
     begun = time.perf_counter()
     numbers = len(build_untrained(parse_chain(text), records[0]).theta)
     try:
@@ -160,8 +162,8 @@ def _candidate(
             score = cross_validated(text, records, options)
     except (SolveError, InputError) as error:
         seconds = time.perf_counter() - begun
-        return Candidate(text, numbers, None, math.nan, math.nan, seconds, str(error))
-    return Candidate(text, numbers, found, own, score, time.perf_counter() - begun)
+        return StructureCandidate(text, numbers, None, math.nan, math.nan, seconds, str(error))
+    return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun)
 
 
 def cross_validated(

@@ -15,7 +15,7 @@ NEGLIGIBLE = 1e-6
 the block, that does not matter: a weight that is 0 whatever the number behind it is."""
 
 
-class Shown(NamedTuple):
+class PrintedNumber(NamedTuple):
     """What free numbers mean, with its standard error."""
 
     block: int
@@ -29,7 +29,7 @@ class Shown(NamedTuple):
 def list_rows(
     number: int, block: AbstractBlock, theta: Numbers, slopes: Numbers, covariance: Numbers,
     undetermined: Numbers, moved: Numbers,
-) -> list[Shown]:  # fmt: skip
+) -> list[PrintedNumber]:  # fmt: skip
     """The rows of one block.
 
     Args:
@@ -43,11 +43,11 @@ def list_rows(
     """
     rows = block.shown(theta)
     errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
-    found: list[Shown] = []
+    found: list[PrintedNumber] = []
     for k, (name, value, unit) in enumerate(rows):
         largest = max(abs(other) for _, other, own in rows if own == unit)
         free = bool(undetermined[k]) and moved[k] > NEGLIGIBLE * largest
-        found.append(Shown(number, name, value, np.inf if free else float(errors[k]), unit))
+        found.append(PrintedNumber(number, name, value, np.inf if free else float(errors[k]), unit))
     return found
 
 

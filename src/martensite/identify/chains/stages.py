@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.estimate import Estimate, Options, estimate_chain
-from martensite.identify.chains.scored import ROLES, Score, score_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
+from martensite.identify.chains.scored import ROLES, OutputScore, score_chain
 from martensite.identify.chains.search import Searched, search
 from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.resampling import collect_experiments, select_signals
@@ -23,7 +23,7 @@ SERIES = "series"
 
 
 @dataclass(frozen=True)
-class Stage:
+class ModelStage:
     """One stage: its structure, and the signal that it gives."""
 
     structure: str
@@ -37,7 +37,7 @@ class Stage:
         return tuple(name.strip() for name in self.output.split(",") if name.strip())
 
     @classmethod
-    def read(cls, text: str, output: str | None = None) -> Stage:
+    def read(cls, text: str, output: str | None = None) -> ModelStage:
         """A stage from `structure -> output`; the arrow may be left out where the output is given.
 
         Raises:
@@ -54,11 +54,11 @@ class Stage:
 class Identified:
     """Stages that were estimated, their series, and scores of all of them in free run."""
 
-    stages: tuple[Stage, ...]
-    estimates: tuple[Estimate, ...]
+    stages: tuple[ModelStage, ...]
+    estimates: tuple[ChainEstimate, ...]
     model: Chain
     """The series of all stages; of one stage, that stage."""
-    scores: tuple[Score, ...]
+    scores: tuple[OutputScore, ...]
     searches: tuple[Searched | None, ...]
     """What was searched for the structure of every stage; None where it was given."""
     options: Options
@@ -71,7 +71,7 @@ class Identified:
 
 def identify_stages(
     records: Sampled | Sequence[Sampled],
-    stages: str | Sequence[str | Stage],
+    stages: str | Sequence[str | ModelStage],
     validation: Sampled | Sequence[Sampled] = (),
     other: Sampled | Sequence[Sampled] = (),
     options: Options | None = None,
@@ -97,8 +97,8 @@ def identify_stages(
     collect_experiments(*groups[0], *groups[1], *groups[2])
     planned = _plan_stages(stages, groups[0][0])
     inputs: tuple[str, ...] = groups[0][0].input_names
-    found: list[tuple[Estimate, Searched | None]] = []
-    scores: list[Score] = []
+    found: list[tuple[ChainEstimate, Searched | None]] = []
+    scores: list[OutputScore] = []
     for k, stage in enumerate(planned):
         parts = [[select_signals(r, inputs, stage.outputs) for r in group] for group in groups]
         tell = _share_progress(watch, k, len(planned))
@@ -121,14 +121,16 @@ def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
     return [records] if isinstance(records, Sampled) else list(records)
 
 
-def _plan_stages(stages: str | Sequence[str | Stage], record: Sampled) -> list[Stage]:
+def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> list[ModelStage]:
     """The stages, their outputs named; each structure well written."""
     given = [stages] if isinstance(stages, str) else list(stages)
     if not given:
         raise InputError("A model needs at least one stage.")
     last = len(given) - 1
     planned = [
-        s if isinstance(s, Stage) else Stage.read(s, record.output_names[-1] if k == last else None)
+        s
+        if isinstance(s, ModelStage)
+        else ModelStage.read(s, record.output_names[-1] if k == last else None)
         for k, s in enumerate(given)
     ]
     for stage in planned:
@@ -138,9 +140,9 @@ def _plan_stages(stages: str | Sequence[str | Stage], record: Sampled) -> list[S
 
 
 def _identify_stage(
-    stage: Stage, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
+    stage: ModelStage, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
     watch: Callable[[str, float], None] | None,
-) -> tuple[Estimate, Searched | None]:  # fmt: skip
+) -> tuple[ChainEstimate, Searched | None]:  # fmt: skip
     if "{" not in stage.structure:
         return estimate_chain(stage.structure, records, options, watch), None
     made = search(stage.structure, records, validation, options, watch)
@@ -157,7 +159,7 @@ def _share_progress(
 
 def _score_stage(
     chain: Chain, groups: Sequence[Sequence[Sampled]], options: Options, model: str
-) -> list[Score]:
+) -> list[OutputScore]:
     return [
         score
         for role, group in zip(ROLES, groups, strict=True)

@@ -14,7 +14,7 @@ COUNT = 10
 
 
 @dataclass(frozen=True)
-class Stretch:
+class ErrorStretch:
     """Errors of one output from one time to another."""
 
     output: str
@@ -33,14 +33,14 @@ class Stretch:
 
 def summarise_segments(
     times: Numbers, residuals: Numbers, output: str, count: int = COUNT
-) -> list[Stretch]:
+) -> list[ErrorStretch]:
     """Errors in stretches of equal length, without those in which nothing is known."""
-    found: list[Stretch] = []
+    found: list[ErrorStretch] = []
     for t, e in zip(np.array_split(times, count), np.array_split(residuals, count), strict=True):
         known = e[np.isfinite(e)]
         if len(known):
             size, largest = float(np.sqrt(np.mean(known**2))), float(np.max(np.abs(known)))
-            found.append(Stretch(output, float(t[0]), float(t[-1]), size, largest))
+            found.append(ErrorStretch(output, float(t[0]), float(t[-1]), size, largest))
     return found
 
 

@@ -25,11 +25,11 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.engine import Start
+from martensite.identify.chains.engine import ChainStart
 from martensite.identify.chains.flat import Flat, invert_normal
 from martensite.identify.chains.residuals import Squares
 from martensite.identify.chains.sandwich import Sums, block_lengths, sum_blocks
-from martensite.identify.chains.shown_errors import Shown, list_rows, slopes_of_shown
+from martensite.identify.chains.shown_errors import PrintedNumber, list_rows, slopes_of_shown
 from martensite.search.words import number
 from martensite.signals.sampling.sampled import Sampled
 
@@ -38,7 +38,7 @@ UNDETERMINED = 1e-3
 """Share of a derivative in directions that are cut from which a value is not determined."""
 
 
-class Band(NamedTuple):
+class OutputBand(NamedTuple):
     """Computed outputs and the band around them, each of shape (samples, outputs)."""
 
     outputs: Numbers
@@ -49,7 +49,7 @@ class Band(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Uncertainty:
+class ChainUncertainty:
     """Covariance of the free numbers of a chain."""
 
     chain: Chain
@@ -93,10 +93,10 @@ class Uncertainty:
             )
         return (first, kind, *(one.sentence for one in self.flat))
 
-    def shown(self) -> list[Shown]:
+    def shown(self) -> list[PrintedNumber]:
         """What the free numbers mean, block by block, with standard errors (delta method)."""
         lost = np.isinf(self.errors)
-        found: list[Shown] = []
+        found: list[PrintedNumber] = []
         first = 0
         for k, (block, theta) in enumerate(zip(self.chain.blocks, self.chain.split(), strict=True)):
             own = slice(first, first + len(theta))
@@ -109,7 +109,9 @@ class Uncertainty:
             first = own.stop
         return found
 
-    def band(self, record: Sampled, level: float = LEVEL, start: Start | None = None) -> Band:
+    def band(
+        self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None
+    ) -> OutputBand:
         """Outputs along the inputs of a record, with their band.
 
         Args:
@@ -132,7 +134,7 @@ class Uncertainty:
             outputs.append(chunk.outputs)
             spreads.append(np.sum((own @ root) ** 2, axis=2))
         variance = np.concatenate(spreads)
-        return Band(
+        return OutputBand(
             np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2)
         )
 
@@ -156,7 +158,7 @@ class Uncertainty:
 
 def estimate_chain_uncertainty(
     chain: Chain, squares: Squares, blocks: Sequence[int] | int | None = None
-) -> Uncertainty:
+) -> ChainUncertainty:
     """The covariance of an estimated chain.
 
     Args:
@@ -182,7 +184,7 @@ def estimate_chain_uncertainty(
     covariance = spread * inverted.matrix @ found.middle @ inverted.matrix
     covariance = 0.5 * (covariance + covariance.T)
     white = float(found.squares.sum()) / freedom * inverted.matrix
-    return Uncertainty(
+    return ChainUncertainty(
         chain,
         covariance,
         inverted.null,
@@ -195,7 +197,7 @@ def estimate_chain_uncertainty(
     )
 
 
-def measure_coverage(band: Band, record: Sampled, skip: int = 0) -> Numbers:
+def measure_coverage(band: OutputBand, record: Sampled, skip: int = 0) -> Numbers:
     """Share of the measurements within the band, of every output.
 
     Raises:

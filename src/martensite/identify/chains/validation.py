@@ -18,7 +18,7 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
 from martensite.identify.chains.directions import REVERSAL, Masks, split_by_direction
-from martensite.identify.chains.stretches import Stretch, known_stretch, summarise_segments
+from martensite.identify.chains.stretches import ErrorStretch, known_stretch, summarise_segments
 from martensite.search.scores import Score, score
 from martensite.search.whiteness import FEWEST, Whiteness, whiteness
 from martensite.search.words import joined, number
@@ -46,7 +46,7 @@ class Validation:
     """Truth values of the samples of every part."""
     scores: tuple[Score, ...]
     """Of every output, whole and part by part; in the units of the record."""
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[ErrorStretch, ...]
     """Errors of every output in stretches of equal length."""
     whiteness: tuple[Whiteness, ...]
     """Of the longest stretch without gaps of every output."""
@@ -78,11 +78,11 @@ class Validation:
         whole = [one.fit_percent for one in self.scores if one.part == WHOLE]
         return float(np.mean(whole))
 
-    def best(self, output: str | None = None) -> Stretch:
+    def best(self, output: str | None = None) -> ErrorStretch:
         """The stretch with the smallest error."""
         return min(self._own(output), key=lambda one: one.rms)
 
-    def worst(self, output: str | None = None) -> Stretch:
+    def worst(self, output: str | None = None) -> ErrorStretch:
         """The stretch with the largest error."""
         return max(self._own(output), key=lambda one: one.rms)
 
@@ -120,7 +120,7 @@ class Validation:
             "failures": list(self.failures),
         }
 
-    def _own(self, output: str | None) -> list[Stretch]:
+    def _own(self, output: str | None) -> list[ErrorStretch]:
         name = self.record.output_names[0] if output is None else output
         return [one for one in self.stretches if one.output == name]
 

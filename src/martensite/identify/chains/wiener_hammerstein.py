@@ -23,7 +23,7 @@ from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import linear_start
 from martensite.identify.chains.chain import Chain, build_untrained
-from martensite.identify.chains.engine import Engine
+from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.linear_parts import Orders, find_orders, find_poles, find_zeros
 from martensite.identify.chains.linear_weights import fit_weights
@@ -190,7 +190,7 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
         start = fit_weights(block, known, [(probe[:, None], wanted[:, None])], dt)
         parts.append(start.theta)
         gains.append(start.gain)
-    x = Engine(chain.blocks[:1], dt).simulate(parts[0], u)
+    x = ChainEngine(chain.blocks[:1], dt).simulate(parts[0], u)
     static = static.adapted(x, dt)
     curve = gains[1] * np.polyval(way.curve[::-1], gains[0] * x[:, 0])
     return replace(
@@ -211,8 +211,8 @@ def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain
     """The chain with the dynamics of another and a static block near its polynomial."""
     first, curve, last = with_polynomial.split()
     dt = chain.interval
-    x = Engine(chain.blocks[:1], dt).simulate(first, record.inputs)
-    y = Engine(with_polynomial.blocks[1:2], dt).simulate(curve, x)
+    x = ChainEngine(chain.blocks[:1], dt).simulate(first, record.inputs)
+    y = ChainEngine(with_polynomial.blocks[1:2], dt).simulate(curve, x)
     static = chain.blocks[1].adapted(x, dt)
     return replace(
         chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
@@ -233,5 +233,5 @@ def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400)
     slope, offset = np.polyfit(x[order], y[order], 1)
     theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (
         block.start())  # fmt: skip
-    squares = Squares(Engine([block], 1.0), [Aim(record)], ridge=1e-6, reference=theta)
+    squares = Squares(ChainEngine([block], 1.0), [Aim(record)], ridge=1e-6, reference=theta)
     return minimise_cost(squares, theta, 30).theta

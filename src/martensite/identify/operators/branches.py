@@ -25,7 +25,7 @@ FLATTEST = 14.0
 """Limit of |log width|."""
 
 
-class Branch(NamedTuple):
+class LogisticBranch(NamedTuple):
     """Logistic functions: their shares, centres and widths."""
 
     shares: Sequence[Scalar]
@@ -46,15 +46,15 @@ def compute_logistic(xp: Namespace, x: Scalar) -> Scalar:
     return 0.5 + 0.5 * xp.tanh(0.5 * x)
 
 
-def branch_of(xp: Namespace, theta: Column) -> Branch:
+def branch_of(xp: Namespace, theta: Column) -> LogisticBranch:
     """The branch of 2 free numbers (one logistic function) or 5 (two)."""
     count = len(theta) // 2
     widths = [xp.exp(xp.clip(w, -FLATTEST, FLATTEST)) for w in theta[count : 2 * count]]
     first = compute_logistic(xp, theta[4]) if count == 2 else 1.0
-    return Branch([first, 1.0 - first][:count], theta[:count], widths)
+    return LogisticBranch([first, 1.0 - first][:count], theta[:count], widths)
 
 
-def compute_share(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+def compute_share(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
     """F(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
@@ -62,7 +62,7 @@ def compute_share(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
     return total
 
 
-def compute_density(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
+def compute_density(xp: Namespace, branch: LogisticBranch, x: Scalar) -> Scalar:
     """F'(x)."""
     total: Scalar = 0.0
     for part, centre, width in zip(*branch, strict=True):
@@ -71,10 +71,10 @@ def compute_density(xp: Namespace, branch: Branch, x: Scalar) -> Scalar:
     return total
 
 
-class Leg(NamedTuple):
+class BranchLeg(NamedTuple):
     """A way in one direction from (x₀, z₀): z = z₀ + scale (F(x) - F(x₀))."""
 
-    branch: Branch
+    branch: LogisticBranch
     scale: Scalar
     at_start: Scalar
     """F(x₀)."""
@@ -91,25 +91,30 @@ class Leg(NamedTuple):
 
 
 def follow_leg(
-    xp: Namespace, rising: Branch, falling: Branch, upward: bool, x: Scalar, z: Scalar
-) -> Leg:
+    xp: Namespace,
+    rising: LogisticBranch,
+    falling: LogisticBranch,
+    upward: bool,
+    x: Scalar,
+    z: Scalar,
+) -> BranchLeg:
     """The way on from x and z, upward or not."""
 
     def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
         return [xp.store(xp.where(upward, p, q)) for p, q in zip(a, b, strict=True)]
 
-    branch = Branch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
+    branch = LogisticBranch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
     start = xp.store(compute_share(xp, branch, x))
     left = xp.where(upward, 1.0 - start, start)
     going = xp.where(upward, 1.0 - z, z)
-    return Leg(branch, xp.store(going / (left + GUARD)), start, z)
+    return BranchLeg(branch, xp.store(going / (left + GUARD)), start, z)
 
 
-def from_below(xp: Namespace, rising: Branch, x: Scalar) -> Scalar:
+def from_below(xp: Namespace, rising: LogisticBranch, x: Scalar) -> Scalar:
     """z after x has come from far below, where z was 0."""
     return compute_share(xp, rising, x) / (1.0 + GUARD)
 
 
-def from_above(xp: Namespace, falling: Branch, x: Scalar) -> Scalar:
+def from_above(xp: Namespace, falling: LogisticBranch, x: Scalar) -> Scalar:
     """z after x has come from far above, where z was 1."""
     return (compute_share(xp, falling, x) + GUARD) / (1.0 + GUARD)

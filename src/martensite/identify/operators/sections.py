@@ -63,7 +63,7 @@ def second_order(xp: Namespace, log_omega: Scalar, log_zeta: Scalar, dt: Scalar)
     )
 
 
-class Cascade(NamedTuple):
+class SectionOutput(NamedTuple):
     """What a cascade gives in one sample."""
 
     signals: list[Scalar]
@@ -83,7 +83,7 @@ def name_sections(order: int) -> tuple[str, ...]:
 def step_cascade(
     xp: Namespace, order: int, poles: list[Scalar], state: list[Scalar], w: Scalar, dt: Scalar,
     more: Sequence[Scalar] = (),
-) -> Cascade:  # fmt: skip
+) -> SectionOutput:  # fmt: skip
     """Sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
 
     The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order. With `more`,
@@ -108,7 +108,7 @@ def step_cascade(
         signals = [w, change / xp.sqrt(d.d2), *signals]
         gains = [True, False, *gains]
         after += [w, change]
-    return Cascade(signals, gains, after)
+    return SectionOutput(signals, gains, after)
 
 
 def rest_cascade(order: int, w: Scalar) -> list[Scalar]:

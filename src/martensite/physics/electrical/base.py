@@ -36,7 +36,7 @@ class Conductor(NamedTuple):
     """[m]"""
 
 
-class Reach(NamedTuple):
+class SignalRange(NamedTuple):
     """Drive signals that a source can deliver, in its unit."""
 
     least: float
@@ -121,9 +121,9 @@ class AbstractSource(Parametrised):
             mean, change = middle, slope * drive.slope
         return Heat(mean, xp.where(bent, most - least, 0.0), most, change)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """What can be delivered to an element of `resistance` [ohm]; unlimited by default."""
-        return Reach(-math.inf, math.inf)
+        return SignalRange(-math.inf, math.inf)
 
 
 class AbstractSupply(AbstractSource):

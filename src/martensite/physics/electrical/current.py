@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSupply, SignalRange
 
 
 @SOURCES.register("current")
@@ -20,7 +20,7 @@ class CurrentSource(AbstractSupply):
         most = self.most(xp, resistance)
         return xp.clip(drive, -most, most)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Currents [A] that the limits of the supply allow."""
         most = self.most(floats, resistance)
-        return Reach(-most, most)
+        return SignalRange(-most, most)

@@ -20,7 +20,7 @@ from typing import ClassVar
 
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSwitch, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
 
 
 @SOURCES.register("h-bridge")
@@ -68,10 +68,10 @@ class HBridge(AbstractSwitch):
         size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed(xp, resistance)
         return xp.where(drive < 0.0, -size, size)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Duties that are delivered: of either sign, or of the one that the diode lets through."""
         least = 0.0 if self.conducts == "positive" else -1.0
-        return Reach(least, 0.0 if self.conducts == "negative" else 1.0)
+        return SignalRange(least, 0.0 if self.conducts == "negative" else 1.0)
 
     def _let_through(self, xp: Namespace, drive: Scalar) -> Scalar:
         """Size of a duty, as far as the diode lets it through."""

@@ -19,7 +19,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSupply, SignalRange
 
 
 @SOURCES.register("linear-amplifier")
@@ -59,10 +59,10 @@ class LinearAmplifier(AbstractSupply):
         most = self.most(xp, behind)
         return xp.clip(volts / (behind + self.series_resistance), -most, most)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Signals [V] whose output and current are delivered."""
         behind = resistance + self.output_resistance
         most = self.most(floats, behind) * (behind + self.series_resistance)
         high = floats.minimum(self.voltage_limit - self.headroom, most)
         low = floats.maximum(self.lowest, -most)
-        return Reach((low - self.offset) / self.gain, (high - self.offset) / self.gain)
+        return SignalRange((low - self.offset) / self.gain, (high - self.offset) / self.gain)

@@ -20,7 +20,7 @@ from typing import ClassVar
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSwitch, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
 
 
 @SOURCES.register("mosfet")
@@ -62,6 +62,6 @@ class Mosfet(AbstractSwitch):
         share = self.share(xp, drive, self.frequency)
         return xp.sqrt(share) * self.closed(xp, resistance)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """A transistor conducts all the time at most."""
-        return Reach(0.0, 1.0)
+        return SignalRange(0.0, 1.0)

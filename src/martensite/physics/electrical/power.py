@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSupply, SignalRange
 
 
 @SOURCES.register("power")
@@ -21,7 +21,7 @@ class PowerSource(AbstractSupply):
         wanted = xp.sqrt(xp.maximum(drive, 0.0) / resistance)
         return xp.minimum(wanted, self.most(xp, resistance))
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Powers [W] that the limits of the supply allow; none is taken out of the element."""
         most = self.most(floats, resistance)
-        return Reach(0.0, most * most * resistance)
+        return SignalRange(0.0, most * most * resistance)

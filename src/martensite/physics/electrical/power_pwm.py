@@ -22,7 +22,7 @@ from typing import ClassVar
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSwitch, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
 
 
 @SOURCES.register("power-pwm")
@@ -61,7 +61,7 @@ class PowerPwm(AbstractSwitch):
         duty = xp.clip(drive / (most * most * known), 0.0, 1.0)
         return xp.sqrt(duty) * self.closed(xp, resistance)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Demands [W] that lead to a duty of at most 1."""
         known = self.reference_resistance if self.measured == "once" else resistance
-        return Reach(0.0, self.largest_power(known))
+        return SignalRange(0.0, self.largest_power(known))

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSwitch, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
 
 
 @SOURCES.register("pwm-voltage")
@@ -30,6 +30,6 @@ class PwmVoltage(AbstractSwitch):
         """Rms current [A] for a duty."""
         return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed(xp, resistance)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """A switch is closed all the time at most."""
-        return Reach(0.0, 1.0)
+        return SignalRange(0.0, 1.0)

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.base import SOURCES, AbstractSupply, Reach
+from martensite.physics.electrical.base import SOURCES, AbstractSupply, SignalRange
 
 
 @SOURCES.register("voltage")
@@ -20,7 +20,7 @@ class VoltageSource(AbstractSupply):
         most = self.most(xp, resistance)
         return xp.clip(drive / (resistance + self.series_resistance), -most, most)
 
-    def reach(self, resistance: float) -> Reach:
+    def reach(self, resistance: float) -> SignalRange:
         """Voltages [V] over element and series resistance that limits of the supply allow."""
         most = self.most(floats, resistance) * (resistance + self.series_resistance)
-        return Reach(-most, most)
+        return SignalRange(-most, most)

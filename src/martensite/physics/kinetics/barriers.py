@@ -39,7 +39,7 @@ FLATTEST = 0.05
 """Lowest threshold σ_A in the form `well`, in thermal widths: there its well vanishes."""
 
 
-class Material(NamedTuple):
+class BarrierConstants(NamedTuple):
     """Constants of the free energy and of the layers."""
 
     E_A: Scalar
@@ -74,7 +74,7 @@ class Process(NamedTuple):
     """Prefactor q of the Gaussian."""
 
 
-class Start(NamedTuple):
+class RateStart(NamedTuple):
     """What the mean rate of a step needs of its start."""
 
     y: Scalar
@@ -83,7 +83,7 @@ class Start(NamedTuple):
 
 
 def build_wells(
-    xp: Namespace, material: Material, threshold: Scalar, temperature: Scalar, form: str
+    xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str
 ) -> Wells:
     """The free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
     per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
@@ -97,29 +97,31 @@ def build_wells(
     return Wells(stress_A, stress_M, gap, per_energy)
 
 
-class Scales(NamedTuple):
+class BarrierScales(NamedTuple):
     """y per stress inside σ_A and σ_M [1/Pa]."""
 
     A: Scalar
     M: Scalar
 
 
-def compute_scales(xp: Namespace, material: Material, at: Wells, form: str) -> Scales:
+def compute_scales(
+    xp: Namespace, material: BarrierConstants, at: Wells, form: str
+) -> BarrierScales:
     """Reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
-    return Scales(
+    return BarrierScales(
         xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge))
     )
 
 
-def compute_edges(at: Wells, scale: Scales, stress: Scalar) -> tuple[Scalar, Scalar]:
+def compute_edges(at: Wells, scale: BarrierScales, stress: Scalar) -> tuple[Scalar, Scalar]:
     """y inside σ_A and inside σ_M, for the variant that a positive stress favours."""
     return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
 
 
 def build_processes(
-    xp: Namespace, material: Material, at: Wells, stress: Scalar, form: str
+    xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, form: str
 ) -> tuple[Process, Process]:
     """From austenite to the variant that a positive `stress` favours, and back."""
     scale = compute_scales(xp, material, at, form)
@@ -134,7 +136,7 @@ def build_processes(
 
 
 def _compute_saddle(
-    xp: Namespace, material: Material, at: Wells, stress: Scalar, u: Scalar, z: Scalar
+    xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, u: Scalar, z: Scalar
 ) -> tuple[Process, Process]:
     """Inside the thresholds u and z; beyond the other one the saddle is gone.
 
@@ -177,13 +179,13 @@ def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
     return process.factor * xp.exp(-a * a) / time
 
 
-def keep_process(xp: Namespace, process: Process) -> Start:
+def keep_process(xp: Namespace, process: Process) -> RateStart:
     """What to keep of a process at the start of a step."""
     a = xp.maximum(process.y, 0.0)
-    return Start(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
+    return RateStart(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
 
 
-def mean_rate(xp: Namespace, start: Start, end: Process) -> Scalar:
+def mean_rate(xp: Namespace, start: RateStart, end: Process) -> Scalar:
     """τ times the rate over a step: its mean where it grows, that at the end where it falls."""
     a = xp.maximum(end.y, 0.0)
     bell = xp.exp(-a * a)

@@ -16,8 +16,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.barriers import Process, Start, mean_rate
-from martensite.physics.kinetics.layers import AbstractLayers, Variants
+from martensite.physics.kinetics.barriers import Process, RateStart, mean_rate
+from martensite.physics.kinetics.layers import AbstractLayers, VariantFractions
 
 SMALL = 1e-2
 CLOSE = 1e-4
@@ -61,13 +61,13 @@ class Flows(NamedTuple):
 
 
 def mean_flows(
-    xp: Namespace, starts: Sequence[Start], ends: Sequence[Process], share: Scalar
+    xp: Namespace, starts: Sequence[RateStart], ends: Sequence[Process], share: Scalar
 ) -> Flows:
     """Flows of a step between the processes at its two ends; `share` is the step over τ."""
     return Flows(*(share * mean_rate(xp, a, b) for a, b in zip(starts, ends, strict=True)))
 
 
-def exchange_fractions(xp: Namespace, before: Variants, flows: Flows) -> Variants:
+def exchange_fractions(xp: Namespace, before: VariantFractions, flows: Flows) -> VariantFractions:
     """The fractions after a step at constant rates."""
     up, down, over, back = flows
     out_plus, out_minus = up + down, over + back
@@ -85,7 +85,7 @@ def exchange_fractions(xp: Namespace, before: Variants, flows: Flows) -> Variant
     # limits at the size of rounding: the exact solution keeps them
     plus = xp.clip(before.plus + first * flow_plus + second * turn_plus, 0.0, 1.0)
     minus = before.minus + first * flow_minus + second * turn_minus
-    return Variants(plus, xp.clip(minus, 0.0, 1.0 - plus))
+    return VariantFractions(plus, xp.clip(minus, 0.0, 1.0 - plus))
 
 
 def _compute_psi_pair(

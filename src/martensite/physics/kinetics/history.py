@@ -53,7 +53,7 @@ class Strip(NamedTuple):
         return (temperature - stress * self.per_slope - self.finish) * self.per_width
 
 
-class Point(Protocol):
+class LegStart(Protocol):
     """Where a leg starts: a memory, or a place on the way."""
 
     @property
@@ -67,7 +67,7 @@ class Point(Protocol):
         ...
 
 
-class Memory(NamedTuple):
+class OneFractionMemory(NamedTuple):
     """All that a one-fraction law remembers."""
 
     fraction: Scalar
@@ -82,7 +82,7 @@ class Memory(NamedTuple):
     temperature: Scalar
 
 
-class Move(NamedTuple):
+class OneFractionProcess(NamedTuple):
     """The process selected for an increment, and all that `follow` needs of it."""
 
     direction: Scalar
@@ -99,7 +99,7 @@ class Move(NamedTuple):
         return strip.distance(stress, temperature)
 
 
-class Course(NamedTuple):
+class StripLeg(NamedTuple):
     """One strip along one straight leg."""
 
     begin: Scalar
@@ -117,7 +117,7 @@ class Course(NamedTuple):
 
 
 def round_off(
-    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar
+    xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar
 ) -> Scalar:
     """What rounding alone may make of the distance [-] travelled on a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
@@ -126,8 +126,8 @@ def round_off(
 
 
 def follow_strip(
-    xp: Namespace, strip: Strip, start: Point, stress: Scalar, temperature: Scalar, left: Scalar
-) -> Course:
+    xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar, left: Scalar
+) -> StripLeg:
     """Follow one strip's coordinate along the leg from its starting point.
 
     What differs by rounding alone is equal: a point so near to the start line lies on it, and
@@ -144,17 +144,21 @@ def follow_strip(
         before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
         begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
         passes = xp.both(moving, last + hair < 1.0)
-        return Course(begin, begin > hair, passes, xp.both(passes, left > 0.0), enters, leaves)
+        return StripLeg(begin, begin > hair, passes, xp.both(passes, left > 0.0), enters, leaves)
     begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
     ahead = begin > hair
     passes = xp.both(begin - end > hair, ahead)
-    return Course(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
+    return StripLeg(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
 
 
 def follow_both_strips(
-    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    xp: Namespace,
+    forward: Strip,
+    reverse: Strip,
+    memory: OneFractionMemory,
+    stress: Scalar,
     temperature: Scalar,
-) -> tuple[Course, Course, Flag]:  # fmt: skip
+) -> tuple[StripLeg, StripLeg, Flag]:
     """Both courses of a leg, and whether the reverse process is the one that acts first."""
     f = follow_strip(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
     r = follow_strip(xp, reverse, memory, stress, temperature, memory.fraction)
@@ -166,8 +170,8 @@ def follow_both_strips(
 
 
 def endless_turns(
-    xp: Namespace, f: Course, r: Course, branch: Scalar
-) -> tuple[Course, Course, Flag]:
+    xp: Namespace, f: StripLeg, r: StripLeg, branch: Scalar
+) -> tuple[StripLeg, StripLeg, Flag]:
     """The same for endless processes.
 
     One in progress has always something left to transform, though rounding may hide it. From
@@ -185,9 +189,15 @@ def endless_turns(
 
 
 def select_process(
-    xp: Namespace, rule: str, left: Left, forward: Strip, reverse: Strip, memory: Memory,
-    stress: Scalar, temperature: Scalar,
-) -> Move:  # fmt: skip
+    xp: Namespace,
+    rule: str,
+    left: Left,
+    forward: Strip,
+    reverse: Strip,
+    memory: OneFractionMemory,
+    stress: Scalar,
+    temperature: Scalar,
+) -> OneFractionProcess:
     """The process that a straight leg to (stress, temperature) sets off first."""
     f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
@@ -201,7 +211,7 @@ def select_process(
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
         scale = xp.where(memory.branch * direction > 0.0, memory.scale, scale)
-    return Move(
+    return OneFractionProcess(
         direction=direction,
         scale=xp.store(scale),
         remaining=remaining,
@@ -212,9 +222,13 @@ def select_process(
 
 
 def follow_process(
-    xp: Namespace, left: Left, move: Move, stress: Scalar, temperature: Scalar,
+    xp: Namespace,
+    left: Left,
+    move: OneFractionProcess,
+    stress: Scalar,
+    temperature: Scalar,
     endless: bool = False,
-) -> Scalar:  # fmt: skip
+) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
     distance = move.distance(stress, temperature)
     if endless:
@@ -228,19 +242,19 @@ def follow_process(
 
 def commit_move(
     xp: Namespace,
-    memory: Memory,
-    move: Move,
+    memory: OneFractionMemory,
+    move: OneFractionProcess,
     fraction: Scalar,
     stress: Scalar,
     temperature: Scalar,
     endless: bool = False,
-) -> Memory:
+) -> OneFractionMemory:
     """The memory after the accepted move."""
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless:
         scale = xp.minimum(scale, move.distance(stress, temperature))
-    return Memory(
+    return OneFractionMemory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
         scale=xp.where(acted, scale, memory.scale),
@@ -250,9 +264,14 @@ def commit_move(
 
 
 def relocate_memory(
-    xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: Memory, fraction: Scalar,
-    stress: Scalar, temperature: Scalar,
-) -> Memory:  # fmt: skip
+    xp: Namespace,
+    left: Left,
+    strips: tuple[Strip, Strip],
+    memory: OneFractionMemory,
+    fraction: Scalar,
+    stress: Scalar,
+    temperature: Scalar,
+) -> OneFractionMemory:
     """The memory put at another fraction and another point, on the same branch.
 
     Its scale is such that what is left to transform, y ≤ scale · left(v), stays the same share
@@ -275,13 +294,17 @@ def relocate_memory(
         inside = xp.both(then > LEAST, there > LEAST)
         scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST), 1.0)
     scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
-    return Memory(fraction, memory.branch, scale, stress, temperature)
+    return OneFractionMemory(fraction, memory.branch, scale, stress, temperature)
 
 
 def find_handover(
-    xp: Namespace, forward: Strip, reverse: Strip, memory: Memory, stress: Scalar,
+    xp: Namespace,
+    forward: Strip,
+    reverse: Strip,
+    memory: OneFractionMemory,
+    stress: Scalar,
     temperature: Scalar,
-) -> tuple[Scalar, Scalar]:  # fmt: skip
+) -> tuple[Scalar, Scalar]:
     """The point of a leg at which its first process is done and a second may begin.
 
     It lies some roundings beyond the finish line, so that the first process is complete. The
@@ -300,7 +323,7 @@ def find_handover(
 
 
 def turning_point(
-    xp: Namespace, start: Point, stress: Scalar, temperature: Scalar, done: Scalar
+    xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar, done: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The point of a leg some roundings beyond a share of it; its end exactly at the end."""
     share = xp.minimum(1.0, done + 64.0 * xp.eps())

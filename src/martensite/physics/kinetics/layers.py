@@ -20,24 +20,24 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.barriers import Material
+from martensite.physics.kinetics.barriers import BarrierConstants
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 
-class Variants(NamedTuple):
+class VariantFractions(NamedTuple):
     """Fractions of the two martensite variants."""
 
     plus: Scalar
     minus: Scalar
 
 
-def split_variants(fractions: Fractions) -> Variants:
+def split_variants(fractions: Fractions) -> VariantFractions:
     """x₊ and x₋ of a phase state."""
     martensite, oriented = fractions
-    return Variants(0.5 * (martensite + oriented), 0.5 * (martensite - oriented))
+    return VariantFractions(0.5 * (martensite + oriented), 0.5 * (martensite - oriented))
 
 
-def join_variants(state: Variants) -> Fractions:
+def join_variants(state: VariantFractions) -> Fractions:
     """Phase state of x₊ and x₋."""
     return Fractions(state.plus + state.minus, state.plus - state.minus)
 
@@ -122,9 +122,9 @@ class AbstractLayers(AbstractLaw):
         """True unless work or free energy adds to it."""
         return self.heat_model == "constant"
 
-    def material(self) -> Material:
+    def material(self) -> BarrierConstants:
         """Constants of the free energy and of the layers."""
-        return Material(
+        return BarrierConstants(
             self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time
         )
 
@@ -163,7 +163,7 @@ class AbstractLayers(AbstractLaw):
         return 0.5 * (martensite - self.E_A * eps_A * eps_M)
 
     def strongest(
-        self, xp: Namespace, present: Variants, stress: Scalar, temperature: Scalar
+        self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar
     ) -> Pull:
         """The process that an elastic trial drives hardest, among those with layers left."""
         austenite = 1.0 - present.plus - present.minus
@@ -210,10 +210,10 @@ class AbstractLayers(AbstractLaw):
         return rising + stress_M * c + 0.5 * self.E_M * c * c
 
 
-class Memory(NamedTuple):
+class CrystalMemory(NamedTuple):
     """All that a single crystal remembers."""
 
-    present: Variants
+    present: VariantFractions
     stress: Scalar
     temperature: Scalar
 
@@ -223,29 +223,29 @@ class AbstractCrystal(AbstractLayers):
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> CrystalMemory:
         """Memory of a wire in a phase state that has no history."""
-        return Memory(split_variants(fractions), stress, temperature)
+        return CrystalMemory(split_variants(fractions), stress, temperature)
 
-    def fractions(self, memory: Memory) -> Fractions:
+    def fractions(self, memory: CrystalMemory) -> Fractions:
         """ξ = x₊ + x₋, oriented x₊ - x₋."""
         return join_variants(memory.present)
 
-    def populations(self, memory: Memory) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
+    def populations(self, memory: CrystalMemory) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
         """x₊ and x₋."""
         return (memory.present.plus,), (memory.present.minus,)
 
     def remember(
         self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
         temperature: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> CrystalMemory:  # fmt: skip
         """The memory with these populations."""
-        return Memory(Variants(plus[0], minus[0]), stress, temperature)
+        return CrystalMemory(VariantFractions(plus[0], minus[0]), stress, temperature)
 
     def commit(
-        self, xp: Namespace, memory: Memory, move: Any, fractions: Fractions, stress: Scalar,
+        self, xp: Namespace, memory: CrystalMemory, move: Any, fractions: Fractions, stress: Scalar,
         temperature: Scalar, dt: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> CrystalMemory:  # fmt: skip
         """The memory after the accepted step."""
         present = split_variants(fractions)
         return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

@@ -20,7 +20,7 @@ from typing import ClassVar
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
-from martensite.physics.kinetics.history import RESUME, Memory, Move, Strip
+from martensite.physics.kinetics.history import RESUME, OneFractionMemory, OneFractionProcess, Strip
 from martensite.physics.laws.base import Doubt, Fractions
 
 
@@ -77,23 +77,25 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> OneFractionMemory:
         """Memory of a wire that has no history; all martensite counts as oriented."""
-        return Memory(fractions.martensite, 0.0, 0.0, stress, temperature)
+        return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
     def moved(
-        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> OneFractionMemory:  # fmt: skip
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
         return history.relocate_memory(xp, self.left, self.strips(), memory, *there)
 
-    def fractions(self, memory: Memory) -> Fractions:
+    def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
         return Fractions(memory.fraction, memory.fraction)
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
+    ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
         return history.select_process(
@@ -101,7 +103,12 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         )
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self,
+        xp: Namespace,
+        move: OneFractionProcess,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         fraction = history.follow_process(xp, self.left, move, stress, temperature, self.endless)
@@ -110,27 +117,32 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     def commit(
         self,
         xp: Namespace,
-        memory: Memory,
-        move: Move,
+        memory: OneFractionMemory,
+        move: OneFractionProcess,
         fractions: Fractions,
         stress: Scalar,
         temperature: Scalar,
         dt: Scalar,
-    ) -> Memory:
+    ) -> OneFractionMemory:
         """The memory after the accepted move."""
         fraction = fractions.martensite
         return history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
 
     def kinetics(
-        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[Memory, Fractions]:
+        self,
+        xp: Namespace,
+        memory: OneFractionMemory,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> tuple[OneFractionMemory, Fractions]:
         """Advance along a straight leg; both processes may act, one after the other."""
         for _ in range(2 if self.endless else 1):
             between = history.find_handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
-    def kinks(self, xp: Namespace, memory: Memory) -> list[Scalar]:
+    def kinks(self, xp: Namespace, memory: OneFractionMemory) -> list[Scalar]:
         """The start and finish lines of both strips, and where an interrupted branch goes on."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
@@ -151,7 +163,12 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         return lines
 
     def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+        self,
+        xp: Namespace,
+        memory: OneFractionMemory,
+        move: OneFractionProcess,
+        stress: Scalar,
+        temperature: Scalar,
     ) -> Scalar:
         """Share of the selected strip crossed by the move [-]; tails do not count."""
         start = move.distance(memory.stress, memory.temperature)

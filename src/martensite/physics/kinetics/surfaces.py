@@ -70,7 +70,7 @@ class Constants(NamedTuple):
     """Its growth with the work of transformation [-]."""
 
 
-class Scale(NamedTuple):
+class WorkScale(NamedTuple):
     """What turns work into shifts of temperature."""
 
     forward: Scalar
@@ -81,7 +81,7 @@ class Scale(NamedTuple):
     """ΔS/(-ρΔs₀) [K/Pa²]."""
 
 
-class Way(NamedTuple):
+class StraightPath(NamedTuple):
     """A straight way in stress and temperature, from a point over a distance."""
 
     stress: Scalar
@@ -250,11 +250,11 @@ class AbstractSurfaceLaw(AbstractLaw):
             D=(self.C_M - self.C_A) * share / work,
         )
 
-    def scale(self, xp: Namespace) -> Scale:
+    def scale(self, xp: Namespace) -> WorkScale:
         """What the surfaces need of the constants."""
         constants = self.constants(xp)
         per_entropy = -1.0 / constants.rho_Delta_s0
-        return Scale(
+        return WorkScale(
             forward=xp.store((1.0 - constants.D) * per_entropy),
             reverse=xp.store((1.0 + constants.D) * per_entropy),
             elastic=xp.store(self.softening() * per_entropy),
@@ -280,7 +280,7 @@ class AbstractSurfaceLaw(AbstractLaw):
         return remove_waist(xp, share, waist) if self.hardening == "waisted" else share
 
     def forward_share(
-        self, xp: Namespace, scale: Scale, stress: Scalar, temperature: Scalar
+        self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
         tension = xp.maximum(stress, 0.0)
@@ -289,14 +289,16 @@ class AbstractSurfaceLaw(AbstractLaw):
         return (self.M_s - temperature + shift) / (self.M_s - self.M_f)
 
     def reverse_share(
-        self, xp: Namespace, scale: Scale, strain: Scalar, stress: Scalar, temperature: Scalar
+        self, xp: Namespace, scale: WorkScale, strain: Scalar, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """h_r that reverse transformation of martensite of a strain Λ would leave; unlimited."""
         tension = xp.maximum(stress, 0.0)
         shift = scale.reverse * strain * stress + 0.5 * scale.elastic * tension * tension
         return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
 
-    def forward_meeting(self, xp: Namespace, scale: Scale, way: Way, share: Scalar) -> Scalar:
+    def forward_meeting(
+        self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar
+    ) -> Scalar:
         """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
 
         Sought from the end of the way, since the share may fall before it rises.
@@ -310,7 +312,7 @@ class AbstractSurfaceLaw(AbstractLaw):
         part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)
         return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
 
-    def forward_peak(self, xp: Namespace, scale: Scale, way: Way) -> Scalar:
+    def forward_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath) -> Scalar:
         """The part of a way at which `forward_share` may have a maximum inside.
 
         Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
@@ -333,7 +335,9 @@ class AbstractSurfaceLaw(AbstractLaw):
             t = xp.store(xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0))
         return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
-    def reverse_peak(self, xp: Namespace, scale: Scale, way: Way, strain: Scalar) -> Scalar:
+    def reverse_peak(
+        self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar
+    ) -> Scalar:
         """The part of a way at which `reverse_share` is least, if that is inside."""
         bend = scale.elastic * way.more * way.more
         bends = bend > 1e-30

@@ -18,8 +18,8 @@ from typing import NamedTuple
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.history import (
     RESUME,
-    Course,
     Strip,
+    StripLeg,
     follow_strip,
     round_off,
     turning_point,
@@ -42,7 +42,7 @@ class Diagram(NamedTuple):
     """M_s [K], below which the lines of S are horizontal."""
 
 
-class Memory(NamedTuple):
+class TwoFractionMemory(NamedTuple):
     """All that a law with two fractions remembers; a reach is a distance in [0, 1]."""
 
     martensite: Scalar
@@ -59,14 +59,14 @@ class Memory(NamedTuple):
     temperature: Scalar
 
 
-class Place(NamedTuple):
+class PathPoint(NamedTuple):
     """A point on the way."""
 
     stress: Scalar
     temperature: Scalar
 
 
-class Move(NamedTuple):
+class TwoFractionDirection(NamedTuple):
     """The direction selected for a leg, and all that `follow` needs of it."""
 
     direction: Scalar
@@ -94,25 +94,31 @@ class Move(NamedTuple):
 class Courses(NamedTuple):
     """The three processes along a leg."""
 
-    loading: Course
-    cooling: Course
-    reverse: Course
+    loading: StripLeg
+    cooling: StripLeg
+    reverse: StripLeg
     ahead: Flag
     """Forward acts first: S or T or both."""
     back: Flag
     """Reverse acts first."""
 
 
-def start_memory(fractions: Fractions, stress: Scalar, temperature: Scalar) -> Memory:
+def start_memory(fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
     """Memory of a wire that has no history."""
     reaches = UNSET, UNSET, UNSET
-    return Memory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
+    return TwoFractionMemory(
+        fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature
+    )
 
 
 def relocate_memory(
-    xp: Namespace, diagram: Diagram, memory: Memory, fractions: Fractions, stress: Scalar,
+    xp: Namespace,
+    diagram: Diagram,
+    memory: TwoFractionMemory,
+    fractions: Fractions,
+    stress: Scalar,
     temperature: Scalar,
-) -> Memory:  # fmt: skip
+) -> TwoFractionMemory:
     """The memory put at other fractions and another point, on the same branch.
 
     Reaches go with the distances: what was going on goes on, what waited waits as far.
@@ -128,14 +134,14 @@ def relocate_memory(
         shifted(diagram.cooling, memory.cooling, 0.0),
         shifted(diagram.reverse, memory.reverse, 0.0),
     )
-    return Memory(*fractions, memory.branch, *reaches, stress, temperature)
+    return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
 
 
 # ---------------------------------------------------------------- the leg and its kink
 
 
 def find_kink(
-    xp: Namespace, bend: Scalar, start: Place, stress: Scalar, temperature: Scalar
+    xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
     """Whether a leg crosses the bend, after which share of it, and the stress there."""
     before, after = start.temperature - bend, temperature - bend
@@ -145,15 +151,20 @@ def find_kink(
 
 
 def bent_course(
-    xp: Namespace, strip: Strip, bend: Scalar, memory: Memory, stress: Scalar,
-    temperature: Scalar, left: Scalar,
-) -> Course:  # fmt: skip
+    xp: Namespace,
+    strip: Strip,
+    bend: Scalar,
+    memory: TwoFractionMemory,
+    stress: Scalar,
+    temperature: Scalar,
+    left: Scalar,
+) -> StripLeg:
     """Follow S along a leg: one straight piece on either side of the kink."""
-    start = Place(memory.stress, memory.temperature)
+    start = PathPoint(memory.stress, memory.temperature)
     crosses, share, turn = find_kink(xp, bend, start, stress, temperature)
-    end = Place(stress, xp.maximum(temperature, bend))
-    middle = Place(xp.where(crosses, turn, stress), xp.where(crosses, bend, end.temperature))
-    start = Place(start.stress, xp.maximum(start.temperature, bend))
+    end = PathPoint(stress, xp.maximum(temperature, bend))
+    middle = PathPoint(xp.where(crosses, turn, stress), xp.where(crosses, bend, end.temperature))
+    start = PathPoint(start.stress, xp.maximum(start.temperature, bend))
     one = follow_strip(xp, strip, start, *middle, left)
     two = follow_strip(xp, strip, middle, *end, left)
     rest = 1.0 - share
@@ -164,7 +175,7 @@ def bent_course(
 
 
 def follow_all_strips(
-    xp: Namespace, diagram: Diagram, memory: Memory, stress: Scalar, temperature: Scalar
+    xp: Namespace, diagram: Diagram, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> Courses:
     """What each process meets on a leg, and who acts first.
 
@@ -184,7 +195,7 @@ def follow_all_strips(
 
 
 def find_handover(
-    xp: Namespace, found: Courses, memory: Memory, stress: Scalar, temperature: Scalar
+    xp: Namespace, found: Courses, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The point of a leg at which the first direction is done and the other may begin.
 
@@ -202,8 +213,8 @@ def find_handover(
 
 
 def select_direction(
-    xp: Namespace, rule: str, diagram: Diagram, memory: Memory, found: Courses
-) -> Move:
+    xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, found: Courses
+) -> TwoFractionDirection:
     """The direction that a leg sets off first, and from where."""
     whole = found.loading, found.cooling, found.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
@@ -212,7 +223,7 @@ def select_direction(
         r = xp.minimum(memory.reverse, r)
     ahead = found.ahead
     main, back = diagram.loading, diagram.reverse
-    return Move(
+    return TwoFractionDirection(
         xp.store(xp.where(found.back, -1.0, xp.where(ahead, 1.0, 0.0))),
         memory.martensite,
         memory.oriented,
@@ -228,12 +239,12 @@ def select_direction(
 
 
 def compute_distances(
-    xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
+    xp: Namespace, diagram: Diagram, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
     strip = move.strip()
     crosses, _, turn = find_kink(
-        xp, move.bend, Place(move.stress, move.temperature), stress, temperature
+        xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature
     )
     end = strip.distance(stress, xp.maximum(temperature, move.bend))
     least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
@@ -250,7 +261,7 @@ def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar
 
 
 def follow_direction(
-    xp: Namespace, diagram: Diagram, move: Move, stress: Scalar, temperature: Scalar
+    xp: Namespace, diagram: Diagram, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
 ) -> Fractions:
     """Fractions if the move ends at (stress, temperature)."""
     distance, cooled = compute_distances(xp, diagram, move, stress, temperature)
@@ -270,9 +281,15 @@ def follow_direction(
 
 
 def commit_move(
-    xp: Namespace, rule: str, diagram: Diagram, memory: Memory, move: Move,
-    fractions: Fractions, stress: Scalar, temperature: Scalar,
-) -> Memory:  # fmt: skip
+    xp: Namespace,
+    rule: str,
+    diagram: Diagram,
+    memory: TwoFractionMemory,
+    move: TwoFractionDirection,
+    fractions: Fractions,
+    stress: Scalar,
+    temperature: Scalar,
+) -> TwoFractionMemory:
     """The memory after the accepted move: what acts clears the reach of the other direction."""
     ahead, back = move.direction > 0.0, move.direction < 0.0
     branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
@@ -290,13 +307,17 @@ def commit_move(
             xp.where(ahead, cooling, xp.where(back, UNSET, memory.cooling)),
             xp.where(back, reverse, xp.where(ahead, UNSET, memory.reverse)),
         )
-    return Memory(*fractions, branch, *reaches, stress, temperature)
+    return TwoFractionMemory(*fractions, branch, *reaches, stress, temperature)
 
 
 def compute_crossing(
-    xp: Namespace, diagram: Diagram, memory: Memory, move: Move, stress: Scalar,
+    xp: Namespace,
+    diagram: Diagram,
+    memory: TwoFractionMemory,
+    move: TwoFractionDirection,
+    stress: Scalar,
     temperature: Scalar,
-) -> Scalar:  # fmt: skip
+) -> Scalar:
     """Largest share of a strip that the selected direction crosses on a move [-]."""
     first, cooled = compute_distances(xp, diagram, move, stress, temperature)
     warm = xp.maximum(memory.temperature, move.bend)

@@ -26,7 +26,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import twinned
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
 from martensite.physics.kinetics.history import Strip
-from martensite.physics.kinetics.twinned import Diagram, Memory, Move
+from martensite.physics.kinetics.twinned import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 
 PIECES = 3
@@ -98,29 +98,36 @@ class Brinson(AbstractPhaseDiagram):
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> TwoFractionMemory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return twinned.start_memory(fractions, stress, temperature)
 
     def moved(
-        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> TwoFractionMemory:  # fmt: skip
         """The branch in progress goes on from other fractions at another point."""
         return twinned.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
 
-    def fractions(self, memory: Memory) -> Fractions:
+    def fractions(self, memory: TwoFractionMemory) -> Fractions:
         """ξ and ξ_S."""
         return Fractions(memory.martensite, memory.oriented)
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
+    ) -> TwoFractionDirection:
         """The direction set off by a straight move to (stress [Pa], temperature [K])."""
         diagram = self.diagram()
         found = twinned.follow_all_strips(xp, diagram, memory, stress, temperature)
         return twinned.select_direction(xp, self.history, diagram, memory, found)
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self,
+        xp: Namespace,
+        move: TwoFractionDirection,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         return twinned.follow_direction(xp, self.diagram(), move, stress, temperature)
@@ -128,20 +135,25 @@ class Brinson(AbstractPhaseDiagram):
     def commit(
         self,
         xp: Namespace,
-        memory: Memory,
-        move: Move,
+        memory: TwoFractionMemory,
+        move: TwoFractionDirection,
         fractions: Fractions,
         stress: Scalar,
         temperature: Scalar,
         dt: Scalar,
-    ) -> Memory:
+    ) -> TwoFractionMemory:
         """The memory after the accepted move."""
         end = fractions, stress, temperature
         return twinned.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
     def kinetics(
-        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[Memory, Fractions]:
+        self,
+        xp: Namespace,
+        memory: TwoFractionMemory,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> tuple[TwoFractionMemory, Fractions]:
         """Advance along a straight leg; both directions may act, one after the other."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
@@ -157,7 +169,12 @@ class Brinson(AbstractPhaseDiagram):
         return self.mixture(fractions)
 
     def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+        self,
+        xp: Namespace,
+        memory: TwoFractionMemory,
+        move: TwoFractionDirection,
+        stress: Scalar,
+        temperature: Scalar,
     ) -> Scalar:
         """Largest share of a strip crossed by the move [-]."""
         return twinned.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

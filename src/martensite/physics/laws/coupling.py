@@ -40,7 +40,7 @@ MOST = 24
 """Steps of Newton's method in both fractions."""
 
 
-class Report(NamedTuple):
+class StepReport(NamedTuple):
     """What a step says about itself: the basis of its status."""
 
     residual: Scalar
@@ -54,7 +54,7 @@ class Report(NamedTuple):
 def advance_memory(
     xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
     change: Scalar = 0.0,
-) -> tuple[Any, Report]:  # fmt: skip
+) -> tuple[Any, StepReport]:  # fmt: skip
     """The memory after a step of dt [s], and how well the step was solved.
 
     About this `change` of the martensite fraction the solve begins to look; it changes nothing
@@ -82,7 +82,7 @@ def advance_memory(
         xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented)
     )
     after = law.commit(xp, memory, move, end, stress, temperature, dt)
-    return after, Report(residual, law.crossing(xp, memory, move, *trial))
+    return after, StepReport(residual, law.crossing(xp, memory, move, *trial))
 
 
 def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:

@@ -42,12 +42,12 @@ from martensite.physics.kinetics.hardening import (
     hardening_integral,
     invert_hardening,
 )
-from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, Scale, Way
+from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
 from martensite.physics.kinetics.waist import apply_waist
 from martensite.physics.laws.base import LAWS, Fractions
 
 
-class Memory(NamedTuple):
+class LagoudasMemory(NamedTuple):
     """All that the law remembers."""
 
     fraction: Scalar
@@ -57,7 +57,7 @@ class Memory(NamedTuple):
     temperature: Scalar
 
 
-class Move(NamedTuple):
+class LagoudasProcess(NamedTuple):
     """The state before, and where on a straight way from there ξ would grow."""
 
     fraction: Scalar
@@ -69,10 +69,10 @@ class Move(NamedTuple):
     grows_to: Scalar
     """Part of the way after which all is martensite [-]; 1 if that is not reached."""
 
-    def way(self, stress: Scalar, temperature: Scalar) -> Way:
+    def way(self, stress: Scalar, temperature: Scalar) -> StraightPath:
         """The straight way from the state before to a point."""
         begin = self.stress, self.temperature
-        return Way(*begin, stress - self.stress, temperature - self.temperature)
+        return StraightPath(*begin, stress - self.stress, temperature - self.temperature)
 
 
 @LAWS.register("lagoudas")
@@ -99,37 +99,39 @@ class Lagoudas(AbstractSurfaceLaw):
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> LagoudasMemory:
         """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
         some = fractions.martensite > 0.0
         ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
         ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
-        return Memory(fractions.martensite, ratio, stress, temperature)
+        return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
 
     def moved(
-        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> LagoudasMemory:  # fmt: skip
         """As if it began there; where no martensite is left, its ratio stays."""
         found = self.init(xp, fractions, stress, temperature)
         some = fractions.martensite > 0.0
         return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
 
-    def fractions(self, memory: Memory) -> Fractions:
+    def fractions(self, memory: LagoudasMemory) -> Fractions:
         """The phase state stored in a memory."""
         return Fractions(memory.fraction, memory.ratio * memory.fraction)
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar
+    ) -> LagoudasProcess:
         """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
         scale = self.scale(xp)
-        move = Move(*memory, grows_from=0.0, grows_to=1.0)
+        move = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
         way = move.way(stress, temperature)
         here = self.forward_hardening(xp, memory.fraction)
         start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
         return move._replace(grows_from=xp.store(start), grows_to=xp.store(end))
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: LagoudasProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         scale, way = self.scale(xp), move.way(stress, temperature)
@@ -144,7 +146,12 @@ class Lagoudas(AbstractSurfaceLaw):
         return Fractions(fraction, kept + gained / self.H_sat)
 
     def _gained(
-        self, xp: Namespace, scale: Scale, move: Move, way: Way, fraction: Scalar
+        self,
+        xp: Namespace,
+        scale: WorkScale,
+        move: LagoudasProcess,
+        way: StraightPath,
+        fraction: Scalar,
     ) -> Scalar:
         """∫H dξ [-] up to a fraction.
 
@@ -190,25 +197,25 @@ class Lagoudas(AbstractSurfaceLaw):
     def commit(
         self,
         xp: Namespace,
-        memory: Memory,
-        move: Move,
+        memory: LagoudasMemory,
+        move: LagoudasProcess,
         fractions: Fractions,
         stress: Scalar,
         temperature: Scalar,
         dt: Scalar,
-    ) -> Memory:
+    ) -> LagoudasMemory:
         """The memory after the accepted move."""
         grown = fractions.martensite > memory.fraction
         ratio = fractions.oriented / xp.where(grown, fractions.martensite, 1.0)
         ratio = xp.where(grown, xp.clip(ratio, -1.0, 1.0), memory.ratio)
-        return Memory(fractions.martensite, ratio, stress, temperature)
+        return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
 
     def kinetics(
-        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[Memory, Fractions]:
+        self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[LagoudasMemory, Fractions]:
         """Advance along a straight leg, with stops wherever a process may turn inside it."""
         here = memory.stress, memory.temperature
-        there = Move(*memory, grows_from=0.0, grows_to=1.0)
+        there = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
         found = self.follow(xp, there, *here, 0.0)
         memory = self.commit(xp, memory, there, found, *here, 0.0)
         way = there.way(stress, temperature)
@@ -217,15 +224,15 @@ class Lagoudas(AbstractSurfaceLaw):
         return self._advance(xp, memory, stress, temperature, dt)
 
     def _advance(
-        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[Memory, Fractions]:
+        self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[LagoudasMemory, Fractions]:
         """Advance along a piece of a leg on which forward transformation does not turn back."""
-        way = Move(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
+        way = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
         strain = memory.ratio * self.H_sat
         turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
         there, _ = super().kinetics(xp, memory, *turn, dt)
         stop = there.fraction < memory.fraction
-        memory = Memory(*(xp.where(stop, a, b) for a, b in zip(there, memory, strict=True)))
+        memory = LagoudasMemory(*(xp.where(stop, a, b) for a, b in zip(there, memory, strict=True)))
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
@@ -238,7 +245,12 @@ class Lagoudas(AbstractSurfaceLaw):
         return 1.0 / self.E_A + fractions.martensite * self.softening()
 
     def crossing(
-        self, xp: Namespace, memory: Memory, move: Move, stress: Scalar, temperature: Scalar
+        self,
+        xp: Namespace,
+        memory: LagoudasMemory,
+        move: LagoudasProcess,
+        stress: Scalar,
+        temperature: Scalar,
     ) -> Scalar:
         """Share of a transformation range by which the move goes beyond its surface [-].
 

@@ -25,7 +25,7 @@ from martensite.base.parameters import option
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import (
     Process,
-    Start,
+    RateStart,
     build_processes,
     build_wells,
     compute_rate,
@@ -40,19 +40,19 @@ from martensite.physics.kinetics.exchange import (
 )
 from martensite.physics.kinetics.layers import (
     AbstractCrystal,
-    Memory,
+    CrystalMemory,
     Pull,
-    Variants,
+    VariantFractions,
     join_variants,
 )
 from martensite.physics.laws.base import LAWS, Fractions
 
 
-class Move(NamedTuple):
+class MasStep(NamedTuple):
     """A step from the remembered point."""
 
-    present: Variants
-    starts: tuple[Start, ...]
+    present: VariantFractions
+    starts: tuple[RateStart, ...]
     pull: Pull
 
 
@@ -85,14 +85,18 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         minus = build_processes(xp, constants, at, -stress, self.form)
         return (*plus, *minus)
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar
+    ) -> MasStep:
         """The barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
         starts = tuple(keep_process(xp, process) for process in found)
-        return Move(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
+        return MasStep(
+            memory.present, starts, self.strongest(xp, memory.present, stress, temperature)
+        )
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the step of dt [s] ends at (stress, temperature)."""
         ends = self.barriers(xp, stress, temperature)
@@ -100,7 +104,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return join_variants(exchange_fractions(xp, move.present, flows))
 
     def drive(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
         """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
         pull = move.pull

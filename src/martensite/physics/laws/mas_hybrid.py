@@ -29,18 +29,18 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import build_wells, compute_scales
 from martensite.physics.kinetics.layers import (
     AbstractCrystal,
-    Memory,
+    CrystalMemory,
     Pull,
-    Variants,
+    VariantFractions,
     join_variants,
 )
 from martensite.physics.laws.base import LAWS, Fractions
 
 
-class Move(NamedTuple):
+class HybridStep(NamedTuple):
     """A step from the remembered point."""
 
-    present: Variants
+    present: VariantFractions
     pull: Pull
 
 
@@ -80,20 +80,22 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
             self.limited(xp, temperature) - self.Delta_sigma + inside.M,
         )
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar
+    ) -> HybridStep:
         """The state in balance at the start, and the process that is driven hardest."""
         present = self.balance(xp, memory.present, memory.stress, memory.temperature)
-        return Move(present, self.strongest(xp, present, stress, temperature))
+        return HybridStep(present, self.strongest(xp, present, stress, temperature))
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the step ends at (stress, temperature); independent of dt."""
         return join_variants(self.balance(xp, move.present, stress, temperature))
 
     def balance(
-        self, xp: Namespace, present: Variants, stress: Scalar, temperature: Scalar
-    ) -> Variants:
+        self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar
+    ) -> VariantFractions:
         """What is left and what is made of the variants at a point."""
         rests = self.rests(xp, temperature)
 
@@ -108,11 +110,11 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         short = wanted > austenite
         share = xp.where(short, austenite / xp.where(short, wanted, 1.0), 1.0)
         plus = plus + share * more
-        return Variants(plus, xp.minimum(minus + share * other, 1.0 - plus))
+        return VariantFractions(plus, xp.minimum(minus + share * other, 1.0 - plus))
 
     def kinetics(
-        self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> tuple[Memory, Fractions]:
+        self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[CrystalMemory, Fractions]:
         """Advance along a straight leg, cut where the forward threshold reaches zero."""
         bend = self.T_L + (self.inside(xp).A - self.sigma_L) / self.dsigma_dT
         way = temperature - memory.temperature
@@ -126,7 +128,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         return super().kinetics(xp, halfway, stress, temperature, dt)
 
     def drive(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
         """Distance beyond the middle of what is left of the ramp, for the pulled process [Pa]."""
         rests, pull, now = self.rests(xp, temperature), move.pull, move.present

@@ -28,7 +28,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 from martensite.physics.kinetics.barriers import (
     Process,
-    Start,
+    RateStart,
     build_wells,
     compute_edges,
     compute_rate,
@@ -41,13 +41,13 @@ from martensite.physics.kinetics.exchange import (
     exchange_fractions,
     mean_flows,
 )
-from martensite.physics.kinetics.layers import PRESENT, Pull, Variants, split_variants
+from martensite.physics.kinetics.layers import PRESENT, Pull, VariantFractions, split_variants
 from martensite.physics.laws.base import LAWS, Fractions
 
 Column = Sequence[Scalar]
 
 
-class Memory(NamedTuple):
+class PolycrystalMemory(NamedTuple):
     """All that a polycrystal remembers: the variants of every group."""
 
     plus: Column
@@ -57,7 +57,7 @@ class Memory(NamedTuple):
     temperature: Scalar
 
 
-class Move(NamedTuple):
+class PolycrystalStep(NamedTuple):
     """A step from the remembered point; one entry per group."""
 
     plus: Column
@@ -76,9 +76,12 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
     spread: Scalar = param(
-        "Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9,
+        "Pa",
+        "standard deviation of barriers or internal stresses",
+        low=0.0,
+        high=1e9,
         default=20e6,
-    )  # fmt: skip
+    )
     groups: str = option("number of groups", "31", "15", default="31")
     distribution: str = option(
         "what differs between groups", "barriers", "internal-stress", default="barriers"
@@ -96,16 +99,20 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
 
     def init(
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> PolycrystalMemory:
         """Memory of a wire in a phase state that has no history; all groups are alike."""
         present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
-        return Memory(*columns, fractions, stress, temperature)
+        return PolycrystalMemory(*columns, fractions, stress, temperature)
 
     def moved(
-        self, xp: Namespace, memory: Memory, fractions: Fractions, stress: Scalar,
+        self,
+        xp: Namespace,
+        memory: PolycrystalMemory,
+        fractions: Fractions,
+        stress: Scalar,
         temperature: Scalar,
-    ) -> Memory:  # fmt: skip
+    ) -> PolycrystalMemory:
         """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
         before, after = split_variants(memory.mean), split_variants(fractions)
 
@@ -113,11 +120,13 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
             falls = now > then
             return xp.where(falls, then / xp.where(falls, now, 1.0), 1.0)
 
-        keep = Variants(*(shrunk(a, b) for a, b in zip(before, after, strict=True)))
+        keep = VariantFractions(*(shrunk(a, b) for a, b in zip(before, after, strict=True)))
         free = 1.0 - before.plus * keep.plus - before.minus * keep.minus
         some = free > PRESENT
         per = xp.where(some, 1.0 / xp.where(some, free, 1.0), 0.0)
-        grow = Variants(*(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True)))
+        grow = VariantFractions(
+            *(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True))
+        )
 
         def group(plus: Scalar, minus: Scalar) -> tuple[Scalar, Scalar]:
             plus, minus = plus * keep.plus, minus * keep.minus
@@ -128,16 +137,16 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         plus, minus = columns
         return self.remember(xp, plus, minus, stress, temperature)
 
-    def populations(self, memory: Memory) -> tuple[Column, Column]:
+    def populations(self, memory: PolycrystalMemory) -> tuple[Column, Column]:
         """x₊ and x₋ of every group."""
         return memory.plus, memory.minus
 
     def remember(
         self, xp: Namespace, plus: Column, minus: Column, stress: Scalar, temperature: Scalar
-    ) -> Memory:
+    ) -> PolycrystalMemory:
         """The memory with these populations of every group."""
         mean = self.mean(xp, plus, minus)
-        return Memory(tuple(plus), tuple(minus), mean, stress, temperature)
+        return PolycrystalMemory(tuple(plus), tuple(minus), mean, stress, temperature)
 
     def jumps(
         self, xp: Namespace, stress: Scalar, temperature: Scalar
@@ -148,7 +157,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
             *(compute_rate(xp, process, time) for process in four(quantile))
         )
 
-    def fractions(self, memory: Memory) -> Fractions:
+    def fractions(self, memory: PolycrystalMemory) -> Fractions:
         """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
         return memory.mean
 
@@ -158,7 +167,9 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         a, b = share * sum_column(plus), share * sum_column(minus)
         return Fractions(xp.minimum(a + b, 1.0), a - b)
 
-    def select(self, xp: Namespace, memory: Memory, stress: Scalar, temperature: Scalar) -> Move:
+    def select(
+        self, xp: Namespace, memory: PolycrystalMemory, stress: Scalar, temperature: Scalar
+    ) -> PolycrystalStep:
         """The barriers of all groups at the start of a step."""
         group = self.group(xp, memory.stress, memory.temperature)
 
@@ -168,7 +179,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         pull = self.strongest(xp, split_variants(memory.mean), stress, temperature)
         rest = self.overshoot(xp, pull, memory.stress, memory.temperature)
         starts = xp.each(start, self.quantiles())
-        return Move(memory.plus, memory.minus, starts, pull, rest)
+        return PolycrystalStep(memory.plus, memory.minus, starts, pull, rest)
 
     def group(
         self, xp: Namespace, stress: Scalar, temperature: Scalar
@@ -192,7 +203,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         return four
 
     def groups_after(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Column, Column]:
         """Variants of all groups if the step of dt [s] ends at (stress, temperature)."""
         group = self.group(xp, stress, temperature)
@@ -200,29 +211,35 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         def advance(
             quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar
         ) -> tuple[Scalar, Scalar]:
-            starts = [Start(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
+            starts = [RateStart(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
             flows = mean_flows(xp, starts, group(quantile), dt / self.layer_time)
-            return exchange_fractions(xp, Variants(plus, minus), flows)
+            return exchange_fractions(xp, VariantFractions(plus, minus), flows)
 
         plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
         return plus, minus
 
     def follow(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the step of dt [s] ends at (stress, temperature)."""
         return self.mean(xp, *self.groups_after(xp, move, stress, temperature, dt))
 
     def commit(
-        self, xp: Namespace, memory: Memory, move: Move, fractions: Fractions, stress: Scalar,
-        temperature: Scalar, dt: Scalar,
-    ) -> Memory:  # fmt: skip
+        self,
+        xp: Namespace,
+        memory: PolycrystalMemory,
+        move: PolycrystalStep,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> PolycrystalMemory:
         """The memory after the accepted step."""
         plus, minus = self.groups_after(xp, move, stress, temperature, dt)
         return self.remember(xp, plus, minus, stress, temperature)
 
     def drive(
-        self, xp: Namespace, move: Move, stress: Scalar, temperature: Scalar, dt: Scalar
+        self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Scalar:
         """Distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest

@@ -50,7 +50,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Number:
+class MaterialNumber:
     """One number of a material."""
 
     value: float
@@ -75,7 +75,7 @@ class Material:
     limits: str
     """What the numbers do not cover."""
     sources: dict[str, Source]
-    values: dict[str, Number]
+    values: dict[str, MaterialNumber]
     law: dict[str, Any] | None = None
     """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
     if they belong to no law in particular."""
@@ -158,7 +158,7 @@ def _read_source(entry: Any, where: str) -> Source:
 
 def _read_number(
     name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str
-) -> Number:
+) -> MaterialNumber:
     if name not in NAMES:
         raise ParameterError(f"{file}: no canonical number `{name}`. {suggest_name(name, NAMES)}")
     return read_number(entry, NAMES[name][0], sources, f"{file}, `{name}`")
@@ -166,7 +166,7 @@ def _read_number(
 
 def read_number(
     entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str
-) -> Number:
+) -> MaterialNumber:
     """A number declared in the SI `unit` from its table of value, kind, source, where and note.
 
     Raises:
@@ -183,7 +183,7 @@ def read_number(
     except UnitError as error:
         raise UnitError(f"{where}: {error}") from None
     more = (str(entry.get(key, "")) for key in _FIELDS[3:])
-    return Number(value, text, unit, kind, source, *more)
+    return MaterialNumber(value, text, unit, kind, source, *more)
 
 
 def read_table(entry: Any, where: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from typing import Any
 
 from martensite.base.errors import UnknownNameError
 from martensite.physics.materials.base import (
-    Number,
+    MaterialNumber,
     Source,
     read_number,
     read_sources,
@@ -39,7 +39,7 @@ UNITS = {
     "cooling_90": "s",
 }
 """Column of a catalogue -> SI unit of its cells."""
-Cell = Number
+Cell = MaterialNumber
 """A cell of a catalogue: value in SI, text as written, unit, kind, source, note."""
 _DATA = Path(__file__).parent / "catalogues"
 

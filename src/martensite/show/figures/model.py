@@ -25,7 +25,7 @@ from martensite.show.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.identify.chains.uncertainty import Band
+    from martensite.identify.chains.uncertainty import OutputBand
 
 BAND = "#bcd3e2"
 """The band in which measurements should lie."""
@@ -33,7 +33,7 @@ LOOPED = 20_000
 """Points of a loop at most."""
 
 
-def plot_model(validation: Validation, band: Band | None = None, title: str = "") -> Figure:
+def plot_model(validation: Validation, band: OutputBand | None = None, title: str = "") -> Figure:
     """Draw inputs, then measured and computed outputs with their errors, over time.
 
     Args:
@@ -105,7 +105,7 @@ def _input(axes: Any, validation: Validation, k: int) -> None:
     axes.locator_params(axis="y", nbins=3)
 
 
-def _output(axes: Any, validation: Validation, k: int, band: Band | None) -> None:
+def _output(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
     record, computed = validation.record, validation.computed[:, k]
     times, name = record.times, record.output_names[k]
     measured = record.outputs[:, k]
@@ -124,7 +124,7 @@ def _output(axes: Any, validation: Validation, k: int, band: Band | None) -> Non
     plain_title(axes, words, fontweight="bold", color=INK)
 
 
-def _error(axes: Any, validation: Validation, k: int, band: Band | None) -> None:
+def _error(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
     record, errors = validation.record, validation.residuals[:, k]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     if band is not None:

@@ -13,7 +13,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.identify.blocks.base import AbstractStatic
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.linear_system import Linear
+from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
 from martensite.show.figures.fit import SEEN, headline, plain_title
 from martensite.show.figures.style import FAINT, INK, SIMULATED, new_figure, styled
@@ -69,7 +69,7 @@ def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
     return plot_linear(systems, title or f"Linear blocks of {chain.name}")
 
 
-def plot_linear(systems: list[tuple[str, Linear]], title: str = "") -> Figure:
+def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Figure:
     """Draw step response, gain and phase of linear systems, a row each.
 
     Args:
@@ -93,7 +93,7 @@ def plot_linear(systems: list[tuple[str, Linear]], title: str = "") -> Figure:
         return figure
 
 
-def _alone(chain: Chain, place: int) -> Linear:
+def _alone(chain: Chain, place: int) -> LinearSystem:
     """One block as a linear system."""
     block = chain.blocks[place]
     own = Chain(
@@ -123,7 +123,7 @@ def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) 
     counts.set_xlabel("input (seen: shaded)")
 
 
-def _step(axes: Any, name: str, linear: Linear) -> None:
+def _step(axes: Any, name: str, linear: LinearSystem) -> None:
     constants = linear.time_constants()
     longest = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))
     duration = min(CONSTANTS * longest, MOST * linear.interval)
@@ -134,7 +134,7 @@ def _step(axes: Any, name: str, linear: Linear) -> None:
     plain_title(axes, name, fontweight="bold", color=INK)
 
 
-def _bode(gain: Any, phase: Any, linear: Linear) -> None:
+def _bode(gain: Any, phase: Any, linear: LinearSystem) -> None:
     half = 0.5 / linear.interval
     constants = linear.time_constants()
     slow = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.characterise.clausius_clapeyron import Direction
-    from martensite.characterise.isobaric_cycles import Branch
+    from martensite.characterise.isobaric_cycles import CycleBranch
     from martensite.characterise.tangent_fit import TangentFit
     from martensite.characterise.tangent_lines import BranchTangents
     from martensite.characterise.tangent_points import TangentPoints
@@ -110,7 +110,7 @@ def _cycle(axes: Any, points: TangentPoints) -> None:
 
 
 def _branch(
-    axes: Any, rows: Branch, found: BranchTangents, names: tuple[str, str], colour: str
+    axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str
 ) -> None:
     """One branch: its rows, the outer lines up to the transformation, and the steep one."""
     x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)

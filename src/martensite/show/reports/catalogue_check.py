@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from martensite.design.sizing.catalogue_check import CheckRow, Spread, spread
-from martensite.physics.materials.base import DOUBTFUL, Number
+from martensite.physics.materials.base import DOUBTFUL, MaterialNumber
 from martensite.show.reports.sizing import bare, percent, seconds
 
 COLUMNS = ("wire\nmm", "alloy\n°C", "1 s pulse\nmA", "table\nmA", "ratio", "cools\ns", "table\ns",
@@ -68,5 +68,5 @@ def cells(row: CheckRow) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def _marked(cell: Number, scale: float) -> str:
+def _marked(cell: MaterialNumber, scale: float) -> str:
     return ("! " if cell.kind in DOUBTFUL else "") + f"{scale * cell.value:.4g}"

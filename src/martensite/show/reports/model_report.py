@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import DataError
 from martensite.fit.fit_provenance import program
 from martensite.identify.blocks.base import AbstractStatic
-from martensite.identify.chains.uncertainty import Uncertainty, measure_coverage
+from martensite.identify.chains.uncertainty import ChainUncertainty, measure_coverage
 from martensite.identify.chains.validation import Validation, compare_validations
 from martensite.search.words import number
 from martensite.show.figures.model import plot_model, plot_model_loop
@@ -38,7 +38,7 @@ SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "
 def write_model_report(
     validations: Sequence[Validation],
     path: str | Path,
-    uncertainty: Uncertainty | None = None,
+    uncertainty: ChainUncertainty | None = None,
     title: str = "",
 ) -> None:
     """Write how well a model does on records; existing files are replaced.
@@ -68,7 +68,7 @@ def write_model_report(
 
 
 def _blocks(
-    chain: Chain, validations: Sequence[Validation], found: Uncertainty | None
+    chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None
 ) -> Iterator[Block]:
     yield Section("Scores")
     yield Text("All figures are those of free runs: no measured output enters.")
@@ -92,7 +92,7 @@ def _scores(one: Validation) -> Iterator[Row]:
         yield Row((score.record, score.output, score.part, f"{score.fit_percent:.2f}", *sizes))
 
 
-def _record(k: int, one: Validation, found: Uncertainty | None) -> Iterator[Block]:
+def _record(k: int, one: Validation, found: ChainUncertainty | None) -> Iterator[Block]:
     yield Section(f"Record {one.record.name}")
     faults = one.failures
     yield Notice("What it misses" if faults else "Nothing found", faults or one.sentences[-2:-1],
@@ -112,7 +112,7 @@ def _record(k: int, one: Validation, found: Uncertainty | None) -> Iterator[Bloc
     yield Picture(f"tests{k}", plot_model_tests(one), "Residuals with themselves and the inputs.")
 
 
-def _numbers(found: Uncertainty) -> Iterator[Block]:
+def _numbers(found: ChainUncertainty) -> Iterator[Block]:
     yield Section("Numbers")
     yield Bullets(found.sentences)
     rows = [

@@ -8,7 +8,7 @@ from typing import Any
 from martensite.design.sizing.candidates import Candidate, Sizing
 from martensite.design.sizing.cycle import Cycle
 from martensite.design.sizing.request import WireRequest
-from martensite.physics.materials.base import DOUBTFUL, Number, load_material
+from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
 
 COLUMNS = ("", "wire\nmm", "alloy\n°C", "strands", "length\nmm", "stress\nMPa", "pulse\nA",
            "\nV", "cycle\nJ", "heats\ns", "cools\ns", "verdict")  # fmt: skip
@@ -138,7 +138,7 @@ def _catalogue_says(found: Candidate) -> str:
     )
 
 
-def _cell(cell: Number) -> str:
+def _cell(cell: MaterialNumber) -> str:
     return f"{cell.text} ({cell.kind})"
 
 

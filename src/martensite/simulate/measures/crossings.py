@@ -58,7 +58,7 @@ class RiseTime(AbstractMeasure):
 
     def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
         """The last crossing of a share of the way before the turn."""
-        way = Way(seen, share)
+        way = ColumnCrossings(seen, share)
         found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
         last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
         return Crossing(times, way, np.where(found.any(axis=1), last, -1))
@@ -70,7 +70,7 @@ class FallTime(RiseTime):
 
     def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
         """The first crossing of a share of the way after the turn."""
-        way = Way(seen, share)
+        way = ColumnCrossings(seen, share)
         found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
         return Crossing(times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
 
@@ -78,7 +78,7 @@ class FallTime(RiseTime):
 class Crossing:
     """When a share of the way is crossed, by column and run, in given intervals (−1: never)."""
 
-    def __init__(self, times: Numbers, way: Way, place: Places) -> None:
+    def __init__(self, times: Numbers, way: ColumnCrossings, place: Places) -> None:
         self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
         begin, end = (_take_sample(way.beyond, self.place + k) for k in (0, 1))
         apart = np.where(self.missing, 1.0, begin - end)
@@ -99,7 +99,7 @@ class Crossing:
         return found * np.where(self.missing, 0.0, way.sign)[:, None]
 
 
-class Way:
+class ColumnCrossings:
     """The way of every column and run, and how far samples are beyond a share of it."""
 
     def __init__(self, seen: Numbers, share: float) -> None:

@@ -45,7 +45,7 @@ class Integral(AbstractMeasure):
 
 
 @MEASURES.register("energy")
-class Energy(Integral):
+class ElectricalEnergy(Integral):
     """Electrical energy into all elements."""
 
     of: str = text("power that is added up", default="power")

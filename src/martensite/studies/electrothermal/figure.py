@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal.model_numbers import KEPT, calibration
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.resistance_figure import over_offset, over_temperature
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
 from martensite.studies.figures import label_axes, write_heading
@@ -31,7 +31,7 @@ LOOKS = {
 
 def draw(stated: Printed) -> Figure:
     """Draw the figure."""
-    run = Staircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
+    run = RecordStaircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
     with styled():
         figure = new_figure(11.0, 4.6 if run is None else 8.6)
         grid = figure.add_gridspec(
@@ -55,7 +55,7 @@ def draw(stated: Printed) -> Figure:
         return figure
 
 
-def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
+def _titles(figure: Any, axes: Any, run: RecordStaircase | None) -> None:
     below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
     below += "on these points; hollow ones below were kept back."
     write_heading(
@@ -69,7 +69,7 @@ def _titles(figure: Any, axes: Any, run: Staircase | None) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _simulated(axes: Any, stated: Printed, run: Staircase | None) -> None:
+def _simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> None:
     for key, (label, colour, dashes) in LOOKS.items():
         if key == "calibrated" and run is None:
             continue
@@ -87,7 +87,7 @@ def _simulated(axes: Any, stated: Printed, run: Staircase | None) -> None:
         )
 
 
-def _measured(axes: Any, run: Staircase) -> None:
+def _measured(axes: Any, run: RecordStaircase) -> None:
     kept, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
     current, found = run.table["current"], run.resistance
     axes.errorbar(

@@ -28,7 +28,7 @@ from martensite.scenario.scenario import Scenario, load
 from martensite.scenario.staircase import reduce_to_plateaus
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -44,7 +44,7 @@ _TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Calibration:
+class RecordCalibration:
     """Three numbers taken from the record."""
 
     rho_A: float
@@ -88,7 +88,7 @@ def free_films() -> tuple[float, float]:
     return film(scenario().single_system.environment.cooling, at), film(LeFevreEde(), at)
 
 
-def calibrate(staircase: Staircase) -> Calibration:
+def calibrate(staircase: RecordStaircase) -> RecordCalibration:
     """The three numbers that the record gives."""
     element, stated = wire(), staircase.stated
     cold, hot = staircase.mean(*stated.cold), staircase.mean(*stated.hot)
@@ -96,10 +96,10 @@ def calibrate(staircase: Staircase) -> Calibration:
     warmer = half_way_temperature() - number("environment.temperature")
     power = staircase.half_way() ** 2 * 0.5 * (cold + hot)
     surface = math.pi * float(element.diameter) * float(element.length)
-    return Calibration(hot * per_ohm, cold * per_ohm, power / (surface * warmer))
+    return RecordCalibration(hot * per_ohm, cold * per_ohm, power / (surface * warmer))
 
 
-def build(key: str, stated: Printed, calibration: Calibration | None = None) -> System:
+def build(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> System:
     """The system of one of `VARIANTS`; only `calibrated` needs a calibration."""
     base = scenario().single_system
     if key == "maker":
@@ -112,7 +112,7 @@ def build(key: str, stated: Printed, calibration: Calibration | None = None) -> 
 
 
 @cache
-def predicted(key: str, stated: Printed, calibration: Calibration | None = None) -> Record:
+def predicted(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> Record:
     """Plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
     run = simulate(
         build(key, stated, calibration),
@@ -135,7 +135,7 @@ def span(table: Record) -> tuple[float, float]:
     return current[max(first - 1, 0)], current[gone]
 
 
-def rms(table: Record, staircase: Staircase, low: float, high: float) -> float:
+def rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:
     """RMS difference of the resistance on the plateaus between two set-points [ohm]."""
     places = staircase.within(low, high)
     apart = [table["resistance"][i] - staircase.resistance[i] for i in places]

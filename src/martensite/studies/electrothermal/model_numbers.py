@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any
 
 from martensite.studies.electrothermal import model, record
-from martensite.studies.electrothermal.model import Calibration
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.model import RecordCalibration
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import Printed
 
 KEPT = (1.3, 4.5)
@@ -15,9 +15,9 @@ KEPT = (1.3, 4.5)
 
 
 @cache
-def calibration(stated: Printed) -> Calibration:
+def calibration(stated: Printed) -> RecordCalibration:
     """The three numbers that the record gives."""
-    return model.calibrate(Staircase(stated))
+    return model.calibrate(RecordStaircase(stated))
 
 
 def compute_model(stated: Printed) -> dict[str, Any]:
@@ -56,4 +56,4 @@ def compute_calibrated(stated: Printed) -> dict[str, float]:
 def rms(key: str, stated: Printed) -> float:
     """Resistance of a variant less that of the record, root mean square [ohm]."""
     fitted = calibration(stated) if key == "calibrated" else None
-    return model.rms(model.predicted(key, stated, fitted), Staircase(stated), *KEPT)
+    return model.rms(model.predicted(key, stated, fitted), RecordStaircase(stated), *KEPT)

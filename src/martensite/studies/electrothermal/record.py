@@ -34,7 +34,7 @@ _SLACK = 1e-6
 
 
 @dataclass(frozen=True)
-class Staircase:
+class RecordStaircase:
     """Plateaus of run 5, and what is read off them."""
 
     stated: Printed

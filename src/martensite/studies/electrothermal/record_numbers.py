@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.studies.electrothermal import record
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import Printed
 
 ALL_COLD = (1.0, 2.2)
@@ -23,7 +23,7 @@ def compute_record(stated: Printed) -> dict[str, Any]:
 
 def compute_run_5(stated: Printed) -> dict[str, float]:
     """Offset, resistances and drop of run 5."""
-    run = Staircase(stated)
+    run = RecordStaircase(stated)
     offset, (low, high) = run.offset(*stated.cold), run.extremes(*stated.cold)
     start, end = run.drop()
     austenite = run.mean(*stated.hot)

@@ -37,7 +37,7 @@ from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal.model_numbers import KEPT
-from martensite.studies.electrothermal.record import Staircase
+from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.tables import printed_numbers
 
 LOWER, UPPER = 0.18, 0.27
@@ -72,9 +72,9 @@ _COEFFICIENT = (-1e-3, 5e-3)
 
 
 @cache
-def staircase() -> Staircase:
+def staircase() -> RecordStaircase:
     """The record."""
-    return Staircase(printed_numbers("electrothermal"))
+    return RecordStaircase(printed_numbers("electrothermal"))
 
 
 @cache

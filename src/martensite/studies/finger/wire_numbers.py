@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.physics.laws.base import Fractions
-from martensite.simulate.point import Leg, PointResult, material_point
+from martensite.simulate.point import PathLeg, PointResult, material_point
 from martensite.studies.finger import bench
 from martensite.studies.readings import passing, runtime
 from martensite.studies.tables import Printed
@@ -81,7 +81,7 @@ def threshold_stress(temperature: float) -> float:
 def loaded(temperature: float) -> PointResult:
     """To 5 % of strain and back, from austenite."""
     seconds = ALL_STRETCH / RATE
-    legs = [Leg(strain=ALL_STRETCH, duration=seconds), Leg(strain=0.0, duration=seconds)]
+    legs = [PathLeg(strain=ALL_STRETCH, duration=seconds), PathLeg(strain=0.0, duration=seconds)]
     return material_point(
         bench.wire().law,
         legs,
@@ -117,7 +117,7 @@ def _list_plateau(kelvin: float) -> dict[str, float]:
 def stretched_cold(temperature: float) -> PointResult:
     """Twinned martensite to 5 % of strain, then unloaded."""
     seconds = ALL_STRETCH / RATE
-    legs = [Leg(strain=ALL_STRETCH, duration=seconds), Leg(stress=0.0, duration=10.0)]
+    legs = [PathLeg(strain=ALL_STRETCH, duration=seconds), PathLeg(stress=0.0, duration=10.0)]
     return material_point(
         bench.wire().law,
         legs,
@@ -133,7 +133,7 @@ def _list_isobar(stress: float) -> dict[str, float]:
     """Temperatures of half the contraction under a stress [Pa], and their thresholds [K]."""
     slope = _law_number("dsigma_dT")
     low = _law_number("T_L") - _law_number("sigma_L") / slope
-    legs = [Leg(temperature=400.0, duration=100.0), Leg(temperature=300.0, duration=100.0)]
+    legs = [PathLeg(temperature=400.0, duration=100.0), PathLeg(temperature=300.0, duration=100.0)]
     path = material_point(
         bench.wire().law,
         legs,

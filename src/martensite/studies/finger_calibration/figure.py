@@ -33,7 +33,7 @@ from martensite.studies.finger_calibration.searches import (
     COORDINATE,
     SQUARES,
     STILL,
-    Search,
+    CalibrationSearch,
     best,
     moving,
     prepare,
@@ -89,7 +89,9 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
         return figure
 
 
-def _walks(data: Data, printed: Printed, starts: tuple[int, ...]) -> list[tuple[Search, str, str]]:
+def _walks(
+    data: Data, printed: Printed, starts: tuple[int, ...]
+) -> list[tuple[CalibrationSearch, str, str]]:
     walked = [(search(data, k, COORDINATE, printed), WALK, "coordinate search") for k in starts]
     solved = [(search(data, k, SQUARES, printed), SOLVE, "least squares") for k in moving()]
     return [*walked, *solved]

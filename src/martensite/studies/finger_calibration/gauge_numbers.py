@@ -21,7 +21,7 @@ from martensite.search.free_numbers import SearchRange
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
 from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width
-from martensite.studies.finger_calibration.searches import STARTS, Search, rms
+from martensite.studies.finger_calibration.searches import STARTS, CalibrationSearch, rms
 from martensite.studies.tables import Printed
 
 FORCE = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L", "E_A", "E_M", "layer_volume")
@@ -110,10 +110,12 @@ def warmed(factor: float, printed: Printed) -> dict[str, float]:
 
 
 @cache
-def refitted(printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()) -> Search:
+def refitted(
+    printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()
+) -> CalibrationSearch:
     """Least squares to the record without noise, by a finger that is another one."""
     records = bench.experiments(NEAR, printed, noisy=False, arm=arm, values=values)
-    return Search(solve_problem(bench.fitting(records, printed, STARTS[1])), ())
+    return CalibrationSearch(solve_problem(bench.fitting(records, printed, STARTS[1])), ())
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:

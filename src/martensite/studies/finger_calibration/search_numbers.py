@@ -9,7 +9,7 @@ from martensite.studies.finger_calibration.searches import (
     COORDINATE,
     SQUARES,
     STILL,
-    Search,
+    CalibrationSearch,
     best,
     moving,
     prepare,
@@ -62,7 +62,7 @@ def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[
     }
 
 
-def _word_ends(walked: list[Search], starts: tuple[int, ...]) -> str:
+def _word_ends(walked: list[CalibrationSearch], starts: tuple[int, ...]) -> str:
     ends = [
         f"{one.rms:.3f}° at {one.fit['dsigma_dT'] / 1e6:.2f} MPa/K (start {start + 1}, "
         f"{one.runs} runs)"

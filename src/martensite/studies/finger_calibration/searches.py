@@ -36,7 +36,7 @@ COORDINATE, SQUARES = "coordinate", "trf"
 
 
 @dataclass(frozen=True)
-class Point:
+class SearchPoint:
     """Where a search was."""
 
     runs: int
@@ -48,11 +48,11 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Search:
+class CalibrationSearch:
     """A search and its way."""
 
     fit: Fit
-    path: tuple[Point, ...]
+    path: tuple[SearchPoint, ...]
     """The start and every improvement."""
 
     @property
@@ -72,7 +72,9 @@ def rms(cost: float) -> float:
 
 
 @kept
-def search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> Search:
+def search(
+    data: Data, start: int, method: str, printed: Printed, spread: int = 0
+) -> CalibrationSearch:
     """A search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
     problem = bench.fitting(records, printed, STARTS[start])
@@ -84,10 +86,10 @@ def search(data: Data, start: int, method: str, printed: Printed, spread: int = 
 
     fit = solve_problem(problem, method=method, starts=spread, tell=tell)
     path = [
-        Point(runs, rms(cost), problem.numbers(note.values))
+        SearchPoint(runs, rms(cost), problem.numbers(note.values))
         for (runs, cost), note in zip(fit.history, told, strict=True)
     ]
-    return Search(fit, tuple(path))
+    return CalibrationSearch(fit, tuple(path))
 
 
 def tried(full: bool) -> tuple[int, ...]:
@@ -110,13 +112,13 @@ def moving() -> tuple[int, ...]:
     return tuple(start for start in ALL if start != STILL)
 
 
-def best(data: Data, printed: Printed) -> Search:
+def best(data: Data, printed: Printed) -> CalibrationSearch:
     """The best fit by least squares, of those from starts that move."""
     found = (search(data, start, SQUARES, printed) for start in moving())
     return min(found, key=lambda one: one.rms)
 
 
-def spread(name: str, found: Iterable[Search]) -> float:
+def spread(name: str, found: Iterable[CalibrationSearch]) -> float:
     """How far the ends of searches are apart in a parameter [SI]."""
     ends = [one.fit[name] for one in found]
     return max(ends) - min(ends)

@@ -40,7 +40,7 @@ METRE = 0.23
 """Length of the paper's wire [m]."""
 
 
-class Bench(Parametrised):
+class ReferenceBench(Parametrised):
     """What the bench is made of; the defaults are the reference bench."""
 
     cites = ("copaci2019", "leal2016")
@@ -105,10 +105,10 @@ class Bench(Parametrised):
         return self.fan * (40.0 + 9.0 * math.sqrt(math.sqrt(above)) if above > 0.0 else 40.0)
 
 
-class Plant:
+class RunningBench:
     """A bench in operation, from rest: what is true of it, and what its sensors say."""
 
-    def __init__(self, bench: Bench, seed: int = 0) -> None:
+    def __init__(self, bench: ReferenceBench, seed: int = 0) -> None:
         """Start cold.
 
         Args:

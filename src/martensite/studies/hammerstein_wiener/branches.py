@@ -45,7 +45,7 @@ HEADER = """\
 """
 
 
-class Loop(NamedTuple):
+class HysteresisLoop(NamedTuple):
     """Branches at one stress, on `GRID`."""
 
     heating: Numbers
@@ -55,7 +55,7 @@ class Loop(NamedTuple):
 
 
 @cache
-def loop(share: float) -> Loop:
+def loop(share: float) -> HysteresisLoop:
     """Branches between 50 MPa (share 0) and 100 MPa (share 1).
 
     At equal fractions the temperatures are mixed linearly, as stress shifts branches sideways.
@@ -63,7 +63,7 @@ def loop(share: float) -> Loop:
     found = _read()
     heating, cooling = (_mixed(found[a], found[b], share) for a, b in ((0, 2), (1, 3)))
     stroke = (1.0 - share) * STROKES[0] + share * STROKES[1]
-    return Loop(heating, cooling, stroke)
+    return HysteresisLoop(heating, cooling, stroke)
 
 
 def inverse(branch: Numbers, fractions: Numbers) -> Numbers:

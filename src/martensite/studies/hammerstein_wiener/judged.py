@@ -13,7 +13,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import models, records
-from martensite.studies.hammerstein_wiener.bench import Bench, Plant
+from martensite.studies.hammerstein_wiener.bench import ReferenceBench, RunningBench
 from martensite.studies.kept import kept
 
 SMOOTH = 500
@@ -21,7 +21,7 @@ SMOOTH = 500
 
 
 @dataclass(frozen=True)
-class Score:
+class RecordScore:
     """Of one output on one record."""
 
     fit: float
@@ -39,19 +39,19 @@ class Score:
         return max(self.worst_heating, self.worst_cooling)
 
 
-def judged(model: Chain, whole: Sampled, name: str) -> Score:
+def judged(model: Chain, whole: Sampled, name: str) -> RecordScore:
     """The last output of a model on a record."""
     seen = models.seen(name, whole)
     computed = model.simulate(seen)[:, -1]
     return scored(seen.outputs[:, -1], computed, heating(whole.inputs[:, 0]))
 
 
-def scored(measured: Numbers, computed: Numbers, hot: Numbers) -> Score:
+def scored(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordScore:
     """Fits and largest errors, where it heats (`hot`) and where it cools."""
     parts = (slice(None), hot, ~hot)
     whole, warm, cold = (fit(measured[part], computed[part]) for part in parts)
     away = np.abs(measured - computed)
-    return Score(whole, warm, cold, float(away[hot].max()), float(away[~hot].max()))
+    return RecordScore(whole, warm, cold, float(away[hot].max()), float(away[~hot].max()))
 
 
 def fit(measured: Numbers, computed: Numbers) -> float:
@@ -69,13 +69,13 @@ def heating(duty: Numbers) -> Numbers:
 
 
 @cache
-def on(model: str, record: str) -> Score:
+def on(model: str, record: str) -> RecordScore:
     """The position by a model of the study, on one of its records."""
     return judged(models.model(model), models.record(record), model)
 
 
 @cache
-def in_series(second: str, record: str) -> Score:
+def in_series(second: str, record: str) -> RecordScore:
     """The position by stage 1 and a second stage, from the duty alone."""
     return judged(models.series(second), models.record(record), "series")
 
@@ -88,12 +88,12 @@ def sealed(model: str, seeds: tuple[int, ...]) -> tuple[float, float]:
 
 
 VARIANTS = {
-    "fan": Bench(fan=1.5),
-    "5 K warmer": Bench(ambient=301.15),
-    "5 K colder": Bench(ambient=291.15),
-    "load +20 %": Bench(load=1.2),
-    "load -20 %": Bench(load=0.8),
-    "crimps": Bench(cells=4.0),
+    "fan": ReferenceBench(fan=1.5),
+    "5 K warmer": ReferenceBench(ambient=301.15),
+    "5 K colder": ReferenceBench(ambient=291.15),
+    "load +20 %": ReferenceBench(load=1.2),
+    "load -20 %": ReferenceBench(load=0.8),
+    "crimps": ReferenceBench(cells=4.0),
 }
 """Benches that no model has seen."""
 
@@ -106,7 +106,7 @@ def elsewhere(variant: str) -> Sampled:
 
 
 @cache
-def abroad(model: str, variant: str) -> Score:
+def abroad(model: str, variant: str) -> RecordScore:
     """The position by a model on another bench."""
     return judged(models.model(model), elsewhere(variant), model)
 
@@ -114,7 +114,7 @@ def abroad(model: str, variant: str) -> Score:
 @cache
 def rest(model: str) -> float:
     """Largest position that a model gives in a minute without power, from the bench's rest [m]."""
-    ambient = Plant(Bench()).temperature
+    ambient = RunningBench(ReferenceBench()).temperature
     signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
     one = (
         models.series(model.removeprefix("series "))

@@ -15,7 +15,7 @@ from martensite.design.tuning.closed_loop import Trajectory
 from martensite.design.tuning.response import steps
 from martensite.design.tuning.tuning import Tuning
 from martensite.kernels import floats
-from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
+from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))
 """Of the reference of steps: position [m] and time [s]."""
@@ -42,7 +42,7 @@ def sine() -> Numbers:
 def controlled(
     gains: Gains,
     reference: Numbers,
-    bench: Bench | None = None,
+    bench: ReferenceBench | None = None,
     seed: int = 3,
     law: PidLaw | None = None,
 ) -> Trajectory:
@@ -55,7 +55,7 @@ def controlled(
         seed: of the noise of the sensors.
         law: limits, set-point weights and filter of the controller.
     """
-    plant, law = Plant(bench or Bench(), seed), law or PidLaw()
+    plant, law = RunningBench(bench or ReferenceBench(), seed), law or PidLaw()
     positions: list[float] = []
     duties: list[float] = []
     memory = None

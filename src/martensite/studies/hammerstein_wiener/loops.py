@@ -21,7 +21,7 @@ LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis",
 
 
 @dataclass(frozen=True, eq=False)
-class Both:
+class LoopPair:
     """A model and the bench under the same gains."""
 
     tuned: Tuned
@@ -85,10 +85,10 @@ def gains(name: str) -> Tuned:
 
 
 @cache
-def steps(name: str) -> Both:
+def steps(name: str) -> LoopPair:
     """Both on a staircase."""
     reference, found = loop.staircase(), gains(name)
-    return Both(
+    return LoopPair(
         found,
         controlled(name).run(found.gains, reference),
         loop.controlled(found.gains, reference),

@@ -21,7 +21,7 @@ import numpy as np
 from martensite.base.errors import ParameterError
 from martensite.control.sensors.base import Numbers
 from martensite.signals.sampling.sampled import Sampled
-from martensite.studies.hammerstein_wiener.bench import INTERVAL, Bench, Plant
+from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 
 LEAD = 2.0
 """Time without power before the excitation begins [s]."""
@@ -160,9 +160,9 @@ def nested(levels: list[float]) -> int:
     return found
 
 
-def record(excitation: Excitation, bench: Bench | None = None) -> Sampled:
+def record(excitation: Excitation, bench: ReferenceBench | None = None) -> Sampled:
     """What the bench gives under an excitation."""
-    plant = Plant(bench or Bench(), excitation.seed)
+    plant = RunningBench(bench or ReferenceBench(), excitation.seed)
     rows: list[tuple[float, float]] = []
     for duty in excitation.duty.tolist():
         rows.append(plant.measured())
@@ -204,7 +204,7 @@ def stages(whole: Sampled) -> tuple[Sampled, Sampled]:
     )
 
 
-def sealed_bench(seed: int) -> tuple[Bench, float]:
+def sealed_bench(seed: int) -> tuple[ReferenceBench, float]:
     """Another bench, drawn from a seed, and the factor by which it needs more power.
 
     Surroundings of 18 to 30 °C, a fan (film coefficient times 1.5 to 3), a share of the wire in
@@ -212,12 +212,12 @@ def sealed_bench(seed: int) -> tuple[Bench, float]:
     relays correlated with 0.6 to 0.95, and colder ends.
     """
     rng = np.random.default_rng(seed)
-    bench = Bench()
+    bench = ReferenceBench()
     fan, ambient = float(rng.uniform(1.5, 3.0)), float(rng.uniform(291.15, 303.15))
     eye = bench.thermometer.with_values(
         {"factor": float(rng.uniform(0.5, 0.7)), "drift": float(rng.uniform(-0.05, 0.05)) / 600.0}
     )
-    made = Bench(
+    made = ReferenceBench(
         fan=fan,
         ambient=ambient,
         load=float(rng.uniform(1.0, 2.0)),

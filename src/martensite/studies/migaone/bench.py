@@ -137,7 +137,7 @@ def sine_run(key: str, printed: Printed) -> Result:
 
 
 @dataclass(frozen=True)
-class Response:
+class SineResponse:
     """What is read off the second period of the sine."""
 
     hottest: float
@@ -150,7 +150,7 @@ class Response:
     """[m]"""
 
 
-def response(key: str, printed: Printed) -> Response:
+def response(key: str, printed: Printed) -> SineResponse:
     """Read off the second period of a variant."""
     run = sine_run(key, printed)
     half = len(run.times) // 2
@@ -158,7 +158,7 @@ def response(key: str, printed: Printed) -> Response:
     level = 0.5 * printed.stroke
     top = max(range(half, len(position)), key=position.__getitem__)
     falling = [-x for x in position[top:]]
-    return Response(
+    return SineResponse(
         hottest=max(run["temperature"][half:]) - ZERO,
         rise=passing(run.times[half : top + 1], position[half : top + 1], level) - start,
         fall=passing(run.times[top:], falling, -level) - start,

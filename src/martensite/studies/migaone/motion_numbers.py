@@ -32,7 +32,7 @@ def compute_motion(printed: Printed) -> dict[str, Any]:
     }
 
 
-def _list_response(key: str, response: bench.Response) -> list[dict[str, Any]]:
+def _list_response(key: str, response: bench.SineResponse) -> list[dict[str, Any]]:
     rows = (
         ("hottest", "highest temperature", response.hottest, "degC"),
         ("rise", "half of 8 mm reached on heating", response.rise, "s"),

@@ -65,7 +65,7 @@ def _extreme(motor: BeamMotor, low: float, high: float, sign: float) -> float:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class RampCalibration:
     """What makes a slow ramp come out as measured."""
 
     mass: float
@@ -76,13 +76,13 @@ class Calibration:
     """[ohm]"""
 
 
-def calibration(printed: Printed) -> Calibration:
+def calibration(printed: Printed) -> RampCalibration:
     """M from the measured frequency, c from the amplitude, R from the jump voltage."""
     omega = 2.0 * math.pi * printed.measured_frequency
     moment = printed.unbalance * printed.eccentricity
     torque = 0.5 * moment * omega**2 * printed.amplitude
     left = printed.jump - printed.constant * omega
-    return Calibration(
+    return RampCalibration(
         printed.stiffness / omega**2,
         moment * omega / printed.amplitude,
         printed.constant * left / torque,

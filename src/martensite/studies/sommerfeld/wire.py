@@ -91,7 +91,7 @@ def always(printed: Printed) -> Step:
 
 
 @dataclass(frozen=True)
-class Trial:
+class SlackTrial:
     """A ramp with the wire on, with one slack."""
 
     slack: float
@@ -109,22 +109,22 @@ def without(printed: Printed) -> Windows:
 
 
 @cache
-def trial(printed: Printed, slack: float) -> Trial:
+def trial(printed: Printed, slack: float) -> SlackTrial:
     """The ramp with a slack."""
     found = run(slack, REACH, always(printed))
     sweep = windows(found, calibrated_motor())
-    return Trial(slack, sweep.jump, 1.0 - sweep.peak / without(printed).peak, sweep)
+    return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / without(printed).peak, sweep)
 
 
-def trials(printed: Printed) -> list[Trial]:
+def trials(printed: Printed) -> list[SlackTrial]:
     """The ramp with every slack."""
     return [trial(printed, slack) for slack in SLACKS]
 
 
-def best(printed: Printed) -> Trial:
+def best(printed: Printed) -> SlackTrial:
     """The slack tried that comes nearest to both published numbers, by their relative errors."""
 
-    def apart(one: Trial) -> float:
+    def apart(one: SlackTrial) -> float:
         volts = one.jump / printed.jump_with_wire - 1.0
         return math.hypot(volts, (1.0 - one.reduction) / (1.0 - printed.reduction) - 1.0)
 
