@@ -37,8 +37,9 @@ CALLS = {
 }  # fmt: skip
 MAIN = """import sys
 sys.path.insert(0, {folder!r})
-from martensite.app import worker
-worker.PACKAGE, worker.MEMORY = "bad_calls_made", 2**29
+from martensite.app import routes, worker
+routes.CALLS, worker.MEMORY = "bad_calls_made", 2**29
+routes.ROUTES = {{name: (name, "answer") for name in {names!r}}}
 worker.main()
 """
 
@@ -51,5 +52,5 @@ def command(folder: Path) -> tuple[str, ...]:
     for name, text in CALLS.items():
         (package / f"{name}.py").write_text(text)
     main = folder / "worker_of_tests.py"
-    main.write_text(MAIN.format(folder=str(folder)))
+    main.write_text(MAIN.format(folder=str(folder), names=list(CALLS)))
     return sys.executable, str(main)

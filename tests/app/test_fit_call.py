@@ -11,13 +11,13 @@ from app_server import Bench
 from fit_cases import HEATED, ISOBARIC, TRUE, heated, isobaric, repeated, write_log
 from websockets.sync.client import connect
 
-from martensite.app.calls.fit import answer as fit
-from martensite.app.calls.fit_files import answer as written
-from martensite.app.calls.fit_records import answer as records
-from martensite.app.calls.fit_scenario import LOSS_WORDS, METHOD_WORDS
-from martensite.app.calls.fit_scenario import answer as beside
-from martensite.app.calls.fit_starts import answer as starts
-from martensite.app.calls.run import answer as run
+from martensite.app.calls.fits import run_fit as fit
+from martensite.app.calls.fits import write_fit_file as written
+from martensite.app.calls.logs import LOSS_WORDS, METHOD_WORDS
+from martensite.app.calls.logs import describe_records as records
+from martensite.app.calls.logs import list_followers as starts
+from martensite.app.calls.logs import match_scenario as beside
+from martensite.app.calls.scenarios import run_scenario as run
 from martensite.app.drawer import Drawer
 from martensite.app.identify.thin import corners
 from martensite.app.worker import Desk

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from app_server import Bench
 
-from martensite.app.calls.form import answer
+from martensite.app.calls.form import build_form as answer
 from martensite.app.forms import documents, ranges, words
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk

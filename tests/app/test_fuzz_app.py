@@ -16,7 +16,8 @@ from martensite import app
 from martensite.app.documents import check_files, scenario_of
 from martensite.app.drawer import Drawer
 from martensite.app.messages import DEEPEST, BadMessageError, dumps, loads, refused, wanted
-from martensite.app.worker import Desk, answer, calls
+from martensite.app.routes import ROUTES, find_call
+from martensite.app.worker import Desk
 from martensite.base.errors import DataError, MartensiteError, ParameterError
 
 SOURCES = Path(app.__file__).parent
@@ -60,7 +61,7 @@ def outcome(call: str, request: Any, folder: Path) -> str:
     desk = Desk(folder)
     desk.stop.set()  # long work ends at once
     try:
-        sent = dumps({"answer": answer(call, request, desk)})
+        sent = dumps({"answer": find_call(call)(request, desk)})
     except Exception as error:
         said = refused(error)["refused"]
         assert not said.startswith("Unexpected"), f"{call} {request!r}: {said}"
@@ -80,7 +81,7 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     assert list(inside.parent.iterdir()) == [inside]
 
 
-@pytest.mark.parametrize("call", calls())
+@pytest.mark.parametrize("call", ROUTES)
 @FUZZED
 @given(request=st.dictionaries(NAMES, VALUES, max_size=6))
 def test_arbitrary_requests(call: str, request: dict[str, Any], folder: Path) -> None:
@@ -265,7 +266,7 @@ def test_over_the_wire_every_answer_is_a_sentence_or_an_answer(bench: Bench) -> 
         b'{"a": 1e999}', b'{"a":' * 5000, b'{"key": "../../etc"}', b'{"name": "../x", "key": ""}',
     ]  # fmt: skip
     with bench.client() as client:
-        for call in (*(c for c in calls() if c not in LONG), *ABSENT):
+        for call in (*(c for c in ROUTES if c not in LONG), *ABSENT):
             for body in bodies:
                 found = client.post(f"/api/call/{call}", content=body)
                 assert found.status_code in (200, 400, 404, 405, 422), found.text
@@ -277,6 +278,6 @@ def test_the_fuzzing_notices_a_bug(monkeypatch: pytest.MonkeyPatch, folder: Path
     def broken(request: dict[str, Any], desk: Desk) -> Any:
         return 1 / 0
 
-    monkeypatch.setattr("martensite.app.calls.scenarios.answer", broken)
+    monkeypatch.setattr("martensite.app.calls.scenarios.list_scenarios", broken)
     with pytest.raises(AssertionError, match="Unexpected error: ZeroDivisionError"):
         outcome("scenarios", {}, folder)

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 from app_server import Bench
 
-from martensite.app.calls import size, size_catalogue, size_form
-from martensite.app.calls._sizing import EXAMPLE
+from martensite.app.calls import sizing
+from martensite.app.calls.sizing import EXAMPLE
 from martensite.app.messages import BadMessageError
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
@@ -33,11 +33,11 @@ def notes() -> list[dict[str, Any]]:
 @pytest.fixture(scope="module")
 def found(desk: Desk, notes: list[dict[str, Any]]) -> dict[str, Any]:
     telling = Desk(desk.folder, lambda note: notes.append(dict(note)))
-    return convert_to_plain(size.answer({"fields": SMALL}, telling))
+    return convert_to_plain(sizing.size_wires({"fields": SMALL}, telling))
 
 
 def formed(desk: Desk, **fields: str) -> dict[str, Any]:
-    return size_form.answer({"fields": fields}, desk)
+    return sizing.describe_sizing({"fields": fields}, desk)
 
 
 # ---------------------------------------------------------------- the form
@@ -94,12 +94,12 @@ def test_fields_of_an_old_link_are_named(desk: Desk) -> None:
 )
 def test_a_wrong_request_is_refused(desk: Desk, fields: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        size.answer({"fields": fields}, desk)
+        sizing.size_wires({"fields": fields}, desk)
 
 
 def test_fields_must_be_a_table(desk: Desk) -> None:
     with pytest.raises(BadMessageError, match="`fields` must be a table"):
-        size_form.answer({"fields": []}, desk)
+        sizing.describe_sizing({"fields": []}, desk)
 
 
 # ---------------------------------------------------------------- the wires
@@ -131,7 +131,7 @@ def test_a_stopped_sizing_answers_with_what_it_has(desk: Desk) -> None:
             stopped.stop.set()
 
     stopped.tell = tell
-    answer = size.answer({"fields": SMALL}, stopped)
+    answer = sizing.size_wires({"fields": SMALL}, stopped)
     assert len(answer["candidates"]) == 2 and answer["of"] == 12
 
 
@@ -183,7 +183,7 @@ def test_the_example_has_wires_that_do() -> None:
 def test_the_check_takes_only_its_conditions(desk: Desk) -> None:
     stopped = Desk(desk.folder)
     stopped.tell = lambda note: stopped.stop.set()
-    answer = size_catalogue.answer(
+    answer = sizing.compare_catalogue(
         {"fields": {**SMALL, "ambient": "30 degC", "stress": "150 MPa"}}, stopped
     )
     assert answer["asked"] == {"alloy": "90", "ambient": "30 degC", "stress": "150 MPa"}
@@ -191,4 +191,4 @@ def test_the_check_takes_only_its_conditions(desk: Desk) -> None:
     (row,) = answer["rows"]
     assert len(row) == len(answer["columns"]) and row[1] == "90"
     with pytest.raises(InputError, match="has no unit"):
-        size_catalogue.answer({"fields": {"stress": "150"}}, desk)
+        sizing.compare_catalogue({"fields": {"stress": "150"}}, desk)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from app_server import Bench
 
-from martensite.app.calls import _studies, study, study_page
+from martensite.app.calls import studies
 from martensite.app.worker import Desk
 from martensite.base.errors import UnknownNameError
 from martensite.scenario.scenario import read_scenario
@@ -27,7 +27,9 @@ def notes() -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def computed(folder: Path, notes: list[dict[str, Any]]) -> dict[str, Any]:
-    return study.answer({"name": QUICK}, Desk(folder, lambda note: notes.append(dict(note))))
+    return studies.compute_study(
+        {"name": QUICK}, Desk(folder, lambda note: notes.append(dict(note)))
+    )
 
 
 def test_every_study_is_listed_with_source_and_guide(bench: Bench) -> None:
@@ -56,24 +58,24 @@ def test_notes_tell_the_part_and_bring_its_claims(
 
 def test_results_are_kept_until_the_figure_is_gone(computed: dict[str, Any], folder: Path) -> None:
     desk = Desk(folder)
-    assert study_page.answer({"name": QUICK}, desk)["results"] == computed
+    assert studies.describe_study_page({"name": QUICK}, desk)["results"] == computed
     figure = folder / computed["figure"] / f"{QUICK}.svg"
     assert b"<svg" in figure.read_bytes()[:1000]
     figure.rename(figure.with_name("away"))
     figure.parent.rename(folder / "elsewhere")
-    assert study_page.answer({"name": QUICK}, desk)["results"] is None
+    assert studies.describe_study_page({"name": QUICK}, desk)["results"] is None
     (folder / "elsewhere").rename(figure.parent)
     figure.with_name("away").rename(figure)
-    assert study_page.answer({"name": QUICK}, desk)["results"] == computed
+    assert studies.describe_study_page({"name": QUICK}, desk)["results"] == computed
 
 
 @pytest.mark.parametrize("damaged", ["", "[]", "{}", '{"figure": 1, "missing": []}', "\x00"])
 def test_a_damaged_file_is_as_none(tmp_path: Path, damaged: str) -> None:
     one = load_study(QUICK)
-    _studies.keep(one, tmp_path, {"figure": "0" * 16, "missing": []})
+    studies.write_results(one, tmp_path, {"figure": "0" * 16, "missing": []})
     (file,) = (tmp_path / "studies").iterdir()
     file.write_text(damaged)
-    assert _studies.kept(one, tmp_path) is None
+    assert studies.read_results(one, tmp_path) is None
 
 
 def test_results_hold_for_the_data_that_were_there(
@@ -82,14 +84,14 @@ def test_results_hold_for_the_data_that_were_there(
     monkeypatch.setenv("MARTENSITE_DATA", str(tmp_path / "none"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "none"))
     one = load_study("electrothermal-staircase")
-    (absent,) = _studies.missing(one)
+    (absent,) = studies.list_missing_data(one)
     assert absent["fetch"] == "martensite data fetch flexinol-electrothermal"
     (tmp_path / ("0" * 16)).mkdir()
     (tmp_path / ("0" * 16) / "figure.svg").touch()
-    _studies.keep(one, tmp_path, {"figure": "0" * 16, "missing": [absent["name"]]})
-    assert _studies.kept(one, tmp_path)
-    monkeypatch.setattr(_studies, "is_here", lambda key: True)
-    assert _studies.kept(one, tmp_path) is None
+    studies.write_results(one, tmp_path, {"figure": "0" * 16, "missing": [absent["name"]]})
+    assert studies.read_results(one, tmp_path)
+    monkeypatch.setattr(studies, "is_here", lambda key: True)
+    assert studies.read_results(one, tmp_path) is None
 
 
 def test_scenarios_stand_by_themselves(bench: Bench, tmp_path: Path) -> None:
@@ -108,7 +110,7 @@ def test_what_is_no_study_is_refused(bench: Bench) -> None:
         assert "`name`" in bench.call(name, {})["error"]
         assert "error" in bench.call(name, {"name": "../../etc/passwd"})
     with pytest.raises(UnknownNameError):
-        _studies.named({"name": "/tmp"})
+        studies.load_named_study({"name": "/tmp"})
 
 
 def test_a_study_without_parts_is_one_part() -> None:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from app_server import Bench
 
-from martensite.app.calls.fit_records import answer as records
-from martensite.app.calls.table import answer as table
+from martensite.app.calls.logs import describe_records as records
+from martensite.app.calls.logs import describe_table as table
 from martensite.app.drawer import Drawer
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError

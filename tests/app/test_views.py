@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.app.calls import differences
+from martensite.app.calls.scenarios import compare_documents
 from martensite.app.messages import BadMessageError
 from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, energy, straight_length
 from martensite.app.views.key_results import key_results
@@ -187,7 +187,7 @@ def test_more_power_is_hotter() -> None:
 
 
 def asked(*texts: Any) -> list[dict[str, Any]]:
-    return differences.answer({"texts": list(texts)}, Desk(Path()))["rows"]
+    return compare_documents({"texts": list(texts)}, Desk(Path()))["rows"]
 
 
 def test_documents_are_compared_by_path() -> None:

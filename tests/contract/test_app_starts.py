@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from martensite.app.calls.form import NEW, answer
+from martensite.app.calls.form import NEW
+from martensite.app.calls.form import build_form as answer
 from martensite.app.forms import documents
 from martensite.app.gallery import FOLDER, scenarios
 from martensite.app.worker import Desk

@@ -6,8 +6,7 @@
     out: {"answer": {…}} or {"refused": "a sentence", "kind": "input"}
 
 It ends with its input, whatever it is doing, and takes with it the processes it has started:
-without the server there is no worker. A call is a module of `martensite.app.calls` with a function
-`answer(request, desk)`.
+without the server there is no worker. Calls are those of `martensite.app.routes`.
 """
 
 from __future__ import annotations
@@ -21,16 +20,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 from queue import SimpleQueue
 from typing import Any, BinaryIO
 
-from martensite.app.messages import BadMessageError, dumps, refused
-from martensite.base.errors import suggest_name
+from martensite.app.messages import dumps, refused
+from martensite.app.routes import find_call
 
-PACKAGE = "martensite.app.calls"
 MEMORY = 4 * 2**30
 """Bytes that a worker may hold, threads and what they reserve included."""
 
@@ -45,23 +41,6 @@ class Desk:
     """Sends a note on how far it is."""
     stop: threading.Event = field(default_factory=threading.Event)
     """Set once the work shall end; who can, ends with the best so far."""
-
-
-def calls() -> list[str]:
-    """Names of all calls."""
-    package = import_module(PACKAGE)
-    return sorted(m.name for m in iter_modules(package.__path__) if not m.name.startswith("_"))
-
-
-def answer(call: str, request: dict[str, Any], desk: Desk) -> Any:
-    """Answer a call.
-
-    Raises:
-        MartensiteError: it is not known, or its request is wrong, or it failed.
-    """
-    if call not in calls():
-        raise BadMessageError(f"There is no call `{call}`. {suggest_name(call, calls())}")
-    return import_module(f"{PACKAGE}.{call}").answer(request, desk)
 
 
 class _Lines:
@@ -123,12 +102,12 @@ def main() -> None:
     work, lines = _Work(), _Lines(out)
     threading.Thread(target=_listen, args=(source, work), daemon=True).start()
     limit_memory()
-    import_module(PACKAGE + ".run")  # before the first call, that it be quick
+    find_call("run")  # before the first call, that it be quick
     while True:
         message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
         try:
-            lines.send({"answer": answer(message["call"], message["request"], desk)})
+            lines.send({"answer": find_call(message["call"])(message["request"], desk)})
         except Exception as error:
             said = refused(error)
             if said["refused"].startswith("Unexpected"):

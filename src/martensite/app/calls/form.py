@@ -1,14 +1,4 @@
-"""The form of a scenario: a control for all that it declares.
-
-{"text": TOML, "changes": {path: value}, "removed": [path]}
--> {"text": TOML with the changes, "sections": [group], "registries": {registry: [{name, summary}]},
-    "notes": [sentence], "assumed": [path], "missing": []}
-
-A text that is empty is a new scenario. A change of `element.material`, or of a path that ends in
-`.kind`, takes the rest of the document with it (`martensite.app.forms.kinds`). If a kind needs
-numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing` their
-controls; the same changes with these numbers beside them are the next request.
-"""
+"""The form of a scenario."""
 
 from __future__ import annotations
 
@@ -34,27 +24,38 @@ from martensite.scenario.scenario import Scenario
 NEW = Path(__file__).parents[1] / "forms" / "new.toml"
 
 
-def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
-    """Change the document, build it, and describe what can be changed."""
+def build_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """The form of a scenario: a control for all that it declares.
+
+    {"text": TOML, "changes": {path: value}, "removed": [path]}
+    -> {"text": TOML with the changes, "sections": [group],
+        "registries": {registry: [{name, summary}]}, "notes": [sentence],
+        "assumed": [path], "missing": []}
+
+    A text that is empty is a new scenario. A change of `element.material`, or of a path that ends
+    in `.kind`, takes the rest of the document with it (`martensite.app.forms.kinds`). If a kind
+    needs numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing` their
+    controls; the same changes with these numbers beside them are the next request.
+    """
     text = wanted(request, "text", str, "") or NEW.read_text("utf-8")
     changes = cast("dict[str, Any]", wanted(request, "changes", dict, {}))
-    text = _without(text, wanted(request, "removed", list, []))
+    text = _remove_entries(text, wanted(request, "removed", list, []))
     kinds = [path for path in changes if path == MATERIAL or path.endswith(".kind")]
     rest = {path: value for path, value in changes.items() if path not in kinds}
     if not kinds:
-        return _form(scenario_of({"text": text, "changes": rest}, desk), Switched({}))
+        return _describe_form(scenario_of({"text": text, "changes": rest}, desk), Switched({}))
     notes: list[str] = []
     assumed: list[str] = []
     for path in kinds:
         scenario = scenario_of({"text": text}, desk)
         found = switched(scenario, path, str(changes[path]), rest)
         if found.missing:
-            return _incomplete(found)
+            return _describe_missing(found)
         text, notes, assumed = as_toml(found.document), notes + found.notes, assumed + found.assumed
-    return _form(scenario_of({"text": text}, desk), Switched({}, notes, assumed))
+    return _describe_form(scenario_of({"text": text}, desk), Switched({}, notes, assumed))
 
 
-def _without(text: str, removed: list[Any]) -> str:
+def _remove_entries(text: str, removed: list[Any]) -> str:
     """The document without some entries."""
     if not removed:
         return text
@@ -66,30 +67,30 @@ def _without(text: str, removed: list[Any]) -> str:
     return as_toml(document)
 
 
-def _form(scenario: Scenario, found: Switched) -> dict[str, Any]:
+def _describe_form(scenario: Scenario, found: Switched) -> dict[str, Any]:
     return {
         "text": scenario.text,
         "title": scenario.title,
-        "sections": [_shown(one) for one in Sections(scenario).all()],
-        "registries": choices(),
+        "sections": [_strip_private(one) for one in Sections(scenario).all()],
+        "registries": list_choices(),
         "notes": found.notes,
         "assumed": found.assumed,
         "missing": [],
     }
 
 
-def _incomplete(found: Switched) -> dict[str, Any]:
+def _describe_missing(found: Switched) -> dict[str, Any]:
     """What is still needed."""
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in found.missing)
     owner = found.missing[0].owner
     return {
         "text": None,
         "refused": f"`{owner}` needs {names}: there is no start value, and the material has none.",
-        "missing": [_asked(one) for one in found.missing],
+        "missing": [_build_control(one) for one in found.missing],
     }
 
 
-def _asked(one: Missing) -> Control:
+def _build_control(one: Missing) -> Control:
     """The control of what is missing; one for a number is empty."""
     spot = Spot(one.path, one.name, one.declared, "none")
     if one.declared.kind == "option":
@@ -99,21 +100,21 @@ def _asked(one: Missing) -> Control:
     return controls.number(spot, None, one.unit)
 
 
-def _shown(control: Control) -> Control:
+def _strip_private(control: Control) -> Control:
     """A control without what is only for the server."""
     kept = {key: value for key, value in control.items() if not key.startswith("_")}
     if "items" in kept:
-        kept["items"] = [_shown(one) for one in kept["items"]]
+        kept["items"] = [_strip_private(one) for one in kept["items"]]
     return kept
 
 
 @cache
-def _listed(kind: str, names: tuple[str, ...]) -> list[dict[str, str]]:
+def _list_choices(kind: str, names: tuple[str, ...]) -> list[dict[str, str]]:
     registry = list_registries()[kind]
     return [{"name": name, "summary": summarise_class(registry[name])} for name in names]
 
 
-def choices() -> dict[str, list[dict[str, str]]]:
+def list_choices() -> dict[str, list[dict[str, str]]]:
     """Everything that can be chosen, by the word for the entries of its registry."""
     known = list_registries().items()
-    return {kind: _listed(kind, tuple(registry.names())) for kind, registry in known}
+    return {kind: _list_choices(kind, tuple(registry.names())) for kind, registry in known}

@@ -1,14 +1,161 @@
-"""The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
+"""Calls about scenarios: list, compare, run and export them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, cast
 
+from martensite.app.documents import LONGEST, scenario_of
+from martensite.app.drawer import Drawer
+from martensite.app.engine import run
 from martensite.app.gallery import listed, scenarios
+from martensite.app.messages import BadMessageError, wanted
+from martensite.app.views.columns import columns
+from martensite.app.views.energy import energy
+from martensite.app.views.key_results import key_results
+from martensite.app.views.phase import phase
+from martensite.app.views.scene import scene
+from martensite.app.views.traces import loops, stretches, traces
+from martensite.app.views.warnings import alarms
 from martensite.app.worker import Desk
+from martensite.base.errors import suggest_name
+from martensite.base.files import toml_document
+from martensite.scenario.overrides import toml_value
+from martensite.scenario.scenario import Scenario
+from martensite.simulate.result import Result
 
 
-def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
-    """All that stand by themselves."""
+def list_scenarios(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
     return listed(scenarios())
+
+
+MOST_DOCUMENTS = 12
+"""Documents that are compared at once."""
+
+
+def compare_documents(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """What differs between documents.
+
+    {"texts": [TOML, TOML, …]}
+    -> {"rows": [{"path": "element.diameter", "values": ["0.2 mm", null]}]}
+    """
+    texts = wanted(request, "texts", list)
+    if len(texts) > MOST_DOCUMENTS or not all(
+        isinstance(t, str) and len(t) <= LONGEST for t in texts
+    ):
+        raise BadMessageError(f"`texts` must be at most {MOST_DOCUMENTS} documents, each a text.")
+    documents = [dict(_flatten_document(toml_document(text, "A document"))) for text in texts]
+    paths = dict.fromkeys(path for document in documents for path in document)
+    rows = [{"path": path, "values": [d.get(path) for d in documents]} for path in paths]
+    return {"rows": [row for row in rows if any(v != row["values"][0] for v in row["values"])]}
+
+
+def _flatten_document(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """Dotted path and value, as it is written, of every entry."""
+    for key, value in table.items():
+        path = f"{above}{key}"
+        if isinstance(value, dict):
+            yield from _flatten_document(cast("dict[str, Any]", value), f"{path}.")
+        else:
+            yield path, value if isinstance(value, str) else toml_value(value)
+
+
+def run_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Run a scenario: all that the bench draws of it.
+
+    {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
+    -> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
+    """
+    scenario = scenario_of(request, desk)
+    begun = time.perf_counter()
+    result, runtime = run(scenario)
+    took = time.perf_counter() - begun
+    return {
+        "text": scenario.text,
+        **_summarise_run(scenario, result),
+        "runtime": runtime,
+        "seconds": took,
+        **columns(result),
+        **_draw_run(scenario, result),
+    }
+
+
+def _summarise_run(scenario: Scenario, result: Result) -> dict[str, Any]:
+    return {
+        "title": scenario.title,
+        "described": scenario.system.described(),
+        "status": result.status.name,
+        "accuracy": result.accuracy,
+        "steps": result.steps,
+        "step": result.step,
+        "stroke": result.stroke,
+        "coordinate": result.coordinate,
+        "ports": list(result.system.actuators()),
+        "cautions": scenario.cautions,
+        "warnings": list(result.warnings),
+        "alarms": alarms(result),
+    }
+
+
+def _draw_run(scenario: Scenario, result: Result) -> dict[str, Any]:
+    """What the charts need beside the columns."""
+    energies = energy(result)
+    return {
+        "traces": traces(result, scenario.outside),
+        "loops": loops(result),
+        "stretches": stretches(result),
+        "phase": phase(result),
+        "energy": energies,
+        "key": key_results(result, energies),
+        "scene": scene(scenario, result),
+    }
+
+
+def export_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Make a file of a scenario: a figure, or its numbers.
+
+    {"text": TOML, "changes": {…}, "what": "png"} -> {"key": of the file, "name": what it is called}
+
+    The run is the one that `martensite run` makes, with all its samples.
+    """
+    what = wanted(request, "what", str)
+    if what not in WRITERS:
+        raise BadMessageError(f"`what` is `{what}`. {suggest_name(what, WRITERS)}")
+    scenario = scenario_of(request, desk)
+    result = scenario.run()
+    key, path = Drawer(desk.folder).place(f"{scenario.title[:60]}.{what}")
+    WRITERS[what](scenario, result, path)
+    return {"key": key, "name": path.name}
+
+
+def _write_figure(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.show.figures.overview import save_figure
+
+    records = [scenario.measured.read()] if scenario.measured else None
+    save_figure(result, path, records, scenario.title, scenario.outside)
+
+
+def _write_table(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.scenario.csv_files import write_csv
+
+    write_csv(result, path)
+
+
+def _write_netcdf(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.scenario.citations import list_citations
+    from martensite.scenario.netcdf import save_result
+
+    cited = list_citations(scenario, scenario.material)
+    save_result(result, path, scenario.text, cited, scenario.material)
+
+
+WRITERS: dict[str, Callable[[Scenario, Result, Path], None]] = {
+    "png": _write_figure,
+    "svg": _write_figure,
+    "csv": _write_table,
+    "nc": _write_netcdf,
+}
+"""By the suffix of the file."""

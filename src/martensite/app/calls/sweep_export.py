@@ -1,7 +1,4 @@
-"""Make a file of a sweep, to be taken away.
-
-{"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
-"""
+"""Files of a sweep."""
 
 from __future__ import annotations
 
@@ -25,8 +22,11 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a text begins with that a spreadsheet would compute."""
 
 
-def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
-    """Write the file."""
+def export_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Make a file of a sweep, to be taken away.
+
+    {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
+    """
     store = Shelf(desk.folder).path(wanted(request, "key", str))
     kind = wanted(request, "kind", str)
     if kind not in KINDS:
@@ -37,31 +37,31 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     return {"file": key, "name": path.name, "bytes": path.stat().st_size}
 
 
-def _csv(store: Path, path: Path) -> None:
+def write_csv(store: Path, path: Path) -> None:
     """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
     table = read_sweep(store)
     columns = {**table.varied, **table.measures}
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
-        writer.writerow(["run", "status", *map(safe, heads)])
+        writer.writerow(["run", "status", *map(escape_formula, heads)])
         values = [one.values.tolist() for one in columns.values()]
         for row, status in enumerate(table.status.tolist()):
             if status != NOT_MADE:
                 word = Status(status).name.lower()
-                writer.writerow([row, word, *(_number(column[row]) for column in values)])
+                writer.writerow([row, word, *(_write_number(column[row]) for column in values)])
 
 
-def _number(value: float) -> str:
+def _write_number(value: float) -> str:
     return "" if math.isnan(value) else repr(value)
 
 
-def safe(text: str) -> str:
+def escape_formula(text: str) -> str:
     """A text that no spreadsheet takes for a formula."""
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
-def _zip(store: Path, path: Path) -> None:
+def _write_zip(store: Path, path: Path) -> None:
     """The store as it is, in a folder; its chunks are compressed already."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as made:
         for one in sorted(store.rglob("*")):
@@ -69,4 +69,4 @@ def _zip(store: Path, path: Path) -> None:
                 made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
 
 
-KINDS = {"csv": (".csv", _csv), "zarr": (".zarr.zip", _zip)}
+KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", _write_zip)}

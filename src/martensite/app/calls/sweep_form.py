@@ -1,7 +1,4 @@
-"""What can be asked of a sweep of a scenario: its numbers, samples, and measures.
-
-{"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
-"""
+"""The form of a sweep."""
 
 from __future__ import annotations
 
@@ -28,18 +25,22 @@ from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_m
 from martensite.simulate.variants import RUNTIMES
 
 
-def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
-    """Everything that the form offers."""
+def describe_sweep_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """What can be asked of a sweep of a scenario: its numbers, samples, and measures.
+
+    {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
+    """
     scenario = scenario_of(request, desk)
     return {
         "title": scenario.title,
         "text": scenario.text,
-        "missing": _missing(),
-        "targets": list(_targets(scenario)),
+        "missing": _find_missing_extra(),
+        "targets": list(_list_targets(scenario)),
         "designs": [
-            {"name": n, "about": summarise_class(DESIGNS[n])} for n in _grid_first(DESIGNS.names())
+            {"name": n, "about": summarise_class(DESIGNS[n])}
+            for n in _sort_grid_first(DESIGNS.names())
         ],
-        "measures": [_measure(name, scenario) for name in MEASURES.names()],
+        "measures": [_describe_measure(name, scenario) for name in MEASURES.names()],
         "outputs": [
             {"name": name, "about": one.long_name, "unit": units.choose_readable_unit(one.unit)}
             for name, one in scenario.whole.outputs().items()
@@ -50,7 +51,7 @@ def answer(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _missing() -> str:
+def _find_missing_extra() -> str:
     """The sentence on what must be installed first; empty if nothing."""
     if find_spec("zarr") is not None:
         return ""
@@ -61,11 +62,11 @@ def _missing() -> str:
     return ""
 
 
-def _grid_first(names: list[str]) -> list[str]:
+def _sort_grid_first(names: list[str]) -> list[str]:
     return sorted(names, key=lambda name: (name != "grid", name))
 
 
-def _targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
+def _list_targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
     """Numbers that can be varied: value and bounds in a unit that people read."""
     leaves: dict[str | None, dict[str, Declared]] = {
         None: {one.path: one.declared for one in scenario.whole.leaves()}
@@ -73,10 +74,10 @@ def _targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
     for name, wave in waveforms_of(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
     for target in targets_of(scenario).values():
-        yield _target(target, leaves[target.drive][target.path])
+        yield _describe_target(target, leaves[target.drive][target.path])
 
 
-def _target(one: Target, declared: Declared) -> dict[str, Any]:
+def _describe_target(one: Target, declared: Declared) -> dict[str, Any]:
     shown = units.choose_familiar_unit(one.value, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
@@ -92,7 +93,7 @@ def _target(one: Target, declared: Declared) -> dict[str, Any]:
     }
 
 
-def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
+def _describe_measure(name: str, scenario: Scenario) -> dict[str, Any]:
     """A measure: whether it needs an output, or stands alone."""
     kind = MEASURES[name]
     alone = True
@@ -104,10 +105,10 @@ def _measure(name: str, scenario: Scenario) -> dict[str, Any]:
         "name": name,
         "about": summarise_class(kind),
         "alone": alone,
-        "usual": _usual(name, kind),
+        "usual": _find_usual(name, kind),
     }
 
 
-def _usual(name: str, kind: type[AbstractMeasure]) -> str:
+def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:
     """What is looked at if nothing is named."""
     return str(kind.declarations["of"].default or "the first coordinate")

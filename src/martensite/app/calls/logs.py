@@ -1,0 +1,226 @@
+"""Calls about logs: an uploaded table, its records, and a scenario beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from martensite.app.drawer import Drawer
+from martensite.app.gallery import followers, listed
+from martensite.app.identify.asked import scenario_for
+from martensite.app.identify.followed import drives_of, following
+from martensite.app.identify.mapped import cuts_told, record_of, records_of
+from martensite.app.identify.numbers import numbers_of
+from martensite.app.identify.raw import Raw, RawColumn, read_raw
+from martensite.app.identify.shown import shown, shown_difference
+from martensite.app.identify.thin import envelope
+from martensite.app.messages import wanted
+from martensite.app.worker import Desk
+from martensite.base.errors import MartensiteError
+from martensite.base.files import toml_document
+from martensite.fit.compared import columns_of, echoes
+from martensite.fit.losses import LOSSES
+from martensite.fit.solve import METHODS
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.guess import Guess, guess_headings, usual_units
+from martensite.scenario.layout import CANONICAL
+from martensite.scenario.overrides import as_toml
+from martensite.scenario.scenario import Scenario
+from martensite.signals.records import Record
+
+SMALL = 120
+"""Points of the small curve of a column."""
+LONG = 100_000
+"""Rows from which on it is advised to thin out."""
+
+
+def describe_table(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """What is in an uploaded table, and what its columns may mean.
+
+    {"key": …, "separator": "auto"}
+    -> {"name", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
+    min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+
+    Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
+    """
+    path = Drawer(desk.folder).path(wanted(request, "key", str))
+    raw = read_raw(path, wanted(request, "separator", str, "auto"))
+    meant = guess_headings([c.heading for c in raw.columns], [c.sample for c in raw.columns])
+    columns = [_describe_column(c, g) for c, g in zip(raw.columns, meant, strict=True)]
+    return {
+        "name": raw.name,
+        "rows": raw.rows,
+        "separator": raw.separator,
+        "headed": raw.headed,
+        "preview": raw.preview,
+        "columns": columns,
+        "names": {name: usual_units(name) for name in CANONICAL},
+        "notes": list(_list_notes(raw, meant)),
+    }
+
+
+def _describe_column(column: RawColumn, guess: Guess) -> dict[str, Any]:
+    known = [number for number in column.numbers if not math.isnan(number)]
+    rows = envelope(column.numbers, SMALL)
+    return {
+        "heading": column.heading,
+        "name": guess.name if known else "",
+        "unit": guess.unit,
+        "min": min(known, default=None),
+        "max": max(known, default=None),
+        "missing": len(column.numbers) - len(known) - column.wrong,
+        "wrong": column.wrong,
+        "first_wrong": column.first_wrong,
+        "curve": [rows, [column.numbers[row] for row in rows]],
+    }
+
+
+def _list_notes(raw: Raw, meant: list[Guess]) -> Iterator[str]:
+    """What to look at before going on."""
+    if not raw.headed:
+        yield "The file has no headings; say for every column what it is."
+    if len(raw.columns) == 1:
+        yield "There is one column only; if the file has more, choose its separator."
+    if raw.ragged and raw.separator:
+        yield (
+            f"{raw.ragged} rows have more or fewer cells than there are columns "
+            f"({len(raw.columns)}): {raw.first_ragged}. Leave them out, or mend the file."
+        )
+    elif raw.ragged:
+        yield f"{raw.first_ragged}."
+    if any(column.wrong for column in raw.columns):
+        yield (
+            "Some cells are no numbers. Do not use their columns, leave out such rows, or mend "
+            "the file."
+        )
+    if raw.rows > LONG:
+        yield f"The file has {raw.rows:,} rows; thin it out in the next step."
+    if not any(guess.name == "time" for guess in meant):
+        yield "No column seems to be the time; choose one, or give the time between rows."
+
+
+DRAWN = 800
+
+
+def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """The columns of a mapped table over time, to be looked at and cut.
+
+    {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "cuts": [] }
+    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, unit, shown, …}], "cuts":
+    [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
+    """
+    record = record_of(request, desk)
+    columns: list[dict[str, Any]] = []
+    for name, column in record.columns.items():
+        if name == "time":
+            continue
+        rows = envelope(column, DRAWN)
+        columns.append(
+            {
+                "name": name,
+                "times": [record.times[row] for row in rows],
+                "values": [column[row] for row in rows],
+                "missing": sum(map(math.isnan, column)),
+                **shown(name, record.units[name]),
+            }
+        )
+    return {
+        "begin": record.times[0],
+        "end": record.times[-1],
+        "rows": len(record),
+        "dropped": record.dropped,
+        "columns": columns,
+        "cuts": cuts_told(request, desk),
+    }
+
+
+def list_followers(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """Scenarios that come with the package and follow a log.
+
+    {} -> {"scenarios": [{name, title, text}]}
+    """
+    return listed(followers())
+
+
+METHOD_WORDS = {
+    "trf": "least squares within bounds, with exact derivatives",
+    "coordinate": "one parameter after the other, without derivatives",
+    "evolution": "differential evolution over all bounds, then least squares",
+}
+LOSS_WORDS = {
+    "linear": "squares: right where errors are noise",
+    "soft-l1": "large errors count less",
+    "huber": "large errors count by their size, not its square",
+    "cauchy": "very large errors hardly count",
+}
+
+
+def match_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+    """A scenario beside a log: what follows which column, what is compared, and what could be free.
+
+    {the table as `identify.mapped` takes it, "text": TOML, "follow": {"path": …, "column": …}}
+    -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
+    "records": […], "methods": {…}, "losses": {…}}
+
+    Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
+    """
+    records = records_of(request, desk)
+    text = wanted(request, "text", str)
+    document = toml_document(text)
+    follow = wanted(request, "follow", dict, {})
+    if follow:
+        column = wanted(follow, "column", str)
+        records[0][column]  # refuses what is none
+        path, unit = wanted(follow, "path", str), records[0].units[column]
+        document = following(document, path, column, unit)
+        text = as_toml(document)
+    known = {
+        "text": text,
+        "drives": drives_of(document),
+        "columns": {name: unit for name, unit in records[0].units.items() if name != "time"},
+        "records": [one.name for one in records],
+        "methods": {name: METHOD_WORDS.get(name, "") for name in METHODS},
+        "losses": {name: LOSS_WORDS.get(name, "") for name in LOSSES},
+    }
+    try:
+        scenario = scenario_for({"text": text}, records[0])
+    except MartensiteError as error:
+        return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
+    return {
+        **known,
+        **_describe_built(scenario, records[0]),
+        "drives": _list_drives(document, scenario),
+    }
+
+
+def _list_drives(document: Mapping[str, Any], scenario: Scenario) -> list[dict[str, str]]:
+    """What may follow a column, with the column that each follows."""
+    section = scenario.places.drive
+    followed = {
+        waveform_path(scenario.system, name, section).removesuffix("."): column
+        for name, column in scenario.follows.items()
+    }
+    return [one | {"column": followed.get(one["path"], "")} for one in drives_of(document)]
+
+
+def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
+    system = scenario.system
+    outputs, refused = list[dict[str, Any]](), ""
+    try:
+        found, _, notes = columns_of(record, system, (), scenario.follows)
+        outputs = [{"name": name, **shown(name, system.outputs()[name].unit)} for name in found]
+    except MartensiteError as error:
+        refused, notes = str(error), []
+    return {
+        "title": scenario.title,
+        "described": system.described(),
+        "refused": refused,
+        "follows": scenario.follows,
+        "echoes": sorted(echoes(system)),
+        "numbers": numbers_of(scenario),
+        "outputs": [
+            {**one, "difference": shown_difference(one["name"], one["unit"])} for one in outputs
+        ],
+        "notes": [*notes, *scenario.cautions],
+    }
