@@ -34,8 +34,8 @@ def build_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     A text that is empty is a new scenario. A change of `element.material`, or of a path that ends
     in `.kind`, takes the rest of the document with it (`martensite.app.forms.kinds`). If a kind
-    needs numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing` their
-    controls; the same changes with these numbers beside them are the next request.
+    needs numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing`
+    their controls; the same changes with these numbers beside them are the next request.
     """
     text = wanted(request, "text", str, "") or NEW.read_text("utf-8")
     changes = cast("dict[str, Any]", wanted(request, "changes", dict, {}))
