@@ -12,7 +12,6 @@ from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import build_problem
-from martensite.fit.runner import Runner
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.search.free_numbers import SearchRange
@@ -156,10 +155,10 @@ def experiment(cell: Cell, values: np.ndarray) -> Experiment:
 @cache
 def exact(cell: Cell) -> np.ndarray:
     """What a perfect sensor measures."""
-    runner = Runner(experiment(cell, np.arange(float(cell.rows))))
-    seen = runner.run(runner.compiled.values(scenario(cell).system))
-    assert seen.solved
-    return seen.values[:, 0]
+    runner = experiment(cell, np.arange(float(cell.rows))).runner()
+    found = runner.run_one(runner.base)
+    assert found is not None
+    return found[:, 0]
 
 
 def fitted(cell: Cell, noise: float, seed: int) -> Fit:

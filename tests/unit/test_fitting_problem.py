@@ -18,12 +18,12 @@ from builders import FunctionWaveform, chamber, hanging_wire, law_a, through
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, SolveError
-from martensite.fit import runner as runners
 from martensite.fit.experiment import Experiment
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.voltage import VoltageSource
 from martensite.scenario.scenario import load
+from martensite.search import batch_runner
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.signals.step import Step
@@ -95,7 +95,7 @@ def apart(task: Problem, width: float = 1e-5) -> float:
 
 @pytest.fixture
 def without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(runners, "find_compiler", lambda: None)
+    monkeypatch.setattr(batch_runner, "find_compiler", lambda: None)
 
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
@@ -170,7 +170,7 @@ def test_held_stretches_are_not_seen_but_judged():
 def test_records_that_are_kept_back_are_predicted(native: bool, monkeypatch: pytest.MonkeyPatch):
     """Their own offsets are fitted to them, with nothing else free."""
     if not native:
-        monkeypatch.setattr(runners, "find_compiler", lambda: None)
+        monkeypatch.setattr(batch_runner, "find_compiler", lambda: None)
     one, two = (
         experiment("one"),
         experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])),
@@ -266,7 +266,7 @@ def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
     assert not plain.runners[0].native
     with pytest.MonkeyPatch.context() as patch:
         patch.undo()
-        patch.setattr(runners, "find_compiler", lambda: "cc")
+        patch.setattr(batch_runner, "find_compiler", lambda: "cc")
         native = build_problem([one, volts], names, each=["offset"])
         assert native.runners[0].native
     for u in (plain.start, away(plain)):

@@ -127,20 +127,19 @@ def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> st
 
 def _acted(problem: Problem, free: FreeNumber) -> list[str]:
     """Outputs that a parameter moves at the start, compared or not."""
-    from martensite.kernels.c99 import find_compiler
-    from martensite.simulate.native_slopes import march_slopes
-
     found: list[str] = []
-    if find_compiler() is None or is_nuisance(free.path):
+    if is_nuisance(free.path):
         return found
-    for k, runner in enumerate(problem.runners):
-        values = runner.compiled.values(problem.system(k, problem.start))
+    for k, one in enumerate(problem.experiments):
+        names = list(one.system.outputs())
+        runner = one.runner(problem.step, names)
+        values = np.array(runner.compiled.values(problem.system(k, problem.start)))
         seeds = np.array([[float(free.moves(path))] for path in runner.paths])
-        seeds *= free.slope(free.share(free.start))
-        names = list(runner.experiment.system.outputs())
-        marched = march_slopes(runner.compiled, values, seeds, runner.grid, range(len(names)))
-        moved = np.max(np.abs(marched.slopes[:, :, 0]), axis=0)
-        sizes = np.max(np.abs(marched.rows), axis=0)
+        marched = runner.run_slopes(values, seeds * free.slope(free.share(free.start)))
+        if not runner.native or marched is None:
+            continue
+        moved = np.max(np.abs(marched[1][:, :, 0]), axis=0)
+        sizes = np.max(np.abs(marched[0]), axis=0)
         found += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NOTHING * s]
     return list(dict.fromkeys(found))
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, suggest_name
+from martensite.search.batch_runner import BatchRunner
 from martensite.signals.records import Record
 from martensite.simulate.driven import Waveforms, arrange_waveforms
 from martensite.simulate.grid import TimeGrid, grid_at
@@ -95,6 +96,19 @@ class Experiment:
         waves = arrange_waveforms(self.system, self.waveform)
         longest = min(self.step, times[-1]) if step is None else step
         return grid_at(waves, times, longest, at_end)
+
+    def runner(
+        self, step: float | None = None, outputs: Sequence[str] | None = None
+    ) -> BatchRunner:
+        """Its runs, with samples at the rows that are compared.
+
+        Args:
+            step: longest step [s]; its own if None.
+            outputs: what is looked at; what is compared if None.
+        """
+        grid = self.grid(step)
+        first = len(grid.times) - len(self.times)
+        return BatchRunner(self.system, grid, outputs or self.outputs, first=first)
 
 
 def check(experiment: Experiment) -> None:

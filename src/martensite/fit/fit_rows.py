@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,13 +97,13 @@ def _outputs(one: Experiment, model: Any, used: Any) -> Iterator[Compared]:
 def covered(fit: Fit) -> dict[str, tuple[float, float]]:
     """Least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
     found: dict[str, tuple[float, float]] = {}
-    for k, runner in enumerate(fit.problem.runners):
+    for k, one in enumerate(fit.problem.experiments):
         system = fit.system(k)
         for name in COVERED:
             outputs = [system.label(port, name) for port in system.actuators()]
-            wide = copy(runner)
-            wide.places = tuple(runner.compiled.outputs.index(output) for output in outputs)
-            rows = wide.run(runner.compiled.values(system)).values[fit.problem.used[k].any(axis=1)]
+            runner = one.runner(fit.problem.step, outputs)
+            run = runner.run_many(np.array([runner.compiled.values(system)]))[0]
+            rows = run[fit.problem.used[k].any(axis=1)]
             ends = [float(rows.min()), float(rows.max()), *found.get(name, ())]
             found[name] = min(ends), max(ends)
     return found

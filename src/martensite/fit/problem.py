@@ -24,7 +24,7 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers, is_nuisance
 from martensite.fit.nuisance import build_own_parameters, delayed
 from martensite.fit.problem_checks import check_problem
-from martensite.fit.runner import Runner, Seen
+from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
 
@@ -115,9 +115,9 @@ class Problem:
         return found
 
     @cached_property
-    def runners(self) -> tuple[Runner, ...]:
+    def runners(self) -> tuple[BatchRunner, ...]:
         """One per experiment."""
-        return tuple(Runner(one, self.step) for one in self.experiments)
+        return tuple(one.runner(self.step) for one in self.experiments)
 
     @cached_property
     def _pool(self) -> ThreadPoolExecutor:
@@ -154,12 +154,11 @@ class Problem:
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
             variants = [self._moved(k, u) for u in points]
-            base = runner.compiled.values(runner.experiment.system)
-            table = np.array([base if v is None else v for v in variants], float)
-            models = runner.batch(table)
+            models = runner.run_many(
+                np.array([runner.base if v is None else v for v in variants], float)
+            )
             for i, (u, values) in enumerate(zip(points, variants, strict=True)):
-                seen = Seen(models[i], None, values is not None)
-                fitted = self._compared(k, seen, u, None)
+                fitted = self._compared(k, None if values is None else models[i], u, None)
                 totals[i] += math.inf if fitted is None else self._sum(k, fitted)
             counts += int(self.used[k].sum())
         return totals / counts
@@ -200,32 +199,32 @@ class Problem:
         }  # fmt: skip
         return self.experiments[k].system.with_values(changed)
 
-    def _moved(self, k: int, u: Sequence[float]) -> list[float] | None:
+    def _moved(self, k: int, u: Sequence[float]) -> Any:
         """Parameter values of an experiment at a point; None if they contradict each other."""
         try:
-            return self.runners[k].compiled.values(self.system(k, u))
+            return np.array(self.runners[k].compiled.values(self.system(k, u)))
         except InputError:
             return None
 
     def _one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> Fitted | None:
-        seeds = None
-        if slopes:
-            seeds = np.zeros((len(values), len(self.free)))
-            for i, places in self._moving[k]:
-                seeds[places, i] = self.free[i].slope(float(u[i]))
-            moving = seeds.any(axis=0)
-            seen = self.runners[k].run(values, seeds[:, moving])
-            spread = np.zeros((*seen.values.shape, len(self.free)))
-            if seen.solved:
-                spread[:, :, moving] = seen.slopes
-            return self._compared(k, seen, u, spread)
-        return self._compared(k, self.runners[k].run(values), u, None)
-
-    def _compared(self, k: int, seen: Seen, u: Sequence[float], slopes: Any) -> Fitted | None:
-        """Residuals of a run, with the offsets and the delay of its record."""
-        if not seen.solved:
+        if not slopes:
+            return self._compared(k, self.runners[k].run_one(values), u, None)
+        seeds = np.zeros((len(values), len(self.free)))
+        for i, places in self._moving[k]:
+            seeds[places, i] = self.free[i].slope(float(u[i]))
+        moving = seeds.any(axis=0)
+        found = self.runners[k].run_slopes(values, seeds[:, moving])
+        if found is None:
             return None
-        one, model = self.experiments[k], seen.values
+        spread = np.zeros((*found[0].shape, len(self.free)))
+        spread[:, :, moving] = found[1]
+        return self._compared(k, found[0], u, spread)
+
+    def _compared(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> Fitted | None:
+        """Residuals of a run, with the offsets and the delay of its record."""
+        if model is None:
+            return None
+        one = self.experiments[k]
         for i, free in enumerate(self.free):
             if free.record == one.name and is_nuisance(free.path):
                 value, slope = free.value(float(u[i])), free.slope(float(u[i]))

@@ -12,9 +12,9 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from martensite.base.errors import SolveError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.runner import Runner
 
 NOTICEABLE = 0.5
 """Change of a parameter on halving the steps, in standard errors, from which on it is told."""
@@ -58,8 +58,11 @@ def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, li
 
 
 def _run(experiment: Experiment) -> Any:
-    runner = Runner(experiment)
-    return runner.run(runner.compiled.values(experiment.system)).values
+    runner = experiment.runner()
+    found = runner.run_one(runner.base)
+    if found is None:
+        raise SolveError(f"The run of record `{experiment.name}` fails at its start values.")
+    return found
 
 
 def _apart(coarse: Any, fine: Any) -> Any:

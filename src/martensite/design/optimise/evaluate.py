@@ -25,18 +25,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.design.optimise.question import Aim, Question
-from martensite.kernels.c99 import find_compiler
-from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
+from martensite.search.batch_runner import BatchRunner
 from martensite.simulate.driven import grid_of
-from martensite.simulate.march import SOLVED, march_floats
 from martensite.simulate.measures.base import list_needed
 from martensite.simulate.steered import Level, Steering
 
 Numbers: TypeAlias = NDArray[np.float64]
-LANES = 16
-"""Runs that are marched together."""
-APART = 1e-4
-"""Half the width of a central difference, as a share of a range."""
 
 
 @dataclass
@@ -85,16 +79,15 @@ class Designs:
         levels = [c.level for one in question.free for c in one.targets if c.level is not None]
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, Counts()
-        self.native = find_compiler() is not None if native is None else native
         self.system = self.steering.whole
-        self.compiled: CompiledMarch = compile_march(self.system)
         played = self.steering.played()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
         self.times = np.array(self.grid.times)
         self.also = tuple(also)
         every = [aim.measure for aim in (*question.aims, *also) if aim.measure is not None]
         self.outputs = list_needed(every, self.system)
-        self._base = np.array(self.compiled.values(self.system))
+        self.runner = BatchRunner(self.system, self.grid, self.outputs, native=native)
+        self.native = self.runner.native
         self._rows = [
             [self._row(c.path, c.level) for c in one.targets] for one in question.free
         ]  # fmt: skip
@@ -112,29 +105,31 @@ class Designs:
         """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
         cases, table = len(self.question.cases), self._table(numbers)
         self.counts.simulations += len(table)
-        seen, every = self.runs(table, self.outputs), np.repeat(numbers, cases, axis=0)
+        seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
         found = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
         found[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
         return found.reshape(len(numbers), cases, -1)
 
     def slopes(self, z: Numbers) -> Slopes | None:
         """One design with its derivatives; None if a run of it fails."""
-        if not self.native:
-            return self._differences(z)
         inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
+        seeds = np.zeros((len(self.runner.paths), len(self._rows)))
+        for k, rows in enumerate(self._rows):
+            seeds[rows, k] = inner[k]
         values: list[Numbers] = []
         slopes: list[Numbers] = []
         numbers = self.numbers(z[None, :])
         for row in self._table(numbers):
-            run = self._run(row)
+            self.counts.slopes += 1
+            run = self.runner.run_slopes(row, seeds)
             if run is None:
                 return None
-            seen, moved = run
+            seen, moved = run[0].T, np.moveaxis(run[1], 0, 1)
             values.append(
                 np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims])
             )
             slopes.append(
-                np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims]) * inner
+                np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims])
             )
         own = self._own() * inner
         return Slopes(np.stack(values), np.stack(slopes) + own)
@@ -144,29 +139,23 @@ class Designs:
         """What designs are judged by: the goal first."""
         return self.question.aims
 
-    def runs(self, table: Numbers, outputs: Sequence[str]) -> Numbers:
-        """Outputs of runs of a table of parameters, (outputs, samples, runs); NaN if one fails."""
-        places = [self.compiled.outputs.index(name) for name in outputs]
-        march = self._lanes if self.native else self._floats
-        pieces = [march(table[k : k + LANES], places) for k in range(0, len(table), LANES)]
-        return np.concatenate(pieces, axis=2)
-
     def course(self, numbers: Numbers, output: str) -> Numbers:
         """An output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
         self.counts.simulations += 1
-        return self.runs(self._table(numbers[None, :])[:1], [output])[0, :, 0]
+        runner = BatchRunner(self.system, self.grid, [output], native=self.native)
+        return runner.run_many(self._table(numbers[None, :])[:1])[0, :, 0]
 
     # ---------------------------------------------------------------- tables of parameters
 
     def _row(self, path: str, level: Level | None) -> int:
         steering = self.steering
         whole = steering.path(path) if level is None else steering.level_path(level)
-        return self.compiled.paths.index(whole)
+        return self.runner.paths.index(whole)
 
     def _table(self, numbers: Numbers) -> Numbers:
         """Parameters of every design in every case, (designs * cases, parameters)."""
         cases = self.question.cases
-        found = np.repeat(self._base[None, :], len(numbers) * len(cases), axis=0)
+        found = np.repeat(self.runner.base[None, :], len(numbers) * len(cases), axis=0)
         for rows, column in zip(self._rows, numbers.T, strict=True):
             for row in rows:
                 found[:, row] = np.repeat(column, len(cases))
@@ -201,55 +190,6 @@ class Designs:
         for k, aim in enumerate(self.aims):
             if aim.place is not None:
                 found[k, aim.place] = 1.0
-        return found
-
-    def _differences(self, z: Numbers) -> Slopes | None:
-        """Central differences, one-sided at bounds."""
-        apart = APART * np.eye(len(z))
-        ends = np.clip(np.concatenate([z + apart, z - apart]), 0.0, 1.0)
-        found = self.values(np.concatenate([z[None, :], ends]))
-        if np.isnan(found).any():
-            return None
-        up, down = found[1 : 1 + len(z)], found[1 + len(z) :]
-        wide = (ends[: len(z)] - ends[len(z) :]).sum(axis=1)
-        with np.errstate(invalid="ignore"):
-            slopes = np.nan_to_num((up - down) / wide[:, None, None], posinf=0.0, neginf=0.0)
-        return Slopes(found[0], np.moveaxis(slopes, 0, 2))
-
-    # ---------------------------------------------------------------- runs
-
-    def _run(self, row: Numbers) -> tuple[Numbers, Numbers] | None:
-        """Outputs of a run and their derivatives by the free numbers; None if it fails."""
-        from martensite.simulate.native_slopes import march_slopes
-
-        self.counts.slopes += 1
-        seeds = np.zeros((len(row), len(self._rows)))
-        for k, rows in enumerate(self._rows):
-            seeds[rows, k] = 1.0
-        places = [self.compiled.outputs.index(name) for name in self.outputs]
-        given = self.compiled, row.tolist(), seeds, self.grid, places
-        found = march_slopes(*given)
-        finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
-        if not (found.residual <= SOLVED and finite):
-            return None
-        return found.rows.T, np.moveaxis(found.slopes, 0, 1)
-
-    def _lanes(self, table: Numbers, places: Sequence[int]) -> Numbers:
-        from martensite.simulate.native import march_lanes
-
-        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
-        given = self.compiled, list(padded.T), self.grid, LANES, places
-        rows, worst = march_lanes(*given)
-        rows[:, :, ~(worst[0] <= SOLVED)] = np.nan
-        return np.moveaxis(rows, 1, 0)[:, :, : len(table)]
-
-    def _floats(self, table: Numbers, places: Sequence[int]) -> Numbers:
-        found = np.full((len(places), len(self.times), len(table)), np.nan)
-        for k, row in enumerate(table):
-            values = dict(zip(self.compiled.paths, row.tolist(), strict=True))
-            track = march_floats(*bind_march(self.system.rebuilt(values)), self.grid)
-            if not track.status.failed and len(track.rows) == len(self.times):
-                found[:, :, k] = np.asarray(track.rows)[:, places].T
         return found
 
 

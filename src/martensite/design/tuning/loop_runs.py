@@ -22,15 +22,11 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
 from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import find_compiler
+from martensite.search.batch_runner import BatchRunner
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.driven import grid_of
-from martensite.simulate.march import SOLVED, march_floats
 
 Numbers = NDArray[np.float64]
-LANES = 16
-"""Runs that are marched together."""
 
 
 class Seen(NamedTuple):
@@ -68,10 +64,6 @@ class LoopRuns:
             ParameterError: there is no such controller.
         """
         self.bench, self.drive = bench, loop_of(bench, drive)
-        self.native = find_compiler() is not None if native is None else native
-        self.compiled: CompiledMarch = compile_march(bench)
-        self.paths = self.compiled.paths
-        self.base = np.array(self.compiled.values(bench))
         played = {**(waveforms or {}), **reference_waveforms(bench)}
         played |= noise_waveforms(bench, duration, seed)
         samples = int(duration / bench.period + 1e-6) + 1
@@ -80,7 +72,12 @@ class LoopRuns:
         self.output = judged_output(bench, self.drive)
         self._groups = self._wanted()
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
-        self._places = [self.compiled.outputs.index(name) for name in self._names]
+        self.runner = BatchRunner(bench, self.grid, self._names, native=native)
+        self.paths, self.base, self.native = (
+            self.runner.paths,
+            self.runner.base,
+            self.runner.native,
+        )
 
     def place(self, path: str) -> int:
         """Where a parameter is in a row of numbers."""
@@ -95,46 +92,18 @@ class LoopRuns:
 
     def run(self, table: Numbers) -> Seen:
         """Runs of a table of numbers, shape (runs, samples); NaN where a run fails."""
-        if self.native:
-            pieces = [self._lanes(table[k : k + LANES]) for k in range(0, len(table), LANES)]
-            rows = np.concatenate(pieces)
-        else:
-            rows = np.stack([self._floats(values) for values in table])
-        return self._sorted(rows)
+        return self._sorted(self.runner.run_many(table))
 
     def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
         """One run, and its derivatives with respect to parameters; None if it fails.
 
         Derivatives have shape (samples, parameters).
         """
-        from martensite.simulate.native_slopes import march_slopes
-
         seeds = np.zeros((len(values), len(moving)))
         for k, path in enumerate(moving):
             seeds[self.place(path), k] = 1.0
-        given = self.compiled, values.tolist(), seeds, self.grid, self._places
-        found = march_slopes(*given)
-        finite = np.isfinite(found.rows).all() and np.isfinite(found.slopes).all()
-        if not (found.residual <= SOLVED and finite):
-            return None
-        return self._sorted(found.rows), self._sorted(found.slopes, axis=1)
-
-    def _lanes(self, table: Numbers) -> Numbers:
-        from martensite.simulate.native import march_lanes
-
-        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
-        given = self.compiled, list(padded.T), self.grid, LANES, self._places
-        rows, worst = march_lanes(*given)
-        rows = np.moveaxis(rows, 2, 0)
-        rows[~(worst[0] <= SOLVED) | ~np.isfinite(rows).all(axis=(1, 2))] = np.nan
-        return rows[: len(table)]
-
-    def _floats(self, values: Numbers) -> Numbers:
-        bench = self.bench.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
-        track = march_floats(*bind_march(bench), self.grid)
-        solved = not track.status.failed and len(track.rows) == len(self.times)
-        rows = np.asarray(track.rows)[:, self._places]
-        return rows if solved else np.full((len(self.times), len(self._places)), np.nan)
+        found = self.runner.run_slopes(values, seeds)
+        return found and (self._sorted(found[0]), self._sorted(found[1], axis=1))
 
     def _wanted(self) -> Seen:
         """Names of what is judged; several where they are put together."""

@@ -1,0 +1,127 @@
+"""Runs of one system for many sets of numbers: outputs of batches, and exact derivatives of one.
+
+A system and its steps stay the same, so that all its numbers are parameters of one program: in C
+batches go side by side, and derivatives are marched beside the values
+(`martensite.simulate.native_slopes`). Without a compiler every run is made on plain floats, and
+derivatives are central differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.kernels.c99 import find_compiler
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
+from martensite.simulate.grid import Grid
+from martensite.simulate.march import SOLVED, march_floats
+
+Numbers: TypeAlias = NDArray[np.float64]
+LANES = 16
+"""Runs that are marched together."""
+DIFFERENCE = 1e-6
+"""Step of a difference, as a share of a direction."""
+
+
+class BatchRunner:
+    """A system on given steps, ready to be run with any numbers."""
+
+    def __init__(
+        self,
+        system: AbstractSystem,
+        grid: Grid,
+        outputs: Sequence[str],
+        *,
+        first: int = 0,
+        native: bool | None = None,
+    ) -> None:
+        """Prepare runs.
+
+        Args:
+            system: what is run; a bench closes its loops.
+            grid: steps of every run.
+            outputs: what is looked at.
+            first: samples at the beginning that are left out.
+            native: whether to run in C; by default if there is a compiler.
+        """
+        self.system, self.grid, self.first = system, grid, first
+        self.native = find_compiler() is not None if native is None else native
+        self.compiled: CompiledMarch = compile_march(system)
+        self.paths = self.compiled.paths
+        self.base = np.array(self.compiled.values(system))
+        """The numbers of the system, (parameters,)."""
+        self.outputs = tuple(outputs)
+        self._places = [self.compiled.outputs.index(name) for name in self.outputs]
+
+    def run_many(self, table: Numbers) -> Numbers:
+        """Outputs (runs, samples, outputs) of a table (runs, parameters); NaN where a run fails."""
+        if not self.native:
+            found = [self._march_floats(row) for row in table]
+            failed = np.full((self._samples, len(self.outputs)), np.nan)
+            return np.stack([failed if rows is None else rows for rows in found])
+        pieces = [self._march_lanes(table[k : k + LANES]) for k in range(0, len(table), LANES)]
+        return np.concatenate(pieces)
+
+    def run_one(self, values: Numbers) -> Numbers | None:
+        """Outputs (samples, outputs) of one run; None if it fails."""
+        if not self.native:
+            return self._march_floats(values)
+        from martensite.simulate.native import march_lanes
+
+        given = values.tolist(), self.grid, 1, self._places
+        rows, worst = march_lanes(self.compiled, *given)
+        found = rows[self.first :, :, 0]
+        return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
+
+    def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
+        """One run with its derivatives (samples, outputs, directions); None if it fails.
+
+        Args:
+            values: of the parameters.
+            seeds: change of every parameter along every direction, (parameters, directions).
+        """
+        if not self.native:
+            return self._difference(values, seeds)
+        from martensite.simulate.native_slopes import march_slopes
+
+        found = march_slopes(self.compiled, values.tolist(), seeds, self.grid, self._places)
+        rows, slopes = found.rows[self.first :], found.slopes[self.first :]
+        finite = np.isfinite(rows).all() and np.isfinite(slopes).all()
+        return (rows, slopes) if found.residual <= SOLVED and finite else None
+
+    @property
+    def _samples(self) -> int:
+        return len(self.grid.times) - self.first
+
+    def _march_lanes(self, table: Numbers) -> Numbers:
+        from martensite.simulate.native import march_lanes
+
+        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
+        given = list(padded.T), self.grid, LANES, self._places
+        rows, worst = march_lanes(self.compiled, *given)
+        found = np.moveaxis(rows[self.first :], 2, 0)
+        found[~(worst[0] <= SOLVED) | ~np.isfinite(found).all(axis=(1, 2))] = np.nan
+        return found[: len(table)]
+
+    def _march_floats(self, values: Numbers) -> Numbers | None:
+        system = self.system.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
+        track = march_floats(*bind_march(system), self.grid)
+        if track.status.failed or len(track.rows) != len(self.grid.times):
+            return None
+        return np.asarray(track.rows)[self.first :, self._places]
+
+    def _difference(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
+        rows = self._march_floats(values)
+        if rows is None:
+            return None
+        slopes = np.zeros((*rows.shape, seeds.shape[1]))
+        for k, seed in enumerate(seeds.T):
+            up, down = (self._march_floats(values + s * DIFFERENCE * seed) for s in (1.0, -1.0))
+            if up is None or down is None:
+                return None
+            slopes[:, :, k] = (up - down) / (2.0 * DIFFERENCE)
+        return rows, slopes
