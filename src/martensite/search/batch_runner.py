@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from martensite.actuators.assembly import AbstractSystem
 from martensite.kernels.c99 import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
-from martensite.simulate.grid import Grid
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import SOLVED, march_floats
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -33,7 +33,7 @@ class BatchRunner:
     def __init__(
         self,
         system: AbstractSystem,
-        grid: Grid,
+        grid: TimeGrid,
         outputs: Sequence[str],
         *,
         first: int = 0,
