@@ -16,9 +16,9 @@ import numpy as np
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.fit.free_parameters import is_nuisance
-from martensite.fit.multistart import sobol_points
 from martensite.fit.problem import Evaluation, Problem
 from martensite.search.free_numbers import FreeNumber
+from martensite.search.starts import draw_points
 from martensite.search.words import change, joined, listed, number, quantity
 
 POINTS = 8
@@ -49,7 +49,7 @@ def look(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
     if not idle and not doubtful:
         return []
     n = len(problem.free)
-    points = sobol_points([0.0] * n, [1.0] * n, POINTS)
+    points = draw_points(n, POINTS)
     found = [problem.evaluate(u, slopes=bool(idle)) for u in points]
     others = [(u, one) for u, one in zip(points, found, strict=True) if one is not None]
     notes = _refuse_idle(problem, idle, others, follows)

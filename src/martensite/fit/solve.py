@@ -22,13 +22,13 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError, UnknownNameError
-from martensite.fit.coordinate_search import coordinate_search
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, Kept
 from martensite.fit.losses import Loss, loss_named, robust_scale
-from martensite.fit.multistart import evolve, multistart
 from martensite.fit.problem import Problem
 from martensite.fit.watch import Tell, Watch
+from martensite.search.coordinate_search import search_coordinates
+from martensite.search.starts import evolve_start, find_starts
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
@@ -119,7 +119,7 @@ def _kept(problem: Problem, one: Experiment, end: Any) -> Kept:
 
 def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
     problem = watch.problem
-    low, high = [0.0] * len(problem.free), [1.0] * len(problem.free)
+    size = len(problem.free)
     if method == "coordinate":
         watch.stage = "coordinate search"
         begin = problem.start if watch.best is None else np.array(watch.best)
@@ -128,17 +128,19 @@ def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most:
             found = watch.evaluate(u)
             return math.inf if found is None else found.cost
 
-        return coordinate_search(cost, begin.tolist(), low, high).reason
+        return search_coordinates(cost, begin.tolist())[1]
     begins = [("scenario", problem.start)]
     if method == "evolution" and "evolution" not in watch.done:
         watch.stage = "differential evolution"
-        begins = [("best of evolution", np.array(evolve(watch.costs, low, high, seed=seed).values))]
+        begins = [
+            ("best of evolution", np.array(evolve_start(watch.costs, size, seed=seed).values))
+        ]
         watch.finished("evolution")
     if watch.best is not None:
         begins = [(RESUMED, np.array(watch.best))]
     if starts:
         watch.stage = f"{SPREAD * starts} points"
-        spread = multistart(watch.costs, low, high, count=SPREAD * starts, keep=starts, seed=seed)
+        spread = find_starts(watch.costs, size, count=SPREAD * starts, keep=starts, seed=seed)
         begins += [(f"start {k}", np.array(s.values)) for k, s in enumerate(spread, start=1)]
     return _locals(watch, begins, loss, most)
 

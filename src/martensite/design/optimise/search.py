@@ -26,11 +26,10 @@ from numpy.typing import NDArray
 from martensite.base.errors import SolveError
 from martensite.design.optimise.evaluate import Designs
 from martensite.design.optimise.judged import FAR, WORST, Gradient, Judged, Scales
+from martensite.search.starts import choose_apart, sobol_sequence
 
 Numbers: TypeAlias = NDArray[np.float64]
 Tell = Callable[[str, float], None]
-APART = 0.2
-"""Least distance of starts, as a share of the diagonal of the box."""
 CLOUD, WIDE = 16, 0.05
 """Points of a cloud around an end, and how far they are scattered, as a share of ranges."""
 NEARLY = 1e-3
@@ -160,8 +159,7 @@ class Hunt:
 
     def _sample(self, begin: Numbers) -> list[Point]:
         """The sample, until one of its points keeps all constraints; the scenario first."""
-        qmc = import_module("scipy.stats.qmc")
-        sobol = qmc.Sobol(self.size, seed=self.search.seed)
+        sobol = sobol_sequence(self.size, self.search.seed)
         self.tell("sampling", 0.0)
         first = np.concatenate([begin[None], sobol.random(self.search.sample)])
         values = self.designs.values(first)
@@ -184,13 +182,9 @@ class Hunt:
         judged = Judged(
             np.array([p.goal for p in points]), -np.array([[p.violation] for p in points])
         )
-        least = APART * np.sqrt(self.size)
-        chosen: list[Point] = []
-        for k in judged.order():
-            if len(chosen) == self.search.descents:
-                break
-            if all(np.linalg.norm(points[k].z - one.z) >= least for one in chosen):
-                chosen.append(points[k])
+        places = np.stack([point.z for point in points])
+        order = choose_apart(places, judged.order(), self.search.descents)
+        chosen = [points[k] for k in order]
         own = points[0]
         return chosen if any(one is own for one in chosen) else [*chosen, own]
 
