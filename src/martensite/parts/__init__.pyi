@@ -3,6 +3,7 @@ from martensite.actuators.elements.base import AbstractElement as AbstractElemen
 from martensite.actuators.mechanisms.base import MECHANISMS as MECHANISMS
 from martensite.actuators.mechanisms.base import AbstractMechanism as AbstractMechanism
 from martensite.actuators.mechanisms.base import MechanicalEnergy as MechanicalEnergy
+from martensite.actuators.mechanisms.base import Output as Output
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine as AbstractLoadLine
 from martensite.actuators.mechanisms.multibody import AbstractMultibody as AbstractMultibody
 from martensite.actuators.mechanisms.multibody import Coordinate as Coordinate
@@ -14,12 +15,14 @@ from martensite.base.parameters import text as text
 from martensite.base.registry import Registry as Registry
 from martensite.control.checks.base import CHECKS as CHECKS
 from martensite.control.checks.base import AbstractCheck as AbstractCheck
+from martensite.control.checks.base import Looked as Looked
 from martensite.control.controllers.base import CONTROLLERS as CONTROLLERS
 from martensite.control.controllers.base import AbstractController as AbstractController
 from martensite.control.faults.base import FAULTS as FAULTS
 from martensite.control.faults.base import AbstractFault as AbstractFault
 from martensite.control.loop.supervisor import SUPERVISORS as SUPERVISORS
 from martensite.control.loop.supervisor import AbstractSupervisor as AbstractSupervisor
+from martensite.control.loop.supervisor import SupervisorVerdict as SupervisorVerdict
 from martensite.control.observers.base import OBSERVERS as OBSERVERS
 from martensite.control.observers.base import AbstractObserver as AbstractObserver
 from martensite.control.sensors.base import SENSORS as SENSORS
@@ -49,6 +52,7 @@ from martensite.physics.laws.base import AbstractLaw as AbstractLaw
 from martensite.physics.laws.base import Fractions as Fractions
 from martensite.physics.thermal.base import COOLING as COOLING
 from martensite.physics.thermal.base import AbstractCooling as AbstractCooling
+from martensite.physics.thermal.base import Cylinder as Cylinder
 from martensite.physics.thermal.ends import ENDS as ENDS
 from martensite.physics.thermal.ends import AbstractEnds as AbstractEnds
 from martensite.signals.base import WAVEFORMS as WAVEFORMS
