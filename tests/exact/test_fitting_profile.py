@@ -13,8 +13,8 @@ import pytest
 from scipy import stats
 
 from martensite.base.errors import ParameterError, SolveError
-from martensite.fit.profile import profile
 from martensite.fit.uncertainty import estimate_uncertainty
+from martensite.search.profile import walk_profile
 
 X = np.linspace(0.0, 3.0, 20)
 COLUMNS = np.stack([X**0, X, X**2], axis=1)
@@ -42,7 +42,9 @@ def bounded(cost):
 @pytest.mark.parametrize("place", [0, 1, 2])
 @pytest.mark.parametrize("level", [0.68, 0.95])
 def test_the_profile_of_a_linear_model_is_the_t_interval(place: int, level: float):
-    found = profile(held, BEST.tolist(), COST, place, low=-50.0, high=50.0, freedom=17, level=level)
+    found = walk_profile(
+        held, BEST.tolist(), COST, place, low=-50.0, high=50.0, freedom=17, level=level
+    )
     errors = estimate_uncertainty(
         COLUMNS @ BEST - Y, COLUMNS, ["a", "b", "c"], values=BEST.tolist(), scales=[1, 1, 1]
     )
@@ -55,7 +57,7 @@ def test_the_profile_of_a_linear_model_is_the_t_interval(place: int, level: floa
 
 
 def test_known_noise_takes_the_normal_quantile():
-    found = profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, noise=0.3)
+    found = walk_profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, noise=0.3)
     error = 0.3 * math.sqrt(np.linalg.inv(COLUMNS.T @ COLUMNS)[1, 1])
     z = stats.norm.ppf(0.975)
     assert found.interval == pytest.approx((BEST[1] - z * error, BEST[1] + z * error), abs=1e-7)
@@ -64,7 +66,7 @@ def test_known_noise_takes_the_normal_quantile():
 @pytest.mark.parametrize("step", [1e-4, 0.05, 1.0, 40.0])
 def test_the_first_step_does_not_matter(step: float):
     found, other = (
-        profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, step=s)
+        walk_profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, step=s)
         for s in (step, None)
     )
     assert found.interval == pytest.approx(other.interval, abs=1e-7)
@@ -73,7 +75,7 @@ def test_the_first_step_does_not_matter(step: float):
 
 def test_a_curved_profile_is_crossed_where_it_is():
     """cost = (log x)⁴ + 1: unequal sides, log x = ± limit^(1/4)."""
-    found = profile(
+    found = walk_profile(
         bounded(lambda x: math.log(x) ** 4 + 1.0), [1.0], 1.0, 0, low=1e-3, high=1e3, noise=0.2,
         step=0.01,
     )  # fmt: skip
@@ -84,7 +86,7 @@ def test_a_curved_profile_is_crossed_where_it_is():
 
 def test_a_side_without_limit_is_open():
     """The cost levels off above: no upper limit within the bounds."""
-    found = profile(
+    found = walk_profile(
         bounded(lambda x: (1.0 / x - 1.0) ** 2 if x < 1.0 else 0.1 * (1.0 - 1.0 / x) ** 2),
         [1.0], 0.0, 0, low=0.1, high=100.0, noise=1.0, name="E_M", unit="1",
     )  # fmt: skip
@@ -98,7 +100,7 @@ def test_a_side_without_limit_is_open():
 
 
 def test_both_sides_open_and_units_in_words():
-    flat = profile(
+    flat = walk_profile(
         bounded(lambda x: 0.0), [320.0], 0.0, 0, low=295.0, high=394.15, noise=1.0, name="T_L",
         unit="K",
     )  # fmt: skip
@@ -107,7 +109,7 @@ def test_both_sides_open_and_units_in_words():
         "`T_L` = 46.85 degC, open: the data give no lower limit within the bounds (to 21.85 "
         "degC), and the data give no upper limit within the bounds (to 121 degC)."
     )
-    closed = profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, name="b")
+    closed = walk_profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, name="b")
     assert closed.sentence.startswith("`b` = ")
     assert "95 % interval" in closed.sentence
     assert "open" not in closed.sentence
@@ -117,7 +119,7 @@ def test_another_scale_gives_the_same_interval():
     """Walked on log x and told as x, and unlike the untold one."""
     given: Any = {"low": math.log(1e-3), "high": math.log(1e3), "noise": 0.2, "step": 0.01}
     told, untold = (
-        profile(bounded(lambda u: u**4), [0.0], 0.0, 0, **given, **to)
+        walk_profile(bounded(lambda u: u**4), [0.0], 0.0, 0, **given, **to)
         for to in list[Any]([{"to_value": math.exp}, {}])
     )
     far = (0.2 * stats.norm.ppf(0.975)) ** 0.5
@@ -133,7 +135,7 @@ def test_runs_that_fail_leave_a_side_open():
             raise SolveError("no equilibrium")
         return [fixed[0]], (math.inf if fixed[0] < 0.6 else (fixed[0] - 1.0) ** 2)
 
-    found = profile(failing, [1.0], 0.0, 0, low=0.0, high=9.0, noise=1.0, step=0.2)
+    found = walk_profile(failing, [1.0], 0.0, 0, low=0.0, high=9.0, noise=1.0, step=0.2)
     assert found.below.reason == found.above.reason == "failed"
     assert 1.4 < found.above.at <= 1.5
     assert 0.6 <= found.below.at < 0.7
@@ -148,14 +150,14 @@ def test_the_number_of_refits_is_kept():
         calls += 1
         return [fixed[0]], 1e-9 * (fixed[0] - 1.0) ** 2
 
-    found = profile(counted, [1.0], 0.0, 0, low=-1e9, high=1.0, noise=1.0, step=1e-3, most=6)
+    found = walk_profile(counted, [1.0], 0.0, 0, low=-1e9, high=1.0, noise=1.0, step=1e-3, most=6)
     assert calls == 6
     assert found.below.reason == "refits"
     assert found.above.reason == "bound"
 
 
 def test_a_better_fit_on_the_way_is_reported():
-    found = profile(
+    found = walk_profile(
         bounded(lambda x: (x - 1.0) ** 2 * ((x - 3.0) ** 2 - 0.5)), [1.0], 0.0, 0, low=0.0,
         high=5.0, noise=3.0,
     )  # fmt: skip
@@ -173,7 +175,7 @@ def test_a_wrong_profile_is_noticed():
         return values.tolist(), float(np.sum((COLUMNS @ values - Y) ** 2))
 
     found, true = (
-        profile(solve, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17)
+        walk_profile(solve, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17)
         for solve in (lazy, held)
     )
     assert found.interval[1] - found.interval[0] < 0.5 * (true.interval[1] - true.interval[0])
@@ -183,12 +185,12 @@ def test_bad_input_is_refused():
     good = BEST.tolist()
     for freedom, noise in ((None, None), (17, 1.0), (None, 0.0)):
         with pytest.raises(ParameterError, match="noise"):
-            profile(held, good, COST, 1, low=-50.0, high=50.0, freedom=freedom, noise=noise)
+            walk_profile(held, good, COST, 1, low=-50.0, high=50.0, freedom=freedom, noise=noise)
     with pytest.raises(ParameterError, match="C is 0"):
-        profile(held, good, 0.0, 1, low=-50.0, high=50.0, freedom=17)
+        walk_profile(held, good, 0.0, 1, low=-50.0, high=50.0, freedom=17)
     with pytest.raises(ParameterError, match="no parameter 3"):
-        profile(held, good, COST, 3, low=-50.0, high=50.0, freedom=17)
+        walk_profile(held, good, COST, 3, low=-50.0, high=50.0, freedom=17)
     with pytest.raises(ParameterError, match="within the bounds"):
-        profile(held, good, COST, 1, low=40.0, high=50.0, freedom=17)
+        walk_profile(held, good, COST, 1, low=40.0, high=50.0, freedom=17)
     with pytest.raises(ParameterError, match="step"):
-        profile(held, good, COST, 1, low=-50.0, high=50.0, freedom=17, step=0.0)
+        walk_profile(held, good, COST, 1, low=-50.0, high=50.0, freedom=17, step=0.0)

@@ -26,7 +26,7 @@ from martensite.base.errors import InputError
 from martensite.fit.fit import Fit
 from martensite.fit.fit_rows import HELD_OUT, TRAINING, compared, covered, rms
 from martensite.fit.fit_verdicts import predictions, warnings
-from martensite.fit.profiles import End, Point, Profile
+from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
 from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops
 from martensite.show.figures.fit_knowledge import (
     plot_correlation,
@@ -59,9 +59,13 @@ def profiles(fit: Fit) -> list[Profile]:
     for name, open_side in (("A_s", False), ("C_A", True)):
         best, error = fit[name], fit.uncertainty.errors[fit.problem.names.index(name)]
         steps = np.linspace(-2.2, 2.2 if not open_side else 1.0, 9)
-        points = tuple(Point(best + k * error, float(k * k), ()) for k in steps)
-        ends = End(best - 2 * error, "limit"), End(best + (1 if open_side else 2) * error,
-                                                  "bound" if open_side else "limit")  # fmt: skip
+        points = tuple(ProfilePoint(best + k * error, float(k * k), ()) for k in steps)
+        high = (
+            ProfileEnd(best + error, "bound")
+            if open_side
+            else ProfileEnd(best + 2 * error, "limit")
+        )
+        ends = ProfileEnd(best - 2 * error, "limit"), high
         unit = "K" if name == "A_s" else "Pa/K"
         found.append(Profile(name, unit, best, 0.95, 4.0, points, *ends, None))
     return found

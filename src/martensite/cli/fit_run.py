@@ -19,9 +19,9 @@ from martensite.cli.waiting import search_bar, spinner
 
 if TYPE_CHECKING:
     from martensite.fit.posterior import Posterior
-    from martensite.fit.profiles import Profile
     from martensite.fit.task import Arranged, LogFit, Task
     from martensite.fit.watch import Note
+    from martensite.search.profile import Profile
 
 REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 

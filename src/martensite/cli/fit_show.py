@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from martensite.fit.posterior import Posterior
-    from martensite.fit.profiles import Profile
     from martensite.fit.task import LogFit
     from martensite.search.free_numbers import FreeNumber
+    from martensite.search.profile import Profile
     from martensite.search.scores import Score
 
 PARAMETERS = ("parameter", "value", "95 % interval", "start", "bounds", "")

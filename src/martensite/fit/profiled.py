@@ -7,7 +7,6 @@ optimum, and autocorrelated residuals count as many samples as are independent (
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -16,12 +15,11 @@ from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError, UnknownNameError
 from martensite.fit.fit import Fit
 from martensite.fit.losses import loss_named, robust_scale
-from martensite.fit.profile import MOST, profile
-from martensite.fit.profiles import Profile
+from martensite.search.least_squares import descend_squares
+from martensite.search.profile import MOST, Profile, walk_profile
 
 REFIT = 50
 """Evaluations of one refit."""
-SETTLED = 1e-8
 
 
 def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST) -> Profile:
@@ -48,7 +46,7 @@ def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int =
             f"{unsure.effective:.3g} there are for {unsure.rank} parameters."
         )
     free, refit = fit.problem.free[place], _Refit(fit)
-    return profile(
+    return walk_profile(
         refit, fit.values, refit.cost(fit.evaluation.residuals), place, low=0.0, high=1.0,
         freedom=freedom, level=level, step=_first(fit, place), most=most,
         to_value=free.value, name=name, unit=free.unit,
@@ -82,41 +80,17 @@ class _Refit:
         self, held: dict[int, float], start: Sequence[float]
     ) -> tuple[Sequence[float], float]:
         """All parameters, and the cost."""
-        moving = [i for i in range(len(start)) if i not in held]
         point = np.array(start, float)
-        for i, value in held.items():
-            point[i] = value
-        first = self._seen(point)
+        point[list(held)] = list(held.values())
+        first = self._evaluate(point, False)
         if first is None:
             raise SolveError("The run fails with the parameter held.")
-        if not moving:
+        if len(held) == len(point):
             return tuple(point), self.cost(first.residuals)
-        penalty = 10.0 * (1.0 + np.abs(first.residuals).max())
-        found = import_module("scipy.optimize").least_squares(
-            lambda x: self._residuals(point, moving, x, penalty, len(first.residuals)),
-            np.clip(point[moving], 1e-9, 1.0 - 1e-9),
-            lambda x: self._jacobian(point, moving, x, len(first.residuals)),
-            bounds=(0.0, 1.0), method="trf", ftol=SETTLED, xtol=SETTLED, gtol=SETTLED,
-            max_nfev=REFIT,
-        )  # fmt: skip
-        point[moving] = found.x
-        return tuple(map(float, point)), float(2.0 * found.cost)
+        found = descend_squares(
+            self._evaluate, point, first, most=REFIT, held=list(held), weights=self.weights
+        )
+        return tuple(map(float, found.shares)), 2.0 * found.cost
 
-    def _seen(self, point: Any, *, slopes: bool = False) -> Any:
-        return self.problem.evaluate(point, slopes=slopes)
-
-    def _residuals(self, point: Any, moving: list[int], x: Any, penalty: float, count: int) -> Any:
-        seen = self._seen(_placed(point, moving, x))
-        return np.full(count, penalty) if seen is None else self.weights * seen.residuals
-
-    def _jacobian(self, point: Any, moving: list[int], x: Any, count: int) -> Any:
-        seen = self._seen(_placed(point, moving, x), slopes=True)
-        if seen is None:
-            return np.zeros((count, len(moving)))
-        return self.weights[:, None] * seen.jacobian[:, moving]
-
-
-def _placed(point: Any, moving: list[int], x: Any) -> Any:
-    whole = point.copy()
-    whole[moving] = x
-    return whole
+    def _evaluate(self, shares: Any, slopes: bool) -> Any:
+        return self.problem.evaluate(shares, slopes=slopes)

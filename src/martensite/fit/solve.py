@@ -15,7 +15,6 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -25,16 +24,15 @@ from martensite.base.errors import InputError, SolveError, UnknownNameError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, Kept
 from martensite.fit.losses import Loss, loss_named, robust_scale
-from martensite.fit.problem import Problem
+from martensite.fit.problem import Evaluation, Problem
 from martensite.fit.watch import Tell, Watch
 from martensite.search.coordinate_search import search_coordinates
+from martensite.search.least_squares import Descended, descend_squares
 from martensite.search.starts import evolve_start, find_starts
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
 """Sobol' points tried for each start."""
-SETTLED = 1e-8
-"""Relative change of cost, parameters and gradient at which trf stops."""
 RESUMED = "best so far"
 MOST = 200
 """Evaluations of one local search."""
@@ -167,36 +165,25 @@ def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
         return "failed at the start"
     if not first.jacobian.any():
         return "no derivative at the start"
-    penalty = 10.0 * (1.0 + np.abs(first.residuals).max())
     scale = 1.0
     if loss.name != "linear":
-        _trf(watch, begin, penalty, most, "linear", scale)
-        begin = np.array(watch.best)
-        now = watch.evaluate(begin)
+        _descend(watch, begin, first, most, "linear", scale)
+        now = watch.evaluate(watch.best or begin)
         scale = loss.tuning * max(robust_scale((now or first).residuals), 1e-12)
+        begin = np.array(watch.best)
         watch.cost = math.inf  # what counts is another cost from here on
-    return _trf(watch, begin, penalty, most, loss.scipy_name, scale)
+    found = _descend(watch, begin, first, most, loss.scipy_name, scale)
+    return "converged" if found.converged else f"stopped after {most} evaluations"
 
 
-def _trf(watch: Watch, begin: Any, penalty: float, most: int, loss: str, scale: float) -> str:
-    shape: list[Any] = [None]
-
-    def residuals(u: Any) -> Any:
-        found = watch.evaluate(u)
-        if found is None:
-            return np.full(shape[0], penalty)
-        shape[0] = found.residuals.shape
-        return found.residuals
-
-    def jacobian(u: Any) -> Any:
-        found = watch.evaluate(u, slopes=True)
-        if found is None:
-            return np.zeros((*shape[0], len(u)))
-        return found.jacobian
-
-    inside = np.clip(begin, 1e-9, 1.0 - 1e-9)
-    found = import_module("scipy.optimize").least_squares(
-        residuals, inside, jacobian, bounds=(0.0, 1.0), method="trf", ftol=SETTLED,
-        xtol=SETTLED, gtol=SETTLED, max_nfev=most, loss=loss, f_scale=scale,
-    )  # fmt: skip
-    return "converged" if found.status > 0 else f"stopped after {most} evaluations"
+def _descend(
+    watch: Watch, begin: Any, first: Evaluation, most: int, loss: str, scale: float
+) -> Descended:
+    return descend_squares(
+        lambda u, slopes: watch.evaluate(u.tolist(), slopes=slopes),
+        begin,
+        first,
+        most=most,
+        loss=loss,
+        scale=scale,
+    )

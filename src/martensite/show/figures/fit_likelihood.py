@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.fit.fit import Fit
-    from martensite.fit.profiles import Profile
+    from martensite.search.profile import Profile
 
 TOP = 2.4
 """Height of a panel, in limits."""

@@ -16,8 +16,8 @@ from martensite.show.reports.fit_sections import lead_of, pictures, sections, ti
 
 if TYPE_CHECKING:
     from martensite.fit.fit import Fit
-    from martensite.fit.profiles import Profile
     from martensite.scenario.scenario import Scenario
+    from martensite.search.profile import Profile
 
 HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
 

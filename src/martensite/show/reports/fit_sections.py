@@ -10,9 +10,9 @@ from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import cautions_of
 from martensite.fit.fit_rows import compared
 from martensite.fit.fit_verdicts import amount, predictions, warnings
-from martensite.fit.profiles import Profile
 from martensite.fit.task import LogFit
 from martensite.scenario.law_match import KIND, law_words
+from martensite.search.profile import Profile
 from martensite.search.words import joined, number
 from martensite.show.figures.fit import MOST as PANELS
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops

@@ -25,13 +25,12 @@ from typing import Any
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import build_problem
-from martensite.fit.profile import profile
-from martensite.fit.profiles import Profile
 from martensite.fit.solve import solve_problem
 from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
 from martensite.physics.electrical.mixture import MixtureResistance
 from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.search.free_numbers import SearchRange
+from martensite.search.profile import Profile, walk_profile
 from martensite.signals.records import Record, table_waveform
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
@@ -235,7 +234,7 @@ def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
     best = float(found.x)
     unsure = fit_at(best).uncertainty
     spare = int(unsure.effective) - unsure.rank - 1
-    return profile(
+    return walk_profile(
         lambda held, start: ((held[0],), cost(held[0])),
         (best,),
         cost(best),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from martensite.fit.profiled import profile_likelihood
-from martensite.fit.profiles import Profile
+from martensite.search.profile import Profile
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal import resistance_fit as fitting

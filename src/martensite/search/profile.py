@@ -17,12 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from statistics import NormalDist
+from typing import Any, Literal
 
-from martensite.base.confidence import LEVEL, student_quantile
+from martensite.base.confidence import LEVEL, Interval, student_quantile
 from martensite.base.errors import ParameterError, SolveError
-from martensite.fit.profiles import End, Point, Profile
+from martensite.search.words import quantity
 
 Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
 """Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
@@ -36,7 +37,91 @@ _IMPROVED = 1e-3
 _RETRIES = 3
 
 
-def profile(
+Reason = Literal["limit", "bound", "failed", "refits"]
+
+
+@dataclass(frozen=True)
+class ProfilePoint:
+    """One refit with the parameter held."""
+
+    at: float
+    """Value of the parameter [SI]."""
+    excess: float
+    """Cost above that of the optimum, C - C_min."""
+    values: tuple[float, ...]
+    """All parameters, on the scale on which they were walked."""
+
+
+@dataclass(frozen=True)
+class ProfileEnd:
+    """Where the walk to one side ended."""
+
+    at: float
+    """Last value within the limit [SI]."""
+    reason: Reason
+    """`limit`: passed, an end of the interval; else it is open: at the search `bound`, where
+    refits `failed`, or after as many `refits` as were allowed."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Profile likelihood of one parameter."""
+
+    name: str
+    unit: str
+    value: float
+    """At the optimum [SI]."""
+    level: float
+    limit: float
+    """C - C_min at the ends of the interval."""
+    points: tuple[ProfilePoint, ...]
+    """All refits and the optimum, by rising value."""
+    below: ProfileEnd
+    above: ProfileEnd
+    better: ProfilePoint | None
+    """A refit that is better than the optimum by more than a thousandth of the limit, if any."""
+
+    @property
+    def interval(self) -> Interval:
+        """Confidence interval; infinite on a side that is open."""
+        low = self.below.at if self.below.reason == "limit" else -math.inf
+        high = self.above.at if self.above.reason == "limit" else math.inf
+        return low, high
+
+    @property
+    def sentence(self) -> str:
+        """The interval, or why it is open, in everyday units."""
+        share, shown = f"{100.0 * self.level:g} %", quantity(self.value, self.unit)
+        low, high = (quantity(end.at, self.unit) for end in (self.below, self.above))
+        below, above = self.below.reason == "limit", self.above.reason == "limit"
+        if below and above:
+            words = f"{share} interval {low} to {high}"
+        elif below:
+            words = f"{share} interval above {low}, open: {self._open('upper')}"
+        elif above:
+            words = f"{share} interval below {high}, open: {self._open('lower')}"
+        else:
+            words = f"open: {self._open('lower')}, and {self._open('upper')}"
+        warning = ""
+        if self.better is not None:
+            at = quantity(self.better.at, self.unit)
+            warning = f" A better fit was found at {at}: the fit was not at its optimum; repeat it."
+        return f"`{self.name}` = {shown}, {words}.{warning}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name and the interval, for JSON."""
+        return asdict(self) | {"interval": list(self.interval), "sentence": self.sentence}
+
+    def _open(self, side: Literal["lower", "upper"]) -> str:
+        end = self.below if side == "lower" else self.above
+        at = quantity(end.at, self.unit)
+        if end.reason == "bound":
+            return f"the data give no {side} limit within the bounds (to {at})"
+        why = "fits beyond it fail" if end.reason == "failed" else "the walk was stopped there"
+        return f"no {side} limit was found as far as {at}; {why}"
+
+
+def walk_profile(
     solve: Solve,
     values: Sequence[float],
     cost: float,
@@ -80,7 +165,9 @@ def profile(
     size = 0.02 * (high - low) if step is None else step
     walk = _Walk(solve, tuple(values), cost, place, limit, most)
     below, above = walk.outward(low, -size), walk.outward(high, size)
-    walked = sorted((*walk.points, Point(values[place], 0.0, tuple(values))), key=lambda p: p.at)
+    walked = sorted(
+        (*walk.points, ProfilePoint(values[place], 0.0, tuple(values))), key=lambda p: p.at
+    )
     points = tuple(replace(point, at=to_value(point.at)) for point in walked)
     low_end, high_end = (replace(end, at=to_value(end.at)) for end in (below, above))
     least = min(points, key=lambda point: point.excess)
@@ -111,34 +198,34 @@ class _Walk:
     place: int
     limit: float
     most: int
-    points: list[Point] = field(default_factory=list[Point])
+    points: list[ProfilePoint] = field(default_factory=list[ProfilePoint])
 
-    def outward(self, bound: float, step: float) -> End:
+    def outward(self, bound: float, step: float) -> ProfileEnd:
         """Walk to one side until the limit is passed, or the bound is reached."""
-        inner, failed, refits = Point(self.values[self.place], 0.0, self.values), 0, 0
+        inner, failed, refits = ProfilePoint(self.values[self.place], 0.0, self.values), 0, 0
         while inner.at != bound:
             if refits >= self.most:
-                return End(inner.at, "refits")
+                return ProfileEnd(inner.at, "refits")
             at = inner.at + step
             at = bound if (at - bound) * step >= 0.0 else at
             point, refits = self._point(at, inner), refits + 1
             if point is None:
                 if failed == _RETRIES:
-                    return End(inner.at, "failed")
+                    return ProfileEnd(inner.at, "failed")
                 step, failed = 0.25 * (at - inner.at), failed + 1
             elif point.excess > self.limit:
                 return self._crossing(inner, point)
             else:
                 step *= self._stretch(inner, point)
                 inner = point
-        return End(bound, "bound")
+        return ProfileEnd(bound, "bound")
 
-    def _stretch(self, inner: Point, outer: Point) -> float:
+    def _stretch(self, inner: ProfilePoint, outer: ProfilePoint) -> float:
         """Factor on the step, from half to double."""
         gained = self._root(outer) - self._root(inner)
         return min(max(_PART / gained, 0.5), 2.0) if gained > 0.0 else 2.0
 
-    def _crossing(self, inner: Point, outer: Point) -> End:
+    def _crossing(self, inner: ProfilePoint, outer: ProfilePoint) -> ProfileEnd:
         """Where the limit is crossed, between a point below it and one above (Illinois)."""
         below, above = self._root(inner) - 1.0, self._root(outer) - 1.0
         at, side = outer.at, 0
@@ -146,7 +233,7 @@ class _Walk:
             at = inner.at + below / (below - above) * (outer.at - inner.at)
             point = self._point(at, inner)
             if point is None:
-                return End(inner.at, "failed")
+                return ProfileEnd(inner.at, "failed")
             gap = self._root(point) - 1.0
             if abs(gap) <= _CLOSE:
                 break
@@ -155,13 +242,13 @@ class _Walk:
             else:
                 outer, above, below = point, gap, below * (0.5 if side > 0 else 1.0)
             side = -1 if gap < 0.0 else 1
-        return End(at, "limit")
+        return ProfileEnd(at, "limit")
 
-    def _root(self, point: Point) -> float:
+    def _root(self, point: ProfilePoint) -> float:
         """√(C - C_min) as a share of its limit."""
         return math.sqrt(max(point.excess, 0.0) / self.limit)
 
-    def _point(self, at: float, start: Point) -> Point | None:
+    def _point(self, at: float, start: ProfilePoint) -> ProfilePoint | None:
         """The profile at one value; None if it could not be solved."""
         first = (*start.values[: self.place], at, *start.values[self.place + 1 :])
         try:
@@ -170,7 +257,7 @@ class _Walk:
             return None
         if not math.isfinite(cost):
             return None
-        self.points.append(Point(at, cost - self.cost, tuple(map(float, values))))
+        self.points.append(ProfilePoint(at, cost - self.cost, tuple(map(float, values))))
         return self.points[-1]
 
 

@@ -1,0 +1,103 @@
+"""Trust-region least squares in the box (Branch, Coleman and Li; SciPy), with exact Jacobians.
+
+A Levenberg–Marquardt method that respects bounds. Where a run fails the residuals count as ten
+times the largest at the start, so that the search turns back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers: TypeAlias = NDArray[np.float64]
+SETTLED = 1e-8
+"""Relative change of cost, numbers and gradient at which a descent stops."""
+INSIDE = 1e-9
+"""Share of a range by which a descent begins inside of the bounds."""
+
+
+class Residuals(Protocol):
+    """Residuals at a point, with their Jacobian if it was asked for."""
+
+    @property
+    def residuals(self) -> Numbers:
+        """Scaled residuals (n,)."""
+        ...
+
+    @property
+    def jacobian(self) -> Numbers:
+        """Their derivatives (n, numbers)."""
+        ...
+
+
+class Descended(NamedTuple):
+    """Where a descent ended."""
+
+    shares: Numbers
+    cost: float
+    """Half the sum of squares, or of what the loss makes of them."""
+    converged: bool
+    """False if it was stopped by its limit of evaluations."""
+
+
+def descend_squares(
+    evaluate: Callable[[Numbers, bool], Residuals | None],
+    begin: Sequence[float] | Numbers,
+    first: Residuals,
+    *,
+    most: int,
+    loss: str = "linear",
+    scale: float = 1.0,
+    held: Sequence[int] = (),
+    weights: Numbers | float = 1.0,
+) -> Descended:
+    """The nearest minimum from a start.
+
+    Args:
+        evaluate: residuals at a point, with their Jacobian if the second argument is true; None
+            where a run fails.
+        begin: shares from 0 to 1.
+        first: what `evaluate` gives there.
+        most: evaluations at most.
+        loss: of SciPy.
+        scale: residual from which on the loss bends.
+        held: numbers that do not move.
+        weights: roots of weights of the squared residuals.
+    """
+    begin = np.asarray(begin, np.float64)
+    moving = np.setdiff1d(np.arange(len(begin)), held)
+    penalty = np.full_like(first.residuals, 10.0 * (1.0 + np.abs(first.residuals).max()))
+
+    def whole(x: Numbers) -> Numbers:
+        point = begin.copy()
+        point[moving] = x
+        return point
+
+    def residuals(x: Numbers) -> Numbers:
+        found = evaluate(whole(x), False)
+        return penalty if found is None else weights * found.residuals
+
+    def jacobian(x: Numbers) -> Numbers:
+        found = evaluate(whole(x), True)
+        if found is None:
+            return np.zeros((len(penalty), len(moving)))
+        return (weights * found.jacobian.T[moving]).T
+
+    found = import_module("scipy.optimize").least_squares(
+        residuals,
+        np.clip(begin[moving], INSIDE, 1.0 - INSIDE),
+        jacobian,
+        bounds=(0.0, 1.0),
+        method="trf",
+        ftol=SETTLED,
+        xtol=SETTLED,
+        gtol=SETTLED,
+        max_nfev=most,
+        loss=loss,
+        f_scale=scale,
+    )
+    return Descended(whole(found.x), float(found.cost), found.status > 0)
