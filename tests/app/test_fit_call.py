@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from app_server import Bench
 from fit_cases import HEATED, ISOBARIC, TRUE, heated, isobaric, repeated, write_log
+from typescript import check_answer
 from websockets.sync.client import connect
 
 from martensite.app.calls.fits import run_fit as fit
@@ -62,6 +63,9 @@ def numbers(found: dict[str, Any]) -> dict[str, float]:
 def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Path) -> None:
     request = asked(desk, each=[{"name": "offset.strain"}])
     found = fit(request, desk)
+    check_answer(found, "identify", "Outcome")
+    for note in notes:
+        check_answer(note, "identify", "Note")
     log = Drawer(desk.folder).path(request["key"])
     scenario = read_scenario(ISOBARIC, log=read_table(log))
     same = library_fit(scenario, log, SAME, each="offset.strain")
@@ -175,6 +179,7 @@ def test_a_drive_follows_a_column(desk: Desk) -> None:
     own = own.replace("[run]", '[run]\nduration = "5 s"')
     request = {"key": key, "columns": columns, "text": own}
     before = beside(request, desk)
+    check_answer(before, "identify", "ScenarioView")
     assert [(one["path"], one["waveform"]) for one in before["drives"]] == [
         ("drive.waveform", "constant")
     ]
@@ -209,6 +214,7 @@ def test_records_are_cut_and_thinned(desk: Desk) -> None:
     ]
     request = asked(desk, cuts=cuts, hold_out=["down"])
     found = records(request, desk)
+    check_answer(found, "identify", "RecordsView")
     told = [(one["name"], one["rows"], one["refused"]) for one in found["cuts"]]
     assert told == [("up", 61, ""), ("down", 30, "")]
     fitted = fit(request, desk)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from app_server import Bench
+from typescript import check_answer
 
 from martensite.app.calls import sizing
 from martensite.app.calls.sizing import EXAMPLE
@@ -33,7 +34,9 @@ def notes() -> list[dict[str, Any]]:
 @pytest.fixture(scope="module")
 def found(desk: Desk, notes: list[dict[str, Any]]) -> dict[str, Any]:
     telling = Desk(desk.folder, lambda note: notes.append(dict(note)))
-    return convert_to_plain(sizing.size_wires({"fields": SMALL}, telling))
+    answer = sizing.size_wires({"fields": SMALL}, telling)
+    check_answer(answer, "size", "Sizing")
+    return convert_to_plain(answer)
 
 
 def formed(desk: Desk, **fields: str) -> dict[str, Any]:

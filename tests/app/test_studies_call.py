@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from app_server import Bench
+from typescript import check_answer
 
 from martensite.app.calls import studies
 from martensite.app.worker import Desk
@@ -27,9 +28,10 @@ def notes() -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def computed(folder: Path, notes: list[dict[str, Any]]) -> dict[str, Any]:
-    return studies.compute_study(
-        {"name": QUICK}, Desk(folder, lambda note: notes.append(dict(note)))
-    )
+    desk = Desk(folder, lambda note: notes.append(dict(note)))
+    answer = studies.compute_study({"name": QUICK}, desk)
+    check_answer(answer, "studies", "Results")
+    return answer
 
 
 def test_every_study_is_listed_with_source_and_guide(bench: Bench) -> None:

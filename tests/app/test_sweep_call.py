@@ -15,6 +15,7 @@ import psutil
 import pytest
 from app_server import Bench, running
 from typer.testing import CliRunner
+from typescript import check_answer
 from websockets.sync.client import connect
 
 from martensite.app.calls import sweep_export
@@ -52,6 +53,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Desk, str, list[dict
     notes: list[dict[str, Any]] = []
     desk = Desk(tmp_path_factory.mktemp("drawer"), lambda note: notes.append(dict(note)))
     found = sweep(GRID, desk)
+    check_answer(found, "sweep", "Outcome")
     assert (found["done"], found["runs"], found["stopped"]) == (48, 48, "")
     return desk, found["key"], notes
 
@@ -62,6 +64,8 @@ def store_of(desk: Desk, key: str) -> Store:
 
 def test_notes_hold_every_run_once(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, notes = made
+    for note in notes:
+        check_answer(note, "sweep", "Note")
     assert [note["number"] for note in notes] == list(range(len(notes)))
     told = [row for note in notes[1:] for row in note["rows"]]
     assert sorted(told) == list(range(48))
@@ -75,6 +79,7 @@ def test_notes_hold_every_run_once(made: tuple[Desk, str, list[dict[str, Any]]])
 def test_points_are_those_of_the_store(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, _ = made
     found = points({"key": key}, desk)
+    check_answer(found, "sweep", "Stored")
     assert found["state"] == "done"
     assert [axis["short"] for axis in found["layout"]["axes"]] == ["diameter", "high"]
     assert len(found["layout"]["axes"][0]["levels"]) == 8

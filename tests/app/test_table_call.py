@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from app_server import Bench
+from typescript import check_answer
 
 from martensite.app.calls.logs import describe_records as records
 from martensite.app.calls.logs import describe_table as table
@@ -48,6 +49,7 @@ def columns(*named: tuple[int, str, str]) -> list[dict[str, Any]]:
 
 def test_columns_are_guessed_and_counted(desk: Desk) -> None:
     found = table({"key": put(desk, LOG)}, desk)
+    check_answer(found, "identify", "TableView")
     assert (found["rows"], found["separator"]) == (3, "semicolon")
     guessed = [(one["name"], one["unit"]) for one in found["columns"]]
     assert guessed == [("time", "s"), ("temperature", "degC"), ("force", "N"), ("", "")]

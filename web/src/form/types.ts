@@ -1,4 +1,4 @@
-// What the server tells of a form; see martensite.app.calls.form.
+// What the server tells of a form; see `build_form` of martensite.app.calls.form.
 
 export interface Origin {
   from: string;
@@ -40,6 +40,10 @@ export interface NumberNode extends Common {
   /** SI; null where there is none yet, or no limit. */
   value: number | null;
   unit: string;
+  /** Bounds, null for none, and the default [SI]. */
+  low: number | null;
+  high: number | null;
+  default: number | null;
   /** Unit as it is written, and as it is read; empty for none. shown = SI * factor + offset. */
   shown: string;
   label: string;
@@ -93,6 +97,8 @@ export interface Kind {
   path: string;
   value: string;
   registry: string;
+  /** What is meant where the scenario names none. */
+  default: string | null;
   changed: boolean;
 }
 
@@ -111,6 +117,7 @@ export type Node = Single | GroupNode;
 
 export interface Form {
   text: string | null;
+  title?: string;
   sections: GroupNode[];
   registries: Record<string, Choice[]>;
   notes: string[];

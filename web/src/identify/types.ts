@@ -1,5 +1,5 @@
-// What the server tells of a log, of a scenario beside it, and of a fit; see martensite.app.calls
-// table, fit_records, fit_scenario, fit. Numbers are in SI.
+// What the server tells of a log, of a scenario beside it, and of a fit; see martensite.app.calls: logs
+// and fits. Numbers are in SI.
 
 /** How something is shown: shown = SI * factor + offset. */
 export interface Shown {

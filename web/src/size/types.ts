@@ -1,10 +1,13 @@
-// What the server tells of a sizing; see martensite.app.calls.size_form, size and size_catalogue.
+// What the server tells of a sizing; see martensite.app.calls.sizing.
 
 export interface Field {
   name: string;
   unit: string | null;
   meaning: string;
   allowed: string;
+  /** Bounds in SI; null for none. */
+  low: number | null;
+  high: number | null;
   required: boolean;
   /** As one would type it; empty for none. */
   default: string;
